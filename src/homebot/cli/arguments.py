@@ -140,7 +140,6 @@ def address(text: str, example: int = 9090) -> tuple[str, int]:
     """Return the host and port of ``HOST:PORT``; an IPv6 address stands in brackets.
 
     Args:
-        text: The address.
         example: The port that the error shows.
 
     Raises:

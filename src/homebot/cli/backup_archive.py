@@ -32,7 +32,6 @@ class ArchivedFile(BaseModel):
 
     Attributes:
         version: That of its schema; None if it has none.
-        mode: Its permissions.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

@@ -47,7 +47,6 @@ class ReceivedMessage(NamedTuple):
 
     Attributes:
         topic: The topic, as it was subscribed to; of a frame about a goal its ``op``.
-        message: Its fields.
         lost: Messages that were dropped before this one because the reader was too slow.
     """
 
@@ -121,7 +120,6 @@ class DoorClient:
     """A connection to a running homebot; see :func:`open_door`.
 
     Args:
-        connection: Connected to the server.
         where: The server's address, for errors.
 
     Attributes:

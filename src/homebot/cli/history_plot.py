@@ -20,9 +20,6 @@ def plot_lines(
     """Return a plot of the mean *values* from *since* to *until*, in seconds since 1970; a pause is left blank.
 
     Args:
-        times: The time of each value.
-        since: The left edge.
-        until: The right edge.
         width: Characters of a line.
         height: Lines of the plot, without the axis.
     """

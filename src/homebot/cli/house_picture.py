@@ -41,8 +41,6 @@ class HousePicture(NamedTuple):
     """All that is shown of a house at one moment.
 
     Attributes:
-        title: The line at the top.
-        hint: The line at the bottom.
         beings: The people and robots in each room.
         story: What happened, oldest first.
         plan: The shape of the house.

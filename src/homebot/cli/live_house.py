@@ -43,8 +43,6 @@ class LiveHouse:
 
     Args:
         node: Receives its devices and its journal.
-        title: The begin of the title.
-        hint: The line at the bottom.
     """
 
     def __init__(self, node: Node, world: World, title: str, hint: str) -> None:

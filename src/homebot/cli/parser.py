@@ -115,8 +115,6 @@ class PrintCompletion(argparse.Action):
     """Prints the completion script of the whole parser for a shell, and ends the program.
 
     Args:
-        option_strings: As argparse makes actions.
-        choices: The shells.
         whole_parser: Returns the parser with the arguments of all commands.
     """
 

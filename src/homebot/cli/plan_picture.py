@@ -90,7 +90,6 @@ class PlanPicture(NamedTuple):
 
         Args:
             signs: A character for each being, by room.
-            lit: The rooms with light.
             width: The columns that it fills.
             height: The most lines.
         """

@@ -68,9 +68,6 @@ class Story:
     Args:
         names: The names of devices, by id; may grow.
         time: Returns the time for people.
-
-    Attributes:
-        lines: The lines, oldest first.
     """
 
     def __init__(self, names: Mapping[str, str], time: Callable[[], str]) -> None:

@@ -68,7 +68,6 @@ def describe_device(
     """Return the description of a device that was announced.
 
     Args:
-        sources: Its announcements, at least one.
         known_ids: Ids that its parts had.
         owner: Where rooms are, as the owner states; None if nothing is stated.
     """

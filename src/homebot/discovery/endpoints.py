@@ -68,7 +68,6 @@ def endpoints(
     """Return the endpoints as they are now; those that are offline, stale or only claimed come last.
 
     Args:
-        freshness: Of the device.
         stale_gateways: The gateways at which it was silent for too long.
     """
     found: list[Endpoint] = []

@@ -80,7 +80,6 @@ class Nearness:
         """Return the devices near a robot.
 
         Args:
-            rest: The query without it.
             limit: How many; 0 for all.
 
         Raises:

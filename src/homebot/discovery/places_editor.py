@@ -75,10 +75,6 @@ class PlacesEditor:
 
         Args:
             device: The name or the id that it will have, or its hardware address, such as ``mac:a4cf12f04ab1``.
-            room: As for :meth:`place`.
-            now: Likewise.
-            at: Likewise.
-            is_new: Likewise.
 
         Returns:
             The id or hardware address by which it will be known, and the room as the plan spells it.

@@ -258,7 +258,6 @@ def _merge(
     """Return the statements of commands and imports on a device after an import.
 
     Args:
-        device: The device, for messages.
         in_use: All that is stated of it, in the configuration too.
         kept: Is given the room and position that were kept, as text.
         replaces: Whether those of the file win.

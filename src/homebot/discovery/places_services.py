@@ -90,7 +90,6 @@ class PlacesServices:
     """The services of the directory for the owner's statements.
 
     Args:
-        clock: Gives the time of each statement.
         publish_all: Publishes the changes that wait, so that a caller with an answer finds its statement.
     """
 

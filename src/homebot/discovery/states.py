@@ -37,7 +37,6 @@ class StateRecorder:
     """Takes in the reports of known devices.
 
     Args:
-        liveness: When each was heard.
         trust: Lets endpoints of a device have its commands, which reported the same changes as the others.
     """
 

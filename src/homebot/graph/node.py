@@ -64,9 +64,6 @@ class Node:
         name: ``[A-Za-z0-9_]``, unique in its namespace.
         namespace: Where relative names of this node begin; ``/`` by default.
 
-    Attributes:
-        namespace: The namespace, absolute.
-
     Raises:
         InvalidNameError: The name or the namespace is illegal.
         DuplicateNameError: The graph has a node of this full name.

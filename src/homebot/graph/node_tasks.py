@@ -24,7 +24,6 @@ class NodeTasks:
     """The tasks of one node; those that are started before it runs begin then.
 
     Args:
-        name: The full name of the node.
         cancel_handlers: Called at the end of the node: ends the handlers at work, each by its own scope.
     """
 

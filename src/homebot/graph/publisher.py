@@ -44,9 +44,7 @@ class Publisher(Generic[MessageT]):
     """Publishes messages of one type on one topic, in order, without blocking.
 
     Attributes:
-        subscription_count: The number of matched subscriptions.
         incompatible_qos_count: The number of subscriptions that requested more than it offers.
-        published: The number of published messages.
     """
 
     def __init__(

@@ -40,7 +40,6 @@ class ServiceSlot:
     """A service name with its type, its server and its number of users; it exists while it is used.
 
     Attributes:
-        server: The server, or None.
         users: Number of clients and servers.
     """
 

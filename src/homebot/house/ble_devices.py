@@ -48,12 +48,7 @@ def address_of(name: str) -> str:
 
 
 class _RadioDevice(ServedDevice):
-    """A device on the virtual radio.
-
-    Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-    """
+    """A device on the virtual radio."""
 
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], radio: VirtualRadio) -> None:
         super().__init__(device, on_command)
@@ -87,8 +82,6 @@ class _BTHomeDevice(_RadioDevice):
     """A device that broadcasts BTHome v2.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets nothing.
         bind_key: The key by which it encrypts; empty for none.
     """
 
@@ -125,8 +118,6 @@ class BroadcastingSensor(_BTHomeDevice):
     """A contact, a motion sensor, a light sensor, a power meter or a thermometer that broadcasts BTHome v2.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets nothing.
         bind_key: The key by which it encrypts; empty for none.
 
     Raises:

@@ -41,15 +41,9 @@ class CoapDevice(ServedDevice):
     """A lamp with a Thing Description, or a sensor with an OCF resource.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        host: The address to listen on.
         port: The port; 0 for any that is free, which it keeps.
         directory: The address of a resource directory to register in: ``coap://127.0.0.1:5683``; empty for none.
         groups: Multicast groups to listen to, each with the name of an interface.
-
-    Attributes:
-        port: The port that it listens on.
     """
 
     def __init__(

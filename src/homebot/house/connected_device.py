@@ -41,11 +41,7 @@ class ServedDevice(ConnectedDevice):
     """A device that is a server by itself, or a radio: it is asked, or it broadcasts.
 
     Args:
-        device: Its name and kind.
         on_command: Gets each command for it, as text such as ``on``.
-
-    Attributes:
-        state: Its last state.
     """
 
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None]) -> None:

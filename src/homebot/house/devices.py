@@ -22,7 +22,6 @@ class SimulatedLamp(SimulatedDevice):
     It takes ``on``, ``off``, a brightness from ``0`` to ``1``, and a colour temperature such as ``2700 K``.
 
     Attributes:
-        is_on: Whether it shines.
         brightness: How bright it is while on, 0 to 1.
         kelvin: Colour temperature.
         rated_watts: Power at full brightness, above 0: a lamp without power is dark.
@@ -260,7 +259,6 @@ class SimulatedThermostat(SimulatedDevice):
     Attributes:
         celsius: The room.
         target: Setpoint of the room.
-        outside: Temperature outside.
         gain: Kelvin above outside that full heating can hold.
         inertia: Seconds.
         rated_watts: Power of the heating.

@@ -97,9 +97,6 @@ class SimulatedDeviceInfo:
 
     Attributes:
         home: First level, or levels, of the topics.
-        kind: Kind in house descriptions: ``lamp``.
-        device_id: Its name.
-        room: Where it is.
 
     Raises:
         UsageError: The name or the service type is empty or cannot be one level of a topic.
@@ -121,8 +118,6 @@ class OutgoingMessage(NamedTuple):
     """A message that a device sends.
 
     Attributes:
-        topic: Where to.
-        retain: Whether the broker retains it.
         qos: How sure it has to be that it comes, 0 to 2.
     """
 

@@ -23,9 +23,7 @@ class DnsSdService:
 
     Attributes:
         service_type: ``_wled._tcp.local.``
-        name: The instance name.
         host: The name of its host, without ``.local.``
-        properties: The TXT record.
         ttl: Seconds for which others believe the SRV record; 120 by the standard.
     """
 

@@ -44,8 +44,6 @@ class DeviceFault(SimulatedDevice):
     """A device with something wrong.
 
     Attributes:
-        device: The wrapped device.
-        rng: Its random numbers.
         lost: Number of held commands and reports that overflowed.
     """
 

@@ -60,8 +60,6 @@ class SimulatedHouse:
         url: The broker, ``mqtt://host:port``.
         home: First level of the devices' topics.
         world: The carried world, which only this object moves.
-        clock: The time it lives by.
-        make_client: Makes the devices' MQTT clients.
         random: Source of their reconnects' jitter; a seeded one makes every run the same.
         heartbeat: Seconds after which devices publish their last state again, as real ones do.
         dialects: Families of devices on MQTT, by the names that the world's devices have for them.
@@ -70,7 +68,6 @@ class SimulatedHouse:
     Attributes:
         Host: The class of the service that can host one.
         WITHOUT_HOST: The reason why no gateway of a configuration does, as text.
-        counters: Counters of sent and received messages.
 
     Raises:
         UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, there is no such dialect, or

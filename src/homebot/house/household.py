@@ -22,7 +22,6 @@ class Habit(NamedTuple):
 
     Attributes:
         at: Seconds since midnight.
-        room: Where to.
         jitter: Seconds by which it may be earlier or later; uniform.
         asleep: Whether they lie still there, in the dark.
         still: Seconds without movement, awake, between two short movements, as of a reader;
@@ -41,8 +40,6 @@ class Visit(NamedTuple):
 
     Attributes:
         at: Seconds since the first midnight.
-        room: Where to.
-        asleep: Whether to sleep there.
         still: As of :class:`Habit`.
     """
 
@@ -58,7 +55,6 @@ class Person(NamedTuple):
     Attributes:
         day: Their habits, every day the same but for the jitter.
         starts_in: Where they are at the first midnight.
-        asleep: Whether they sleep then.
         speed: Metres a second, above 0.
     """
 
@@ -119,10 +115,7 @@ class Household:
     """People that walk from room to room by their habits.
 
     Args:
-        rooms: Where.
-        queue: Gets their steps.
         clock: Returns the time that the queue is at.
-        observer: Receives their movements.
 
     Raises:
         UsageError: A room is not there, or no doors lead to it.

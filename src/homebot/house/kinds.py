@@ -33,13 +33,7 @@ Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The surroundings that a device is made in.
-
-    Attributes:
-        room: Where it is.
-        rooms: The whole plan.
-        rng: Its random numbers.
-    """
+    """The surroundings that a device is made in."""
 
     name: str
     room: str

@@ -44,7 +44,6 @@ class HouseCounters:
         unsaid: States and messages that found no link.
         overflowed: Messages that waited too long for a slow broker.
         refused: Messages that the broker did not want.
-        commands: Commands that came.
     """
 
     published: int = 0
@@ -59,12 +58,8 @@ class MqttDevice(ConnectedDevice):
     """A device on the wire.
 
     Args:
-        device: Its name and kind.
-        dialect: Its family.
-        connection: Its way to the broker.
         on_command: Gets each command for it, and its id where the message has the user property ``command``.
         counters: Shared by the house.
-        lines: Paces log lines.
     """
 
     def __init__(

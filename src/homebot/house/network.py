@@ -187,8 +187,6 @@ class HouseNetwork:
         """Return a device of a served family, which is on the network once it lives; inside :meth:`running`.
 
         Args:
-            device: Its name and kind.
-            on_command: Gets each command for it.
             options: Further arguments of the class of the device.
         """
         spec = self._families[family]

@@ -32,7 +32,6 @@ class Robot(SimulatedDevice):
     told.
 
     Attributes:
-        rooms: The plan it has.
         room: The last room with a reached middle.
         speed: Metres a second, above 0.
     """

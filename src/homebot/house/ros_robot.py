@@ -57,12 +57,7 @@ _BATTERY: Final = {
 class RosRobot:
     """Publishes ``/map``, ``/tf``, ``/tf_static``, ``/amcl_pose`` and ``/battery_state`` of one robot.
 
-    Args:
-        read: Returns the robot as it is now.
-        command: Gives it a command, as text such as ``go 3.2,1.0``.
-
     Attributes:
-        read: As above.
         dock: The position of its dock, where it begins.
     """
 

@@ -17,11 +17,7 @@ _LEFT: Final = "motion left"
 
 @dataclass(eq=False)
 class SimulatedContactSensor(SimulatedDevice):
-    """A contact on a door or window: senses 1 for open and 0 for closed.
-
-    Attributes:
-        is_open: The last sensed value.
-    """
+    """A contact on a door or window: senses 1 for open and 0 for closed."""
 
     kind: ClassVar[str] = "contact"
     senses = ("is_open", bool)

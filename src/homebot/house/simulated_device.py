@@ -28,8 +28,6 @@ class SimulatedDevice(ABC):
     Time 0 is the midnight before the house starts.
 
     Attributes:
-        kind: Kind in house descriptions.
-        device_id: Its name.
         now: The time it was last advanced to.
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
@@ -129,7 +127,6 @@ class Placed(NamedTuple):
     """A device in its place.
 
     Attributes:
-        room: Where it is.
         door: For a contact or a lock: the room on the other side of the door it is on.
         dialect: Its family where it is carried over a wire, by name.
         at: Its position in metres, if it is known.

@@ -55,11 +55,7 @@ _NAMES = (AdvertisingData.Type.SHORTENED_LOCAL_NAME, AdvertisingData.Type.COMPLE
 
 
 class HubRadio(Protocol):
-    """The radio as the adapter of a hub uses it.
-
-    Attributes:
-        scanners: The scans that run.
-    """
+    """The radio as the adapter of a hub uses it."""
 
     scanners: set[VirtualScanner]
 

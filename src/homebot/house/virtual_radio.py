@@ -56,8 +56,6 @@ class GattValue:
     Attributes:
         uuid: Its UUID, of 16 or 128 bits.
         read: Returns its value; None where it cannot be read.
-        write: Takes a value; likewise.
-        notifies: Whether clients may subscribe to it.
     """
 
     uuid: str
@@ -67,15 +65,7 @@ class GattValue:
 
 
 class VirtualPeripheral:
-    """A device on the radio, while it has power.
-
-    Args:
-        device: Its stack.
-        characteristics: The served values by UUID.
-
-    Attributes:
-        connected_times: How often it was connected to.
-    """
+    """A device on the radio, while it has power."""
 
     def __init__(self, device: Device, characteristics: Mapping[str, Any]) -> None:
         self._device = device
@@ -124,12 +114,8 @@ class VirtualPeripheral:
 class VirtualRadio:
     """A radio, and the adapter of a hub on it.
 
-    Args:
-        rng: The source of variation of the signals.
-
     Attributes:
         backend: The classes by which bleak scans with that adapter, and connects.
-        scanners: The scans that run.
     """
 
     def __init__(self, rng: Random) -> None:

@@ -55,7 +55,6 @@ class World:
     """A house that lives.
 
     Args:
-        rooms: Its plan.
         errands: Daily timers.
         seed: Decides every jitter of its people; devices with faults have random numbers of their own.
         first_day: Day of the year, 1 to 366.
@@ -66,9 +65,7 @@ class World:
         capacity: Events the event log keeps.
 
     Attributes:
-        rooms: Its plan.
         now: Seconds since the midnight before the first day.
-        event_log: The events so far.
 
     Raises:
         UsageError: Two devices have one name, or a room or device is not there.

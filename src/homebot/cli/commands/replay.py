@@ -130,7 +130,6 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
     """Return a command as a line: time, device, setting, issuer and cause.
 
     Args:
-        given: The command.
         start: When the recording began, in seconds since the Unix epoch.
         names: As :func:`homebot.devices.device.part_names` gives them.
     """

@@ -81,7 +81,6 @@ def _describe(
 
     Args:
         reasons: Why a search for its name finds it.
-        now: The house's time.
         asks: Rows on why it always asks, and on the approval that it waits for.
         ineffective: The routes that are tried last, by part and name.
     """

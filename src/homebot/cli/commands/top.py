@@ -39,7 +39,6 @@ def samples(ask: Callable[[], dict[str, object]], wait: Callable[[], None]) -> I
 
     Args:
         ask: Returns the answer of ``/rosapi/load``.
-        wait: Waits until the next sample.
     """
     before = ask()
     while True:

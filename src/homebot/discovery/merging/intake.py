@@ -26,7 +26,6 @@ class SightingIntake:
     """Takes in sightings.
 
     Args:
-        liveness: When each was heard.
         pending: Where the announcements of devices that were forgotten are kept.
     """
 

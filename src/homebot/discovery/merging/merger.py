@@ -34,7 +34,6 @@ class DeviceMerger:
     """Keeps each device the set of the announcements that are about it.
 
     Args:
-        liveness: How long each may be silent.
         pending: Where the announcements of devices that were forgotten are kept.
 
     Attributes:

@@ -107,7 +107,6 @@ def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str
     """Return the cost of *device* and its terms, such as ``10.1 m = 7.1 path by Front door + 3.0 …``.
 
     Args:
-        doors: The state of each door.
         is_exact: Whether the places of the robot and the device are known better than by their rooms.
     """
     route = device.route

@@ -34,8 +34,6 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
     """A goal that a client has sent.
 
     Attributes:
-        goal_id: The id that the client chose.
-        status: Its newest known state.
         stamp: When the server accepted it.
     """
 

@@ -63,7 +63,6 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
     Args:
         node: The node that executes the goals while it runs.
         name: The name of the action; relative, absolute, or private (``~/name``).
-        execute: A coroutine function for each goal.
         on_goal: Returns whether to accept a goal; by default all are accepted.
         on_cancel: Returns whether to accept the cancellation of a goal, whose execution then ends by itself; by default
             a cancellation is accepted and cancels the execution.

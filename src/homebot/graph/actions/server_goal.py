@@ -25,11 +25,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
     """An accepted goal, as its server executes it.
 
     Attributes:
-        action_type: The type of the action.
-        request: The goal message.
-        info: Its id and the time of its acceptance.
         state: Its state; the server publishes each change.
-        scope: The cancel scope of its execution.
         outcome: Its result, once it has ended.
     """
 

@@ -80,7 +80,6 @@ def lamp_order(
     """Return the commands to a lamp for one message; None for absent values.
 
     Args:
-        is_on: Whether it should shine.
         brightness: 0 to 1; above 0 lights it, as lamps of all families do.
         kelvin: Its colour temperature.
     """
@@ -105,7 +104,6 @@ def device_orders(
     """Return the commands to a device of *kind* for the values in one message; values of other kinds are ignored.
 
     Args:
-        kind: The kind of the device.
         is_on: See :func:`lamp_order`, also for the next two.
         brightness: From 0 to 1.
         kelvin: A colour temperature.

@@ -31,7 +31,6 @@ class EsphomeServedDevice(ServedDevice):
     Args:
         device: Its name and kind, one of :data:`homebot.house.esphome.entities.ENTITIES`.
         on_command: Gets each command for it, as text such as ``on``.
-        host: The address that it listens on.
         port: Its port; 0 for any, which it then keeps.
         announced: Whether it announces itself by DNS-SD.
         key: Its encryption key in base64; empty for no encryption.
@@ -39,7 +38,6 @@ class EsphomeServedDevice(ServedDevice):
 
     Attributes:
         port: The port; 0 before it has begun to listen.
-        name: Its ESPHome name.
         mac: Its hardware address, twelve digits.
         listening: Is set when it listens for the first time.
         sleeps: Whether it says that it sleeps most of the time.

@@ -26,7 +26,6 @@ class ServedEntityKind:
     """The entity of one kind of devices.
 
     Attributes:
-        domain: Its domain.
         state: Returns its state and its attributes.
         fixed: Attributes that never change.
     """
@@ -102,13 +101,7 @@ _NUMBERS: Final = {"set_cover_position": "position", "set_temperature": "tempera
 
 
 class ServedEntity(ServedDevice, ListedEntity):
-    """A lamp, window, cover, lock, thermostat or sensor as an entity of a Home Assistant.
-
-    Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        server: The Home Assistant that has it.
-    """
+    """A lamp, window, cover, lock, thermostat or sensor as an entity of a Home Assistant."""
 
     def __init__(
         self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], server: SimulatedHomeAssistant

@@ -29,8 +29,6 @@ class ListedEntity(ABC):
 
     Attributes:
         entity_id: Its id; empty before Home Assistant has it.
-        shown: Its state.
-        attributes: The attributes of that.
     """
 
     entity_id = ""
@@ -56,14 +54,9 @@ class SimulatedHomeAssistant:
     """A Home Assistant with its entities, which it keeps when they are away.
 
     Args:
-        address: The address to listen on.
         port: The port; 0 for a free one.
 
     Attributes:
-        server: The server of its WebSocket.
-        token: The one token that it takes.
-        version: The version that it greets with.
-        entities: Its entities by their ids.
         areas: The names of its areas, by their ids.
         floors: The names of the floors of areas, by the ids of these.
         triggers: The triggers of its devices, by the ids of these.

@@ -18,13 +18,7 @@ __all__ = ["ServedAccessory"]
 
 
 class ServedAccessory(ServedDevice):
-    """A lamp, window, cover, lock, thermostat or sensor behind the bridge of the house.
-
-    Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        bridge: The bridge.
-    """
+    """A lamp, window, cover, lock, thermostat or sensor behind the bridge of the house."""
 
     def __init__(
         self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], bridge: SimulatedHomekitBridge

@@ -95,10 +95,8 @@ class SimulatedHomekitBridge:
     """The bridge of a house.
 
     Args:
-        address: The address to listen on.
         pairings: The file with homebot's key, as the HomeKit gateway keeps it; it is there while it is served. A
             further bridge adds itself.
-        bridge_id: Its id.
     """
 
     def __init__(self, address: str, pairings: Path, bridge_id: str = ID) -> None:

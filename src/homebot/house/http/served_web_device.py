@@ -20,9 +20,6 @@ class ServedWebDevice(ServedDevice):
     """A device with a server of its own.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        address: Its own address; announced on the interface that has it.
         port: Its port; 0 for a free one.
         announced: Whether it announces itself by DNS-SD.
     """

@@ -31,7 +31,6 @@ class ServedShelly(ServedWebDevice):
 
     Args:
         password: Its password; empty for none.
-        nonce: Makes its challenges.
 
     Attributes:
         refused_calls: Calls that had no valid password.

@@ -30,7 +30,6 @@ class WebRequest:
     Attributes:
         method: ``GET``, ``POST``, …
         path: Decoded path, without the query after ``?``.
-        query: That, by name.
         headers: The header fields, names in lower case.
     """
 
@@ -43,11 +42,7 @@ class WebRequest:
 
 @dataclass(frozen=True, slots=True)
 class WebReply:
-    """The answer to a request.
-
-    Attributes:
-        headers: Further header fields.
-    """
+    """The answer to a request."""
 
     body: bytes = b""
     status: int = 200
@@ -103,13 +98,8 @@ class WebServer:
     """A server for one device; its port stays the same however often it is started.
 
     Args:
-        address: The address to listen on.
         port: The port; 0 for a free one.
         tls: The server's side of TLS; None for none.
-
-    Attributes:
-        port: The port, once it serves.
-        peers: The open WebSockets and streams of events.
     """
 
     def __init__(

@@ -59,15 +59,10 @@ class SimulatedHueBridge:
     """A bridge with its devices, which it keeps when they are away.
 
     Args:
-        home: The home that it is in.
         tls: The server's side of TLS, with the certificate of the bridge.
-        address: The address to listen on.
         port: The port; 0 for a free one.
 
     Attributes:
-        id: Its id.
-        server: Its server.
-        resources: Its resources by id.
         keys: The application keys that it made, and that it has from the start.
         commands: The newest 100 changes that it was asked for: type, id and body.
         busy: The number of the next requests for changes that it answers with 429.

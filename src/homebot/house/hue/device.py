@@ -19,9 +19,6 @@ class HueHouseDevice(ServedDevice):
     """A lamp or sensor of the house in the radio network of a bridge.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
-        bridge: The bridge.
         kind: Its kind at the bridge, where it is another: ``plug`` for a lamp at a plug, ``gradient`` for one with
             several colours.
     """

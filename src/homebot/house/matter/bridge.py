@@ -30,12 +30,7 @@ class BridgedDevice(Protocol):
 
 
 class MatterBridge(CommissionedNode):
-    """A bridge, which always has power.
-
-    Args:
-        info: Its name.
-        server: The server that has commissioned it.
-    """
+    """A bridge, which always has power."""
 
     def __init__(self, info: SimulatedDeviceInfo, server: SimulatedMatterServer) -> None:
         super().__init__()

@@ -20,8 +20,6 @@ class ServedMatterNode(ServedDevice, CommissionedNode):
     """A lamp, window, cover, lock, thermostat or sensor as a node of a Matter fabric.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
         kind: Its kind in Matter, where it is another: ``plug`` for a lamp at a plug.
         setup_code: With which it can be commissioned; empty for one that is commissioned when it has power first.
     """
@@ -81,8 +79,6 @@ class BridgedMatterDevice(ServedDevice):
     """Such a device behind the bridge of the house, which is a node.
 
     Args:
-        device: Its name and kind.
-        on_command: Gets each command for it.
         server: The server that has commissioned the bridge.
     """
 

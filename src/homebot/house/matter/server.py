@@ -30,7 +30,6 @@ class CommissionedNode(ABC):
 
     Attributes:
         node_id: Its number in the fabric; 0 while it is not commissioned.
-        is_available: Whether the server reaches it.
         setup_code: With which it can be commissioned; empty for one that is commissioned when the server reaches it.
         attributes: The values that the server knows, by path.
     """
@@ -71,11 +70,9 @@ class SimulatedMatterServer:
     """A server with its nodes, which it keeps when they are away.
 
     Args:
-        address: The address to listen on.
         port: The port; 0 for a free one.
 
     Attributes:
-        nodes: Its nodes by their numbers.
         calls: The newest 100 commands that it was given, with their arguments.
     """
 

@@ -21,7 +21,6 @@ class ServedTag(ServedDevice):
     """A tag with a text, and its room as its area.
 
     Args:
-        device: Its name.
         on_command: Never called: tags take no commands through a reader.
         field: The field of the reader, which has room for one tag; the last one counts.
     """

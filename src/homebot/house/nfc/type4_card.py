@@ -23,10 +23,8 @@ class Type4Card:
     """A tag.
 
     Args:
-        uid: Its number.
         message: The NDEF message that is on it.
         capacity: Bytes that one may have.
-        is_writable: Whether it lets itself be written.
     """
 
     def __init__(self, uid: bytes, message: bytes = b"", *, capacity: int = 888, is_writable: bool = True) -> None:
