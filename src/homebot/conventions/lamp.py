@@ -7,7 +7,7 @@ Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the servic
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Mapping
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple, TypeAlias, TypeVar
@@ -20,13 +20,23 @@ from homebot.conventions.command_values import (
     require_transition,
 )
 from homebot.conventions.description import Publications
-from homebot.conventions.light_color import Channels, KelvinRange, from_hue_saturation
+from homebot.conventions.light_color import Channels, KelvinRange, from_hue_saturation, to_hue_saturation
 from homebot.conventions.part_builder import PartBuilder
-from homebot.conventions.payload import shown
+from homebot.conventions.payload import Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.support.numbers import to_number
 
-__all__ = ["LIGHT_CAPABILITIES", "LightAbility", "LightCommand", "LightFeatures", "Publish", "WhiteRange"]
+__all__ = [
+    "LIGHT_CAPABILITIES",
+    "LightAbility",
+    "LightCommand",
+    "LightFeatures",
+    "Publish",
+    "WhiteRange",
+    "read_lamp",
+    "read_rgb",
+]
 
 LIGHT_CAPABILITIES = frozenset({"on_off", "level", "color_temperature", "color", "effect"})
 """All capabilities of a lamp."""
@@ -198,6 +208,27 @@ def _dim(value: PlainValue) -> LightCommand:
     return LightCommand(on=True, level=percent) if percent else LightCommand(on=False)
 
 
+def read_lamp(fields: Mapping[str, object], on_key: str, level_key: str) -> Readings:
+    """Return switch and level of a lamp, as far as *fields* have them."""
+    found: dict[str, PlainValue] = {}
+    if isinstance(on := fields.get(on_key), bool):
+        found["on_off"] = on
+    level = to_number(fields.get(level_key))
+    if level is not None and 0 <= level <= 100:
+        found["level"] = level
+    return found
+
+
+def read_rgb(values: Sequence[object]) -> tuple[float, float] | None:
+    """Return hue and saturation of three channels from 0 to 255; None for other values."""
+    channels = tuple(channel for channel in map(to_number, values) if channel is not None and 0 <= channel <= 255)
+    if len(values) != _RGB or len(channels) != _RGB:
+        return None
+    return to_hue_saturation("rgb", channels, _ANY_WHITE)
+
+
 _NO_LEVEL = frozenset({"onoff"})
 _PREFERRED = ("hs", "rgb", "rgbw", "rgbww", "xy")
 _ANY_KELVIN = (1_000.0, 40_000.0)
+_RGB = 3
+_ANY_WHITE = (2700, 6500)  # without meaning for red, green and blue

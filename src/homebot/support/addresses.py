@@ -5,8 +5,9 @@ from __future__ import annotations
 import ipaddress
 from functools import lru_cache
 from typing import Final
+from urllib.parse import urljoin, urlsplit
 
-__all__ = ["ip_version", "is_loopback", "network_of", "parse_address"]
+__all__ = ["ip_version", "is_loopback", "network_of", "parse_address", "resolve_uri"]
 
 _IPV6_PREFIX: Final = 64
 """Bits of an IPv6 address that identify one household; the rest can be chosen freely."""
@@ -48,3 +49,15 @@ def network_of(host: str) -> str:
     if isinstance(known, ipaddress.IPv4Address):
         return str(known)
     return str(ipaddress.ip_network((known, _IPV6_PREFIX), strict=False))
+
+
+def resolve_uri(base: str, href: str) -> str:
+    """Return *href* resolved against *base* by RFC 3986, section 5.2, for any scheme; Python knows only some.
+
+    Raises:
+        ValueError: One of them is invalid.
+    """
+    scheme, separator, rest = base.partition("://")
+    if urlsplit(href).scheme or not separator:
+        return href
+    return f"{scheme}:{urljoin(f'http://{rest}', href).removeprefix('http:')}"

@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Final, get_args
 from urllib.parse import unquote, urlsplit
 
-from homebot.conventions.uri import resolve_uri
+from homebot.support.addresses import resolve_uri
 from homebot.wot.fields import Fields
 from homebot.wot.thing import (
     OBSERVE_OPS,

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.conventions.hue.devices import HueService, bridge_identifiers, devices_of
-from homebot.conventions.hue.resource_row import Fields, HueBody, HueRow
-from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.resources import Fields, HueBody, HueResources, HueRow
 from homebot.conventions.hue.service_rows import press_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError

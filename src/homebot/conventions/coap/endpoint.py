@@ -9,9 +9,9 @@ from urllib.parse import urlsplit
 
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import clean_text
-from homebot.conventions.uri import resolve_uri
 from homebot.devices.identity import identifiers
 from homebot.errors import WireError
+from homebot.support.addresses import resolve_uri
 
 __all__ = [
     "CONFIGURED",

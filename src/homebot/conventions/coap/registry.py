@@ -14,9 +14,8 @@ from urllib.parse import unquote, urlsplit
 from homebot.conventions.coap.endpoint import CoapEndpoint, endpoint_of_link
 from homebot.conventions.coap.link_format import WebLink
 from homebot.conventions.payload import shown
-from homebot.conventions.uri import resolve_uri
 from homebot.errors import RefusedError, WireError
-from homebot.support.addresses import is_loopback, parse_address
+from homebot.support.addresses import is_loopback, parse_address, resolve_uri
 
 __all__ = ["FORBIDDEN", "DirectoryRegistry", "EndpointRegistration"]
 

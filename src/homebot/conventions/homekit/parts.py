@@ -1,6 +1,7 @@
-"""Parts of an accessory: one for each service with a known function. Pure.
+"""Parts of an accessory: one for each service with a known function; the services that only report. Pure.
 
-Source: HomeKit Accessory Protocol Specification R2, chapter 8 (services), 9.62 (Name), 9.91 (Service Label Index).
+Source: HomeKit Accessory Protocol Specification R2, chapter 8 (services), among them 8.3 (Air Quality Sensor), 8.5
+(Battery) and 8.37 (Stateless Programmable Switch); 9.62 (Name), 9.91 (Service Label Index).
 """
 
 from __future__ import annotations
@@ -13,13 +14,47 @@ from homebot.conventions.homekit.accessory import Accessory, HapService
 from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
-from homebot.conventions.homekit.rows import HomekitAbility
-from homebot.conventions.homekit.sensors import SENSOR_ROWS
+from homebot.conventions.homekit.rows import HomekitAbility, ServiceRow
 from homebot.devices.part import Part
 
-__all__ = ["HomekitPart", "parts_of"]
+__all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
 
-_ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *SENSOR_ROWS)
+AIR, MOTION, OCCUPANCY, CONTACT, LEAK, SMOKE = "8D", "85", "86", "80", "83", "87"
+MONOXIDE, DIOXIDE, BATTERY = "7F", "97", "96"
+PRESS: Final = "73"
+"""The characteristic Programmable Switch Event."""
+
+PRESSES: Final = {0: "single", 1: "double", 2: "long"}
+_SENSORS: Final = f"{AIR} {MOTION} {OCCUPANCY} {CONTACT} {LEAK} {SMOKE} {MONOXIDE} {DIOXIDE} 8A 82 84"
+
+_SENSOR_ROWS: Final = (
+    ServiceRow("89 121", "press", PRESS, "", PRESSES),  # buttons and doorbells
+    ServiceRow(MOTION, "occupancy", "22"),
+    ServiceRow(OCCUPANCY, "occupancy", "71"),
+    ServiceRow(CONTACT, "contact", "6A"),  # 1 is "not detected": open
+    ServiceRow(LEAK, "water_leak", "70"),
+    ServiceRow(SMOKE, "smoke", "76"),
+    ServiceRow(MONOXIDE, "carbon_monoxide_alarm", "69"),
+    ServiceRow(f"{MONOXIDE} {AIR}", "carbon_monoxide", "90"),
+    ServiceRow(DIOXIDE, "safety", "92"),
+    ServiceRow(f"{DIOXIDE} {AIR}", "carbon_dioxide", "93"),
+    ServiceRow(AIR, "air_quality_index", "95"),  # 0 is unknown, 1 is excellent, 5 is poor
+    ServiceRow(AIR, "pm25", "C6"),
+    ServiceRow(AIR, "pm10", "C7"),
+    ServiceRow(AIR, "volatile_organic_compounds", "C8"),
+    ServiceRow("8A", "temperature", "11"),
+    ServiceRow("82", "humidity", "10"),
+    ServiceRow("84", "illuminance", "6B"),
+    ServiceRow(BATTERY, "battery", "68"),
+    ServiceRow(
+        BATTERY, "battery_charging", "8F", read=lambda service: service.number("8F") == 1
+    ),  # 2 is "not chargeable"
+    ServiceRow(f"{BATTERY} {_SENSORS}", "battery_low", "79"),
+    ServiceRow(_SENSORS, "tamper", "7A"),
+    ServiceRow(_SENSORS, "problem", "77"),
+)
+
+_ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *_SENSOR_ROWS)
 
 _TYPES: Final[Mapping[str, str]] = {
     "light": "43",
@@ -50,7 +85,7 @@ _TYPES: Final[Mapping[str, str]] = {
 """The types of services of each type of parts."""
 
 _TYPE_OF: Final = {service: kind for kind, services in _TYPES.items() for service in services.split()}
-_BATTERY, _HEATER, _COOL_TO = "96", "BC", "D"
+_HEATER, _COOL_TO = "BC", "D"
 _NAME, _CONFIGURED_NAME, _LABEL_INDEX = "23", "E3", "CB"
 
 
@@ -85,6 +120,6 @@ def _part(service: HapService, own_name: str, abilities: tuple[HomekitAbility, .
         id=str(service.iid),
         name=name,
         service_type="thermostat" if only_heats else _TYPE_OF[service.type],
-        category="diagnostic" if service.type == _BATTERY else "",
+        category="diagnostic" if service.type == BATTERY else "",
         capabilities=tuple(one.capability for one in abilities),
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import BaseModel, Field
 
 from homebot.conventions.convention import ConventionSettings, LazyConvention
-from homebot.conventions.homie.attributes import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
+from homebot.conventions.homie.model import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
 
 if TYPE_CHECKING:
     from homebot.conventions.homie.reader import HomieReader

@@ -17,7 +17,10 @@ from homebot.support.numbers import to_number
 __all__ = [
     "COLOR_FORMS",
     "DATATYPES",
+    "DEVICE_ATTRIBUTES",
     "MAX_PROPERTIES",
+    "NODE_ATTRIBUTES",
+    "PROPERTY_ATTRIBUTES",
     "STATES",
     "HomieDevice",
     "HomieNode",
@@ -35,6 +38,10 @@ DATATYPES = frozenset({"integer", "float", "boolean", "string", "enum", "color",
 
 COLOR_FORMS = ("hsv", "rgb", "xyz")
 """The forms of a colour, the one that loses least first."""
+PROPERTY_ATTRIBUTES = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
+NODE_ATTRIBUTES = ("$name", "$type", "$array", "$properties")
+DEVICE_ATTRIBUTES = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
+"""Attributes of versions 3 and 4, each a topic of its own."""
 
 _MAX_OPTIONS = 200
 """Words that an enum may have."""

@@ -13,9 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import AnnouncementEvent
-from homebot.conventions.homie.attributes import DEVICE_ATTRIBUTES, NODE_ATTRIBUTES, PROPERTY_ATTRIBUTES
 from homebot.conventions.homie.model import (
+    DEVICE_ATTRIBUTES,
     MAX_PROPERTIES,
+    NODE_ATTRIBUTES,
+    PROPERTY_ATTRIBUTES,
     STATES,
     HomieDevice,
     HomieNode,

@@ -9,8 +9,7 @@ from types import MappingProxyType
 from typing import Final, NamedTuple
 
 from homebot.conventions.hue.light_rows import LIGHT_ROWS
-from homebot.conventions.hue.resource_row import Fields, HueRow, at
-from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.resources import Fields, HueResources, HueRow, at
 from homebot.conventions.hue.service_rows import SERVICE_ROWS
 from homebot.conventions.payload import text_of
 from homebot.devices.identity import identifiers, in_pairs

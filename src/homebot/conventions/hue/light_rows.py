@@ -18,7 +18,7 @@ from homebot.conventions.command_values import (
     require_option,
     require_transition,
 )
-from homebot.conventions.hue.resource_row import Fields, HueBody, HueRow, at
+from homebot.conventions.hue.resources import Fields, HueBody, HueRow, at
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
 from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue

@@ -1,18 +1,69 @@
-"""The resources of a Hue bridge, as it listed and changed them. Pure.
+"""The resources of a Hue bridge, as it listed and changed them, and the rows of their capabilities. Pure.
 
 Source: Philips Hue, CLIP API v2: ``GET /clip/v2/resource``, and the events ``add``, ``update`` and ``delete``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Final
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final, TypeAlias
 
-from homebot.conventions.hue.resource_row import Fields, at
 from homebot.conventions.payload import as_fields, shown
+from homebot.devices.part import Capability
+from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["HueResources"]
+__all__ = ["Fields", "HueBody", "HueResources", "HueRow", "at"]
+
+Fields: TypeAlias = Mapping[str, object]
+"""A resource, or an object in one, as the bridge sends it."""
+
+HueBody: TypeAlias = dict[str, object]
+"""The changes that a request asks for."""
+
+
+@dataclass(frozen=True, slots=True)
+class HueRow:
+    """A capability of the resources of one type.
+
+    Attributes:
+        type: The type of the resource: ``light``.
+        fields: The fields that its value depends on; it is reported by a resource with one of them.
+        read: Returns its value, None for unknown; never raises. None for events, and for a capability without a state.
+        write: Returns the body of the request that sets it, given the resource, the value and the transition in
+            seconds; raises RefusedError. None for a capability that cannot be set.
+        needs: The field that a resource has if it has the capability.
+        at_owner: Whether the request goes to the device that the resource belongs to.
+    """
+
+    type: str
+    capability: str
+    fields: frozenset[str]
+    read: Callable[[Fields], PlainValue] | None = None
+    write: Callable[[Fields, PlainValue, float], HueBody] | None = None
+    needs: str = "id"
+    bounds: Callable[[Fields], tuple[float, ...]] = lambda _: ()
+    options: Callable[[Fields], tuple[str, ...]] = lambda _: ()
+    at_owner: bool = False
+
+    def describe(self, resource: Fields) -> Capability:
+        """Return the capability of a resource that has it."""
+        return Capability(
+            name=self.capability,
+            readable=not self.fields.isdisjoint(resource),
+            settable=self.write is not None,
+            bounds=self.bounds(resource),
+            options=self.options(resource),
+        )
+
+
+def at(resource: object, *path: str) -> object:
+    """Return the value at a path of names in JSON objects; None if there is none."""
+    for name in path:
+        resource = resource.get(name) if isinstance(resource, Mapping) else None
+    return resource
+
 
 MAX_RESOURCES: Final = 20_000
 _LONGEST_ID: Final = 100

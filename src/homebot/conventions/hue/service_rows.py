@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from homebot.conventions.hue.light_rows import transition_of
-from homebot.conventions.hue.resource_row import Fields, HueBody, HueRow, at
+from homebot.conventions.hue.resources import Fields, HueBody, HueRow, at
 from homebot.conventions.payload import shown, text_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

@@ -13,7 +13,14 @@ from functools import partial
 
 from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.lamp import (
+    LIGHT_CAPABILITIES,
+    LightCommand,
+    LightFeatures,
+    WhiteRange,
+    read_lamp,
+    read_rgb,
+)
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import (
     NO_READINGS,
@@ -25,7 +32,6 @@ from homebot.conventions.payload import (
     to_text,
 )
 from homebot.conventions.shelly.gen1_models import Gen1Topics
-from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number, whole_number
 

@@ -13,11 +13,17 @@ from functools import partial
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publications
-from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange
+from homebot.conventions.lamp import (
+    LIGHT_CAPABILITIES,
+    LightCommand,
+    LightFeatures,
+    WhiteRange,
+    read_lamp,
+    read_rgb,
+)
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, percent_of
 from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
-from homebot.conventions.shelly.lamp_values import read_lamp, read_rgb
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 

@@ -12,7 +12,6 @@ import anyio
 from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of
 from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.payload import parse_object
-from homebot.conventions.uri import resolve_uri
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.address_guard import AddressGuard, guard_for
@@ -21,6 +20,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
 from homebot.gateways.things.thing_device import ThingDevice, describe_thing
+from homebot.support.addresses import resolve_uri
 from homebot.support.backoff import DEVICE_BACKOFF
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT

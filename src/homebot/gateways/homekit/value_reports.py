@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from homebot.conventions.homekit.sensors import PRESS, PRESSES
+from homebot.conventions.homekit.parts import PRESS, PRESSES
 from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.homekit.accessory_device import AccessoryDevice

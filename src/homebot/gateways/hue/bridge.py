@@ -14,8 +14,7 @@ import anyio.lowlevel
 from pydantic import SecretStr
 
 from homebot.conventions.hue.devices import HueDevice, HueService, bridge_identifiers, devices_of
-from homebot.conventions.hue.resource_row import Fields
-from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.resources import Fields, HueResources
 from homebot.conventions.hue.service_rows import press_of
 from homebot.conventions.payload import as_fields, compact_json, parse_json, shown, text_of
 from homebot.devices.gateway_messages import Command

@@ -17,7 +17,7 @@ import anyio
 from pydantic import SecretStr
 
 from homebot.clock import Clock
-from homebot.conventions.hue.resource_row import Fields, HueBody, at
+from homebot.conventions.hue.resources import Fields, HueBody, at
 from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.errors import BusyError, RefusedError
 from homebot.gateways.address_guard import AddressGuard

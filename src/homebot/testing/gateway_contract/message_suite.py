@@ -24,8 +24,7 @@ from homebot.testing.gateway_contract.steps import (
     reported,
     subscribe,
 )
-from homebot.testing.gateway_contract.world import GatewayWorld
-from homebot.testing.held_clock import HeldClock
+from homebot.testing.gateway_contract.world import GatewayWorld, HeldClock
 
 __all__ = ["MessageSuite"]
 

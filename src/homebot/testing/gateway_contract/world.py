@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+import asyncio
+import time
+from collections.abc import AsyncIterator, Iterator
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 
 import anyio
 import pytest
@@ -12,10 +14,9 @@ from homebot.gateways import Gateway
 from homebot.graph import Graph, Node
 from homebot.runtime.dry_run import MutedNode
 from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
-from homebot.testing.held_clock import HeldClock
 from homebot.testing.pytest_loops import loop_of
 
-__all__ = ["GatewayWorld", "running"]
+__all__ = ["GatewayWorld", "HeldClock", "running"]
 
 
 @asynccontextmanager
@@ -25,6 +26,37 @@ async def running(gateway: Gateway) -> AsyncIterator[None]:
         await tasks.start(gateway.serve)
         yield
         tasks.cancel_scope.cancel()
+
+
+class HeldClock:
+    """The time of the running event loop, which stands still while it is held; timers of the loop go on.
+
+    A test holds it so that work is counted, and not the time that a slow machine takes for it.
+    """
+
+    def __init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self._epoch = time.time() - self._loop.time()
+        self._missed = 0.0
+        self._held_at: float | None = None
+
+    def monotonic(self) -> float:
+        """Return seconds since an arbitrary start."""
+        return self._loop.time() - self._missed if self._held_at is None else self._held_at
+
+    def now(self) -> float:
+        """Return seconds since the Unix epoch."""
+        return self._epoch + self.monotonic()
+
+    @contextmanager
+    def held(self) -> Iterator[None]:
+        """Let it stand still inside the block."""
+        self._held_at = self.monotonic()
+        try:
+            yield
+        finally:
+            self._missed = self._loop.time() - self._held_at
+            self._held_at = None
 
 
 class GatewayWorld:
