@@ -182,6 +182,24 @@ async def test_robots_take_words_and_mode_is_that_of_the_device(
         assert sent(home) == [("device", capability, expected)]
 
 
+@pytest.mark.parametrize("word", ["21 °C", "21°c", "21.0 C", "heating_setpoint 21 °C", "set heating_setpoint to 21°C"])
+async def test_a_number_may_have_the_unit_that_the_list_of_devices_shows(open_home: OpenHome, word: str) -> None:
+    async with open_home() as home:
+        home.put("valve", "thermostat", "heating_setpoint")
+        answer = await command(home, "valve", word)
+        assert answer.success, answer
+        assert sent(home) == [("valve", "heating_setpoint", 21.0)]
+
+
+@pytest.mark.parametrize("word", ["70 F", "21 %", "heating_setpoint 70 °F"])
+async def test_a_number_with_another_unit_is_refused(open_home: OpenHome, word: str) -> None:
+    async with open_home() as home:
+        home.put("valve", "thermostat", "heating_setpoint")
+        answer = await command(home, "valve", word)
+        assert (answer.success, answer.outcome) == (False, "refused")
+        assert home.commands == []
+
+
 @pytest.mark.parametrize(
     ("word", "values", "problem"),
     [

@@ -109,7 +109,12 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
     try:
         return decode_command(given, part)
     except RefusedError as exc:
-        found = _respelt(word, part) or _named_value(word, part, target) or _robot_state(word, part)
+        found = (
+            _respelt(word, part)
+            or _with_unit(word, part)
+            or _named_value(word, part, target)
+            or _robot_state(word, part)
+        )
         if found is not None:
             return found
         if to_number(word) is not None and _respelt(f"{word}%", part) is not None:
@@ -154,6 +159,24 @@ def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
     return (capability, value) if percentage is None or is_fraction else None
 
 
+def _with_unit(word: str, part: Part) -> tuple[str, PlainValue] | None:
+    """Return the setting for a number with its unit, such as ``21 °C``, if a bare number sets that of *part*."""
+    match = _NUMBER.fullmatch(word)
+    if match is None or not match[2]:
+        return None
+    try:
+        capability, value = decode_command(match[1], part)
+    except RefusedError:
+        return None
+    is_whole = capability not in FRACTION_CAPABILITIES and capability != "on_off"
+    return (capability, value) if is_whole and _is_unit(match[2], _unit(capability, part.capabilities)) else None
+
+
+def _is_unit(text: str, unit: str) -> bool:
+    """Return whether *text* spells *unit*, in any case and with or without the degree sign."""
+    return text.casefold().removeprefix("°") == unit.casefold().removeprefix("°") != ""
+
+
 def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
     known = CAPABILITIES.get(name)
     kind = "text" if known is None else known.kind
@@ -184,7 +207,7 @@ def _number(name: str, text: str, part: Part, target: str) -> float:
     match = _NUMBER.fullmatch(text)
     number = None if match is None else to_number(match[1])
     unit = _unit(name, part.capabilities)
-    if match is None or number is None or match[2] not in {"", unit}:
+    if match is None or number is None or (match[2] and not _is_unit(match[2], unit)):
         accepted = f"it takes a number in {unit}" if unit else "it takes a number"
         raise RefusedError(f"{text[:40]!r} as {name} of {target}", accepted)
     return number
