@@ -14,10 +14,13 @@ from homebot.wot.vocabulary import UNITS
 __all__ = ["bounds_of", "canonical", "in_told_unit", "on_the_wire", "unit_of"]
 
 
+_SEPARATORS = str.maketrans("", "", " _-")
+
+
 def unit_of(schema: DataSchema) -> str:
     """Return the unit of a schema, as the vocabulary spells it: ``celsius`` and ``unit:DegreeCelsius`` are ``°C``."""
     bare = schema.unit.rpartition("/")[2].rpartition(":")[2] if ":" in schema.unit else schema.unit
-    return UNITS.get(bare.casefold().strip(), bare)
+    return UNITS.get(bare.casefold().translate(_SEPARATORS), bare)
 
 
 _FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
