@@ -152,42 +152,8 @@ class OutputQueue:
         return True
 
 
-class QueuedText(io.TextIOBase):
-    """A text stream over an :class:`OutputQueue`."""
-
-    def __init__(self, queue: OutputQueue, stream: TextIO) -> None:
-        self.queue = queue
-        self._stream = stream
-
-    @property
-    def encoding(self) -> str:  # type: ignore[override]  # typeshed has an attribute
-        """That of the stream."""
-        return self._stream.encoding
-
-    def write(self, text: str) -> int:
-        """Take *text*; never waits."""
-        self.queue.put(text)
-        return len(text)
-
-    def writable(self) -> bool:
-        """Return True."""
-        return True
-
-    def isatty(self) -> bool:
-        """Return whether it goes to a terminal."""
-        return self._stream.isatty()
-
-    def fileno(self) -> int:
-        """Return the descriptor of the stream."""
-        return self._stream.fileno()
-
-
-class CleanText(io.TextIOBase):
-    """A text stream that shows control characters as escapes, but for the ends of lines.
-
-    Args:
-        raw: The underlying stream, for harmless text only.
-    """
+class _TextOver(io.TextIOBase):
+    """A text stream over another one."""
 
     def __init__(self, raw: TextIO) -> None:
         self.raw = raw
@@ -196,15 +162,6 @@ class CleanText(io.TextIOBase):
     def encoding(self) -> str:  # type: ignore[override]  # typeshed has an attribute
         """That of the stream."""
         return self.raw.encoding
-
-    def write(self, text: str) -> int:
-        """Write *text* with control characters escaped as in JSON, Python and YAML."""
-        self.raw.write(_CONTROL_BUT_LINES.sub(lambda found: f"\\u{ord(found[0]):04x}", text))
-        return len(text)
-
-    def flush(self) -> None:
-        """Flush the stream."""
-        self.raw.flush()
 
     def writable(self) -> bool:
         """Return True."""
@@ -217,6 +174,32 @@ class CleanText(io.TextIOBase):
     def fileno(self) -> int:
         """Return the descriptor of the stream."""
         return self.raw.fileno()
+
+
+class QueuedText(_TextOver):
+    """A text stream over an :class:`OutputQueue`, which writes in place of the *raw* one."""
+
+    def __init__(self, queue: OutputQueue, raw: TextIO) -> None:
+        super().__init__(raw)
+        self.queue = queue
+
+    def write(self, text: str) -> int:
+        """Take *text*; never waits."""
+        self.queue.put(text)
+        return len(text)
+
+
+class CleanText(_TextOver):
+    """A text stream that shows control characters as escapes, but for the ends of lines; the *raw* one need not."""
+
+    def write(self, text: str) -> int:
+        """Write *text* with control characters escaped as in JSON, Python and YAML."""
+        self.raw.write(_CONTROL_BUT_LINES.sub(lambda found: f"\\u{ord(found[0]):04x}", text))
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush the stream."""
+        self.raw.flush()
 
 
 def wants_colour(stream: TextIO) -> bool:
