@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib.machinery import ModuleSpec, PathFinder, SourceFileLoader
 from pathlib import Path
-from types import CodeType, ModuleType
+from types import ModuleType
 from typing import Any, Final, final
 
 from homebot.apps import App
@@ -71,7 +71,7 @@ class FreshCode:
     def _load(self, name: str, module_name: str, class_name: str | None, run: Callable[[], ModuleType]) -> type[Any]:
         self._take_out(module_name)
         try:
-            with _without_cache(self.prefix):
+            with _without_cache():
                 module = run()
             kind = getattr(module, class_name or class_in(module, name, App), None)
             if not isinstance(kind, type):
@@ -123,7 +123,7 @@ def _import(name: str) -> ModuleType:
 
 
 def _run_file(name: str, file: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, file, loader=_SourceLoader(name, str(file)))
+    spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None  # noqa: S101 - for the type checker: it has a loader
     assert spec.loader is not None  # noqa: S101 - likewise
     module = sys.modules[name] = importlib.util.module_from_spec(spec)
@@ -131,37 +131,11 @@ def _run_file(name: str, file: Path) -> ModuleType:
     return module
 
 
-class _SourceLoader(SourceFileLoader):
-    """Compiles the file each time."""
-
-    def get_code(self, fullname: str) -> CodeType | None:
-        """Return the code of the file as it is now."""
-        del fullname
-        code: CodeType = self.source_to_code(self.get_data(self.path), self.path)
-        return code
-
-
-class _Finder:
-    """Finds the modules below a name as Python does, to be compiled anew."""
-
-    def __init__(self, prefix: str) -> None:
-        self._prefix = prefix
-
-    def find_spec(self, name: str, path: Sequence[str] | None, _target: ModuleType | None = None) -> ModuleSpec | None:
-        """Return where the module *name* is; None if it is another's."""
-        if name != self._prefix and not name.startswith(f"{self._prefix}."):
-            return None
-        spec = PathFinder.find_spec(name, path)
-        if spec is not None and isinstance(spec.loader, SourceFileLoader):
-            spec.loader = _SourceLoader(name, spec.loader.path)
-        return spec
-
-
 @contextmanager
-def _without_cache(prefix: str) -> Iterator[None]:
-    finder = _Finder(prefix)
-    sys.meta_path.insert(0, finder)
+def _without_cache() -> Iterator[None]:
+    before = sys.pycache_prefix, sys.dont_write_bytecode
+    sys.pycache_prefix, sys.dont_write_bytecode = os.devnull, True  # a folder below a file: there is nothing in it
     try:
         yield
     finally:
-        sys.meta_path.remove(finder)
+        sys.pycache_prefix, sys.dont_write_bytecode = before

@@ -267,13 +267,17 @@ def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
     scope_of(key, config.thing_directory, config)
     own = without_act(config.thing_directory)
     given = parse_settings(settings.ThingDirectoryTable, own, config.source, key, config.folder)
-    try:
-        check_extra("the directory of things", "mdns", "aiohttp")
-    except UsageError as exc:
-        raise ConfigError(config.source, key, str(exc)) from exc
+    _check_extra(config.source, key, "the directory of things", "mdns", "aiohttp")
     return settings.DirectoryBridgeSettings(
         **read_access(given, given.token_file, config.source, key, "HOMEBOT_THINGS_TOKEN")
     )
+
+
+def _check_extra(source: str, key: str, *needed: str) -> None:
+    try:
+        check_extra(*needed)
+    except UsageError as exc:
+        raise ConfigError(source, key, str(exc)) from exc
 
 
 def _interfaces(config: Config) -> Interfaces | None:
@@ -314,9 +318,16 @@ def _history(config: Config) -> HistorySettings | None:
 def _notify(config: Config) -> NotifySettings | None:
     if config.notify is None:
         return None
-    from homebot.runtime.notify_table import read_notify  # noqa: PLC0415 - only with the table
+    from homebot.apps.notifier import NotifySettings  # noqa: PLC0415 - only with the table
 
-    return read_notify(config, config.notify)
+    settings = parse_settings(NotifySettings, config.notify, config.source, "notify", config.folder)
+    if settings.address and settings.gateway not in config.gateways:
+        problem = f"there is no gateway {settings.gateway!r} that could publish notifications"
+        hint = did_you_mean(settings.gateway, config.gateways, "name one, or give urls of apprise")
+        raise ConfigError(config.source, "notify.gateway", f"{problem}; {hint}")
+    if settings.urls:
+        _check_extra(config.source, "notify.urls", "[notify] with urls", "apprise", "apprise")
+    return settings
 
 
 _TABLES: Mapping[str, Callable[[Config], Any]] = {
