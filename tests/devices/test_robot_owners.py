@@ -102,7 +102,7 @@ def test_nobody_else_publishes_on_the_topics_of_a_robot() -> None:
             ):
                 client.check(Advertise(op="advertise", topic=topic, type="x/msg/X"), str)
     ClientAccess("owner", ALL_RIGHTS, TWO).check_robot("/tf", tf("map>bob/odom", "map>rosie/odom"))
-    page = ClientAccess.of_page("local", ALL_RIGHTS, ONE)
+    page = ClientAccess.of("local", ALL_RIGHTS, ONE, is_page=True)
     with pytest.raises(MissingRightError):
         page.check(Advertise(op="advertise", topic="/tf", type="x/msg/X"), str)
 

@@ -1,13 +1,15 @@
-"""The rate-limited log of mistakes of a bridge's clients."""
+"""The rate-limited log of mistakes of a bridge's clients, with the lines of the library of its server."""
 
 from __future__ import annotations
 
-from typing import Literal
+import logging
+from collections.abc import Callable
+from typing import Literal, final
 
 from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
 
-__all__ = ["ClientErrorLog", "short_text"]
+__all__ = ["ClientErrorLog", "LibraryLog", "short_text"]
 
 _LINES = 20  # of one kind in ten seconds
 _LONGEST = 300  # a client may send a text of a megabyte
@@ -61,3 +63,32 @@ class ClientErrorLog:
 def short_text(text: str, longest: int = _LONGEST) -> str:
     """Return *text*, cut to the *longest* length."""
     return text if len(text) <= longest else f"{text[: longest - 1]}…"
+
+
+@final
+class LibraryLog(logging.Handler):
+    """Handler that writes the lines of a library, which serves clients, to the limited log.
+
+    Args:
+        server: The beginning of its events, such as ``door``.
+        mistake: The mistake of a client that a line is about, in words.
+        crash_in: Returns the crash that a line is about instead, in words; empty for none.
+    """
+
+    def __init__(
+        self, error_log: ClientErrorLog, server: str, mistake: str, crash_in: Callable[[logging.LogRecord], str]
+    ) -> None:
+        super().__init__()
+        self._error_log = error_log
+        self._server = server
+        self._mistake = mistake
+        self._crash_in = crash_in
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write *record*."""
+        kind, error = str(record.msg), record.exc_info[1] if record.exc_info else None
+        if crash := self._crash_in(record):
+            self._error_log.log(kind, f"{self._server}.request_crashed", crash, level="error", error=error)
+        else:
+            problem = str(error or record.getMessage())
+            self._error_log.log(kind, f"{self._server}.invalid_http", f"{self._mistake}: {problem}", problem=problem)

@@ -369,7 +369,7 @@ async def test_invalid_web_socket_is_logged_and_harmless(open_house: Any) -> Non
                     with anyio.fail_after(PATIENCE), pytest.raises(anyio.EndOfStream):
                         await stream.receive()
             await peer.settle()
-    assert [line["event"] for line in logs] in ([], ["door.handshake_failed"] * 3)  # not every websockets release tells
+    assert [line["event"] for line in logs] in ([], ["door.invalid_http"] * 3)  # not every websockets release tells
 
 
 def test_an_open_door_needs_a_token() -> None:

@@ -1,21 +1,30 @@
-"""The routes of the HTTP API, and their description in OpenAPI 3.1."""
+"""The routes of the HTTP API, their description in OpenAPI 3.1, and answers to requests.
+
+The question is read and checked, and every error of homebot becomes a problem.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Awaitable, Callable
 from functools import cache
+from http import HTTPStatus
 from typing import Any, Final, NamedTuple
+from urllib.parse import SplitResult, parse_qsl, unquote, urlsplit
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 from pydantic.json_schema import models_json_schema
 
 from homebot.bridges.home_api import answers, shapes
 from homebot.bridges.home_api.device_search import HomeCalls
+from homebot.bridges.home_api.shapes import PROBLEMS, Problem, ProblemError
+from homebot.errors import HomebotError, UsageError
 from homebot.version import __version__
 
-__all__ = ["ROUTES", "ApiRoute", "openapi_text"]
+__all__ = ["ROUTES", "ApiAnswer", "ApiRequest", "ApiRoute", "answer", "openapi_text", "problem_body"]
 
+_JSON: Final = "application/json"
+_OPENAPI: Final = "/api/openapi.json"
 _REFERENCE: Final = "#/components/schemas/{model}"
 
 
@@ -91,3 +100,90 @@ def _operation(route: ApiRoute) -> dict[str, Any]:
 
 def _named(model: type[BaseModel]) -> dict[str, str]:
     return {"$ref": _REFERENCE.format(model=model.__name__)}
+
+
+class ApiAnswer(NamedTuple):
+    """The answer to a request.
+
+    Attributes:
+        allow: With 405, the methods of the address.
+    """
+
+    status: HTTPStatus
+    content_type: str
+    body: bytes
+    allow: str = ""
+
+
+class ApiRequest(NamedTuple):
+    """A request as it came; its target is path and query."""
+
+    method: str
+    target: str
+    content_type: str = ""
+    body: bytes = b""
+
+
+async def answer(request: ApiRequest, home: HomeCalls) -> ApiAnswer:
+    """Return the answer to *request*; never raises an error of homebot."""
+    try:
+        if (request.method, urlsplit(request.target).path) == ("GET", _OPENAPI):
+            return ApiAnswer(HTTPStatus.OK, _JSON, openapi_text())
+        route, question = _question(request)
+        found = await route.handle(home, question)
+    except ProblemError as exc:
+        return problem_body(exc.status, str(exc))._replace(allow=exc.allow)
+    except UsageError as exc:
+        return problem_body(HTTPStatus.BAD_REQUEST, str(exc))
+    except HomebotError as exc:
+        return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, str(exc))
+    return ApiAnswer(HTTPStatus.OK, _JSON, _text(found))
+
+
+def problem_body(status: HTTPStatus, detail: str) -> ApiAnswer:
+    """Return the answer that reports an error."""
+    problem = Problem(title=status.phrase, status=status, outcome=PROBLEMS[status], detail=detail)
+    return ApiAnswer(status, "application/problem+json", _text(problem))
+
+
+def _text(found: BaseModel) -> bytes:
+    return found.model_dump_json(exclude_defaults=True).encode() + b"\n"
+
+
+def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
+    """Return the route of *request*, and its question."""
+    url = urlsplit(request.target)
+    fitting = [one for one in ROUTES if _fits(one.path, url.path)]
+    if not fitting:
+        known = ", ".join(f"{one.method} {one.path}" for one in ROUTES)
+        raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
+    route = fitting[0]
+    if request.method != route.method:
+        raise ProblemError(HTTPStatus.METHOD_NOT_ALLOWED, f"{route.path} takes {route.method}", route.method)
+    is_post = route.method == "POST"
+    if is_post and request.content_type.partition(";")[0].strip().lower() != _JSON:
+        raise ProblemError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"send the header Content-Type: {_JSON}")
+    try:
+        if is_post:
+            return route, route.question.model_validate_json(request.body)
+        return route, route.question.model_validate(_query_fields(route, url))
+    except ValidationError as exc:
+        raise _wrong_field(route, exc) from None
+
+
+def _wrong_field(route: ApiRoute, exc: ValidationError) -> ProblemError:
+    first = exc.errors()[0]
+    where = ".".join(map(str, first["loc"])) or "body"
+    known = ", ".join(route.question.model_fields) or "none"
+    return ProblemError(HTTPStatus.BAD_REQUEST, f"{where[:100]}: {first['msg']}; known are {known}")
+
+
+def _query_fields(route: ApiRoute, url: SplitResult) -> dict[str, str]:
+    fields = dict(parse_qsl(url.query, keep_blank_values=True))
+    if route.path.endswith("{id}"):
+        fields["id"] = unquote(url.path[len(route.path) - len("{id}") :])
+    return fields
+
+
+def _fits(pattern: str, path: str) -> bool:
+    return path.startswith(pattern[: -len("{id}")]) if pattern.endswith("{id}") else path == pattern

@@ -164,9 +164,10 @@ class ClientAccess:
     is_page: bool = False
 
     @classmethod
-    def of_page(cls, name: str, rights: ClientRights, owners: RobotOwners) -> ClientAccess:
-        """Return the access of homebot's own page without a token."""
-        return cls(name, rights._replace(manages=False, is_raw=False, robots=()), owners, is_page=True)
+    def of(cls, name: str, rights: ClientRights, owners: RobotOwners, *, is_page: bool) -> ClientAccess:
+        """Return the access of a client, or of homebot's own page without a token."""
+        rights = rights._replace(manages=False, is_raw=False, robots=()) if is_page else rights
+        return cls(name, rights, owners, is_page)
 
     @property
     def issuer(self) -> str:

@@ -27,8 +27,7 @@ from homebot.bridges.rosbridge.protocol import (
     UnadvertiseService,
     UnsubscribeOperation,
 )
-from homebot.bridges.rosbridge.provided_services import ProvidedServices
-from homebot.bridges.rosbridge.provisions import Provisions
+from homebot.bridges.rosbridge.provided_services import ProvidedServices, Provisions
 from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.subscriptions import Subscriptions

@@ -10,7 +10,7 @@ from urllib.parse import unquote
 
 import anyio
 
-from homebot.bridges.home_api.http_answers import ApiAnswer, ApiRequest, answer, problem_body
+from homebot.bridges.home_api.routes import ApiAnswer, ApiRequest, answer, problem_body
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.protocol import CallService
@@ -61,8 +61,8 @@ class HttpRequests:
     ) -> ApiAnswer:
         """Return the answer; a request whose client leaves is given up."""
         connection.has_arrived()
-        posted, owners = connection.posted, self._shared.owners()
-        access = ClientAccess.of_page(name, rights, owners) if is_page else ClientAccess(name, rights, owners)
+        posted = connection.posted
+        access = ClientAccess.of(name, rights, self._shared.owners(), is_page=is_page)
         more = () if posted is None else (posted.content_type, posted.body)
         asked = ApiRequest("GET" if posted is None else posted.method, connection.target, *more)
         with anyio.CancelScope() as scope:
@@ -110,9 +110,7 @@ class _Calls:
         try:
             access.check(op, shared.node.resolve_name)
         except MissingRightError as exc:
-            shared.counters.requests_refused += 1
-            shared.counters.rights_missing += 1
-            shared.refusals.record(access, self._client, op, exc)
+            shared.record_refusal(access, self._client, op, exc)
             raise ProblemError(HTTPStatus.FORBIDDEN, str(exc)) from exc
         frames: list[str] = []
         await call_service(shared.node, op, shared.turns, access, frames.append)

@@ -14,7 +14,7 @@ from homebot.bridges.rosbridge.protocol import (
     UnadvertiseAction,
     frame_text,
 )
-from homebot.bridges.rosbridge.provisions import Provisions
+from homebot.bridges.rosbridge.provided_services import Provisions
 from homebot.bridges.rosbridge.types import action_type_of, partial_message_from_client
 from homebot.errors import PeerError
 from homebot.graph import Node

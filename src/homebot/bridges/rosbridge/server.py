@@ -20,11 +20,10 @@ from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.client_error_log import ClientErrorLog, LibraryLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, http_response, is_roslibpy
 from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
-from homebot.bridges.rosbridge.library_log import LibraryLog
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
 from homebot.bridges.turns import ServerTurns
@@ -50,6 +49,13 @@ _CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _MORE_PORTS: Final = 9
 """Ports after the default one to try."""
+
+_MISTAKE: Final = "a client of the rosbridge server sent what is no WebSocket and no HTTP"
+_CRASHES: Final = {
+    "connection handler failed": "a client's session crashed",
+    "process_request failed": "the answer to a client's request crashed",
+}
+"""By the lines of the library."""
 
 _FULL: Final = "too many clients are connected"
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
@@ -206,7 +212,7 @@ class Door:
     async def _listen_on(self, port: int) -> Server:
         settings = self._settings
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
-        log.addHandler(LibraryLog(self._error_log))
+        log.addHandler(LibraryLog(self._error_log, "door", _MISTAKE, lambda line: _CRASHES.get(str(line.msg), "")))
         return await serve(
             self._serve,
             settings.host,

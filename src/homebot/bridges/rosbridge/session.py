@@ -98,8 +98,7 @@ class ClientSession:
         self.refused = 0
         self._reads_png = not is_roslibpy
         self._shared = shared
-        owners = shared.owners()
-        self._access = ClientAccess.of_page(name, rights, owners) if is_page else ClientAccess(name, rights, owners)
+        self._access = ClientAccess.of(name, rights, shared.owners(), is_page=is_page)
         self._node = shared.node
         self._settings = shared.settings
         self._turns = shared.turns
@@ -174,9 +173,7 @@ class ClientSession:
             self._do(op, holdings, tasks, len(frame))
         except MissingRightError as exc:
             self.refused += 1
-            self._shared.counters.requests_refused += 1
-            self._shared.counters.rights_missing += 1
-            self._shared.refusals.record(self._access, self._client, op, exc)
+            self._shared.record_refusal(self._access, self._client, op, exc)
             self._answer(op, str(exc))
         except HomebotError as exc:
             self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))

@@ -17,8 +17,10 @@ from homebot.bridges.turns import ServerTurns
 from homebot.graph import EntityKind, Graph, Node
 
 if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
     from homebot.bridges.rosbridge.owned_leases import OwnedLeases
-    from homebot.bridges.rosbridge.provisions import Provisions
+    from homebot.bridges.rosbridge.protocol import Operation
+    from homebot.bridges.rosbridge.provided_services import Provisions
     from homebot.bridges.rosbridge.refusals import Refusals
     from homebot.devices.robot_owners import RobotOwners
 
@@ -112,9 +114,14 @@ class SharedState:
     owners: Callable[[], RobotOwners]
     providers: dict[str, Provisions] = field(default_factory=dict)
 
+    def record_refusal(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
+        """Count, log and publish that *op* of a client was refused for want of a right."""
+        self.counters.requests_refused += 1
+        self.counters.rights_missing += 1
+        self._refusals.record(access, address, op, error)
+
     @cached_property
-    def refusals(self) -> Refusals:
-        """The record of requests without the right."""
+    def _refusals(self) -> Refusals:
         from homebot.bridges.rosbridge.refusals import Refusals  # noqa: PLC0415 - with the first client
 
         return Refusals(self.node, self.error_log)

@@ -82,7 +82,7 @@ class ThingDirectoryBridge:
         self._error_log = ClientErrorLog(node)
         self._tokens = TokenCheck({} if settings.token is None else {"token": settings.token}, node.graph.clock)
         self._turns = ServerTurns()
-        self._server = BoundedServer(settings, self._handle, node.graph.clock, self._log_error)
+        self._server = BoundedServer(settings, self._handle, node.graph.clock, self._error_log)
         version = token_hex(4)
         self._devices = ListedDevices(
             node,
@@ -223,11 +223,6 @@ class ThingDirectoryBridge:
             {"Content-Type": "text/event-stream", "Cache-Control": "no-store", "Server": "homebot", **shared}
         )
         await self._feed.run(wanted, exchange)
-
-    def _log_error(self, problem: str, error: BaseException | None) -> None:
-        event = "thing_directory.invalid_http" if error is None else "thing_directory.request_failed"
-        level = "warning" if error is None else "error"
-        self._error_log.log(event, event, problem, level="warning" if level == "warning" else "error", error=error)
 
 
 def _typed(answer: DirectoryAnswer) -> Mapping[str, str]:

@@ -12,13 +12,14 @@ import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Final
 
 import anyio
 from aiohttp import HttpVersion11, web
 from aiohttp.http_exceptions import HttpProcessingError
 
 from homebot.bridges.admission import AccessSettings
+from homebot.bridges.client_error_log import ClientErrorLog, LibraryLog
 from homebot.clock import Clock
 from homebot.errors import UsageError
 
@@ -139,20 +140,13 @@ class HttpExchange:
             raise ConnectionResetError("the client takes no bytes")
 
 
-class ErrorLog(Protocol):
-    """A log of clients' mistakes."""
-
-    def __call__(self, problem: str, error: BaseException | None) -> None:
-        """Log one line."""
-
-
 class BoundedServer:
     """A server that gives each request to a handler.
 
     Args:
         settings: Where it listens, and the number of its clients.
         handle: Answers a request.
-        log_error: Logs mistakes of clients and the library.
+        error_log: Logs mistakes of clients.
 
     Attributes:
         port: Its port; the real one once it listens.
@@ -164,7 +158,7 @@ class BoundedServer:
         settings: AccessSettings,
         handle: Callable[[HttpExchange], Awaitable[None]],
         clock: Clock,
-        log_error: ErrorLog,
+        error_log: ClientErrorLog,
     ) -> None:
         self.counters = ServerCounters()
         self.port = settings.port
@@ -172,7 +166,7 @@ class BoundedServer:
         self._settings = settings
         self._handle = handle
         self._clock = clock
-        self._log_error = log_error
+        self._error_log = error_log
         self._connections: _Connections | None = None
 
     @property
@@ -189,7 +183,7 @@ class BoundedServer:
         """
         settings = self._settings
         log = logging.Logger("thing_directory", logging.WARNING)  # noqa: LOG001 - leads into our own log
-        log.addHandler(_HttpLog(self._log_error))
+        log.addHandler(LibraryLog(self._error_log, "thing_directory", "a client sent invalid HTTP", _crash_in))
         self._connections = connections = _Connections(
             self._serve, settings.max_clients, self.counters, self._clock, log
         )
@@ -285,16 +279,6 @@ class _Connections(web.Server):
                     transport.abort()
 
 
-class _HttpLog(logging.Handler):
-    """Brings the lines of the HTTP library into our log."""
-
-    def __init__(self, log_error: ErrorLog) -> None:
-        super().__init__()
-        self._log_error = log_error
-
-    def emit(self, record: logging.LogRecord) -> None:
-        error = record.exc_info[1] if record.exc_info else None
-        if error is None or isinstance(error, (HttpProcessingError, web.HTTPException)):
-            self._log_error(f"a client sent invalid HTTP: {str(error or record.getMessage())[:200]}", None)
-        else:
-            self._log_error("a request failed", error)
+def _crash_in(line: logging.LogRecord) -> str:
+    error = line.exc_info[1] if line.exc_info else None
+    return "" if error is None or isinstance(error, (HttpProcessingError, web.HTTPException)) else "a request failed"
