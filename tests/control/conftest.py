@@ -10,6 +10,7 @@ from typing import ParamSpec, Protocol, TypeVar
 import anyio
 import pytest
 from anyio.abc import TaskGroup
+from tests.one_task import in_one_task
 
 from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
@@ -17,7 +18,7 @@ from homebot.control.journal.store import JournalStore
 from homebot.devices import Devices
 from homebot.devices.command_messages import CommandEvent
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Handle
+from homebot.devices.handles import Handle, Light
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.names import COMMAND_EVENTS
 from homebot.devices.value import PlainValue
@@ -108,6 +109,14 @@ class Home:
             part = part.model_copy(update={"capabilities": tuple(marked)})
         self.gateway.devices.put(GatewayDevice(key, name or key.title(), (part,), area=area), "the test says so")
 
+    async def lamp(
+        self, *settable: str, behaviour: Behaviour = obey, is_silent: bool = False, echoed: tuple[str, ...] = ()
+    ) -> Light:
+        """Put the only lamp, ``lamp``, and return its handle."""
+        self.put("lamp", "light", *settable, is_silent=is_silent, echoed=echoed)
+        self.behaviours["lamp"] = behaviour
+        return await self.handle(Light)
+
     async def report(self, key: str, capability: str, value: PlainValue) -> None:
         """Let a device report a value."""
         await self.gateway.devices.report(key, {capability: value})
@@ -184,3 +193,10 @@ def open_home() -> OpenHome:
             tasks.cancel_scope.cancel()
 
     return opened
+
+
+@pytest.fixture
+async def home(open_home: OpenHome) -> AsyncIterator[Home]:
+    """A home without approvals."""
+    async with in_one_task(open_home()) as home:
+        yield home

@@ -65,57 +65,53 @@ def command_client(node: Node) -> CommandClient:
     return ActionClient(node, CommandDevicesAction, PERFORM_COMMANDS)
 
 
-async def test_actions_are_listed_before_anything_of_them_is_made(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        listed = {one.name: (one.ros_type, one.servers) for one in home.graph.actions()}
-        assert listed == {
-            PERFORM_COMMANDS: ("homebot/action/CommandDevices", ("/control",)),
-            HOLD_DEVICE: ("homebot/action/HoldDevice", ("/control",)),
-        }
-        assert not [one for one in home.graph.get_service_names_and_types() if "_action" in one]
-        assert home.graph.get_action_type(HOLD_DEVICE) is HoldDevice
-        assert [one.name for one in home.graph.actions()] == sorted(listed)
+async def test_actions_are_listed_before_anything_of_them_is_made(home: Home) -> None:
+    listed = {one.name: (one.ros_type, one.servers) for one in home.graph.actions()}
+    assert listed == {
+        PERFORM_COMMANDS: ("homebot/action/CommandDevices", ("/control",)),
+        HOLD_DEVICE: ("homebot/action/HoldDevice", ("/control",)),
+    }
+    assert not [one for one in home.graph.get_service_names_and_types() if "_action" in one]
+    assert home.graph.get_action_type(HOLD_DEVICE) is HoldDevice
+    assert [one.name for one in home.graph.actions()] == sorted(listed)
 
 
-async def test_each_outcome_is_feedback_as_soon_as_it_is_known(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        for key, seconds in (("slow", 5.0), ("fast", 1.0)):
-            home.put(key, "light", "on_off", area="hall")
-            home.behaviours[key] = obey_after(seconds)
-        await anyio.sleep(0.01)
-        feedback: list[tuple[str, int]] = []
-        result = await command_client(home.app).perform(
-            CommandDevicesGoal(target="light in hall", command="on"),
-            lambda message: feedback.append((message.commanded.device, message.waiting)),
-        )
-        assert feedback == [("fast", 1), ("slow", 0)]
-        assert (result.success, result.outcome, len(result.results)) == (True, "confirmed", 2)
+async def test_each_outcome_is_feedback_as_soon_as_it_is_known(home: Home) -> None:
+    for key, seconds in (("slow", 5.0), ("fast", 1.0)):
+        home.put(key, "light", "on_off", area="hall")
+        home.behaviours[key] = obey_after(seconds)
+    await anyio.sleep(0.01)
+    feedback: list[tuple[str, int]] = []
+    result = await command_client(home.app).perform(
+        CommandDevicesGoal(target="light in hall", command="on"),
+        lambda message: feedback.append((message.commanded.device, message.waiting)),
+    )
+    assert feedback == [("fast", 1), ("slow", 0)]
+    assert (result.success, result.outcome, len(result.results)) == (True, "confirmed", 2)
 
 
-async def test_a_command_without_success_is_an_aborted_goal_with_its_reason(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        with pytest.raises(GoalAbortedError) as caught:
-            await command_client(home.app).perform(CommandDevicesGoal(target="nothing", command="on"))
-        assert isinstance(caught.value.result, CommandDevicesResult)
-        assert "nothing" in caught.value.result.message
+async def test_a_command_without_success_is_an_aborted_goal_with_its_reason(home: Home) -> None:
+    with pytest.raises(GoalAbortedError) as caught:
+        await command_client(home.app).perform(CommandDevicesGoal(target="nothing", command="on"))
+    assert isinstance(caught.value.result, CommandDevicesResult)
+    assert "nothing" in caught.value.result.message
 
 
-async def test_a_cancelled_command_is_not_repeated_and_returns_what_was_known(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        for key, behaviour in (("silent", ignore), ("lamp", obey_after(0.5))):
-            home.put(key, "light", "on_off", area="hall")
-            home.behaviours[key] = behaviour
-        await anyio.sleep(0.01)
-        goal = await command_client(home.app).send_goal(CommandDevicesGoal(target="light in hall", command="on"))
-        await anyio.sleep(1.0)
-        await goal.cancel()
-        state, result = await goal.result()
-        assert (state, [one.device for one in result.results]) == (GoalState.CANCELED, ["lamp"])
-        await anyio.sleep(60.0)
-        assert sorted(one.key for one in home.commands) == ["lamp", "silent"]
-        entries = (await home.control.read_journal(ReadJournalRequest(device="silent"))).entries
-        texts = [one.results[0].text for one in entries if one.kind == "outcome"]
-        assert texts == ["no answer within 1 s"]
+async def test_a_cancelled_command_is_not_repeated_and_returns_what_was_known(home: Home) -> None:
+    for key, behaviour in (("silent", ignore), ("lamp", obey_after(0.5))):
+        home.put(key, "light", "on_off", area="hall")
+        home.behaviours[key] = behaviour
+    await anyio.sleep(0.01)
+    goal = await command_client(home.app).send_goal(CommandDevicesGoal(target="light in hall", command="on"))
+    await anyio.sleep(1.0)
+    await goal.cancel()
+    state, result = await goal.result()
+    assert (state, [one.device for one in result.results]) == (GoalState.CANCELED, ["lamp"])
+    await anyio.sleep(60.0)
+    assert sorted(one.key for one in home.commands) == ["lamp", "silent"]
+    entries = (await home.control.read_journal(ReadJournalRequest(device="silent"))).entries
+    texts = [one.results[0].text for one in entries if one.kind == "outcome"]
+    assert texts == ["no answer within 1 s"]
 
 
 async def test_a_hold_is_released_when_its_goal_is_cancelled(open_home: OpenHome) -> None:

@@ -87,38 +87,36 @@ async def test_the_journal_names_the_client_and_the_service(open_home: OpenHome)
         assert trigger_text(asked.trigger, {}) == "the client tablet called /app/dark"
 
 
-async def test_a_lease_names_the_client_whose_call_is_its_cause(open_home: OpenHome) -> None:
+async def test_a_lease_names_the_client_whose_call_is_its_cause(home: Home) -> None:
     """So do the refusal of another command, and the commands and steps of the lease in the journal."""
-    async with open_home() as home:
-        leases = home.app.create_client(GetLeases, GET_LEASES)
+    leases = home.app.create_client(GetLeases, GET_LEASES)
 
-        async def hold(lamp: Light) -> str:
-            async with lamp.hold("on", by="party"):
-                ((holder,),) = (one.holders for one in (await leases.call(GetLeasesRequest())).parts)
-                return f"{trigger_text(holder.trigger, {})}; {(await lamp.turn_off()).text}"
+    async def hold(lamp: Light) -> str:
+        async with lamp.hold("on", by="party"):
+            ((holder,),) = (one.holders for one in (await leases.call(GetLeasesRequest())).parts)
+            return f"{trigger_text(holder.trigger, {})}; {(await lamp.turn_off()).text}"
 
-        cause = "the client tablet called /app/dark"
-        assert await call(home, dark=hold) == f"{cause}; refused (lease): held on by party ({cause}) for 10 s more"
-        entries = (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
-        causes = [(one.kind, trigger_text(one.trigger, {})) for one in entries if one.trigger.kind]
-        assert causes == [("held", cause), ("requested", f"party ({cause}) holds it"), ("requested", cause)]
+    cause = "the client tablet called /app/dark"
+    assert await call(home, dark=hold) == f"{cause}; refused (lease): held on by party ({cause}) for 10 s more"
+    entries = (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
+    causes = [(one.kind, trigger_text(one.trigger, {})) for one in entries if one.trigger.kind]
+    assert causes == [("held", cause), ("requested", f"party ({cause}) holds it"), ("requested", cause)]
 
 
-async def test_a_client_names_no_other_as_the_cause_of_its_lease(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.handle(Light, "lamp")
-        cause = Cause(kind="client", text="client:owner called /app/dark")
-        wanted = HoldRequest(
-            device="lamp",
-            setting=Setting.of("on_off", plain=True),
-            lease="1",
-            by="robot",
-            ttl=10,
-            issuer="client:robot",
-            scope=("act: all",),
-            trigger=cause,
-        )
-        await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
-        (held,) = (await home.app.create_client(GetLeases, GET_LEASES).call(GetLeasesRequest())).parts
-        assert [one.trigger.kind for one in held.holders] == [""]
+async def test_a_client_names_no_other_as_the_cause_of_its_lease(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.handle(Light, "lamp")
+    cause = Cause(kind="client", text="client:owner called /app/dark")
+    wanted = HoldRequest(
+        device="lamp",
+        setting=Setting.of("on_off", plain=True),
+        lease="1",
+        by="robot",
+        ttl=10,
+        issuer="client:robot",
+        scope=("act: all",),
+        trigger=cause,
+    )
+    await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
+    (held,) = (await home.app.create_client(GetLeases, GET_LEASES).call(GetLeasesRequest())).parts
+    assert [one.trigger.kind for one in held.holders] == [""]

@@ -9,7 +9,7 @@ from random import Random
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
+from tests.control.conftest import Behaviour, Home, ignore, obey, obey_after, report
 from tests.control.test_journal import read
 
 from homebot.devices.gateway_messages import Command
@@ -46,31 +46,30 @@ async def unreachable(home: Home, command: Command) -> None:
 
 
 @pytest.mark.parametrize("seed", range(10))
-async def test_every_command_has_a_complete_chain(open_home: OpenHome, seed: int) -> None:
+async def test_every_command_has_a_complete_chain(home: Home, seed: int) -> None:
     random = Random(seed)  # noqa: S311
-    async with open_home() as home:
-        for number in range(LAMPS):
-            home.put(f"lamp{number}", "light", "on_off", is_silent=random.random() < 0.2)
-        await home.handle(Light, "lamp0")
-        lamps = await home.devices.find(Light)
-        outcomes: list[Outcome] = []
+    for number in range(LAMPS):
+        home.put(f"lamp{number}", "light", "on_off", is_silent=random.random() < 0.2)
+    await home.handle(Light, "lamp0")
+    lamps = await home.devices.find(Light)
+    outcomes: list[Outcome] = []
 
-        async def command(lamp: Light, *, on: bool) -> None:
-            outcomes.append(await (lamp.turn_on() if on else lamp.turn_off()))
+    async def command(lamp: Light, *, on: bool) -> None:
+        outcomes.append(await (lamp.turn_on() if on else lamp.turn_off()))
 
-        async with anyio.create_task_group() as tasks:
-            for _ in range(COMMANDS):
-                lamp = random.choice(lamps)
-                home.behaviours[lamp.name.lower()] = behaviour(random)
-                tasks.start_soon(partial(command, lamp, on=random.random() < 0.6))
-                await anyio.sleep(random.expovariate(0.5))
-        await anyio.sleep(60)
-        found = await read(home)
-        assert found.complete
-        chains = by_command(found.entries)
-        assert set(chains) == {one.command_id for one in outcomes}
-        for outcome in outcomes:
-            check(chains[outcome.command_id], outcome, set(chains))
+    async with anyio.create_task_group() as tasks:
+        for _ in range(COMMANDS):
+            lamp = random.choice(lamps)
+            home.behaviours[lamp.name.lower()] = behaviour(random)
+            tasks.start_soon(partial(command, lamp, on=random.random() < 0.6))
+            await anyio.sleep(random.expovariate(0.5))
+    await anyio.sleep(60)
+    found = await read(home)
+    assert found.complete
+    chains = by_command(found.entries)
+    assert set(chains) == {one.command_id for one in outcomes}
+    for outcome in outcomes:
+        check(chains[outcome.command_id], outcome, set(chains))
 
 
 def by_command(entries: Sequence[JournalEntry]) -> dict[str, list[JournalEntry]]:

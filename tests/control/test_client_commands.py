@@ -30,14 +30,13 @@ async def unlock(home: Home, issuer: str, *scope: str, value: str = "unlocked") 
 
 
 @pytest.mark.parametrize("scope", [(), ("act: light",), ("act: in hall",), ("act: lock in attic",)])
-async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, scope: tuple[str, ...]) -> None:
+async def test_a_client_without_the_right_does_not_unlock(home: Home, scope: tuple[str, ...]) -> None:
     """It is refused by a policy, with the reason, and the lock hears nothing."""
-    async with open_home() as home:
-        await put_house(home)
-        result = await unlock(home, "client:robot", *scope)
-        assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
-        assert result.reason.startswith("client:robot may not command ")
-        assert "such a device takes a right that names it" in result.reason
+    await put_house(home)
+    result = await unlock(home, "client:robot", *scope)
+    assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
+    assert result.reason.startswith("client:robot may not command ")
+    assert "such a device takes a right that names it" in result.reason
 
 
 @pytest.mark.parametrize(
@@ -49,13 +48,12 @@ async def test_a_client_without_the_right_does_not_unlock(open_home: OpenHome, s
     ],
 )
 async def test_the_refusal_says_where_the_right_is_given(
-    open_home: OpenHome, issuer: str, scope: tuple[str, ...], advice: str
+    home: Home, issuer: str, scope: tuple[str, ...], advice: str
 ) -> None:
-    async with open_home() as home:
-        await put_house(home)
-        result = await unlock(home, issuer, *scope)
-        lock = await home.handle(DoorLock, "door")
-        assert result.reason.endswith(advice.format(f"""'act: id="{lock.device.id}"'"""))
+    await put_house(home)
+    result = await unlock(home, issuer, *scope)
+    lock = await home.handle(DoorLock, "door")
+    assert result.reason.endswith(advice.format(f"""'act: id="{lock.device.id}"'"""))
 
 
 @pytest.mark.parametrize("approvals", [True, False])
@@ -72,68 +70,62 @@ async def test_one_refusal_names_right_and_approval(open_home: OpenHome, *, appr
 
 
 @pytest.mark.parametrize("scope", [(), ("read", "act: harmless")])
-async def test_who_may_command_what_is_harmless_locks(open_home: OpenHome, scope: tuple[str, ...]) -> None:
+async def test_who_may_command_what_is_harmless_locks(home: Home, scope: tuple[str, ...]) -> None:
     """As an app without a grant may."""
-    async with open_home() as home:
-        await put_house(home)
-        assert (await unlock(home, "client:local", *scope, value="locked")).outcome == "confirmed"
+    await put_house(home)
+    assert (await unlock(home, "client:local", *scope, value="locked")).outcome == "confirmed"
 
 
 @pytest.mark.parametrize("scope", [("act: light",), ("act: in hall",)])
-async def test_who_may_command_some_devices_alone_locks_no_other(open_home: OpenHome, scope: tuple[str, ...]) -> None:
-    async with open_home() as home:
-        await put_house(home)
-        result = await unlock(home, "client:robot", *scope, value="locked")
-        assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
+async def test_who_may_command_some_devices_alone_locks_no_other(home: Home, scope: tuple[str, ...]) -> None:
+    await put_house(home)
+    result = await unlock(home, "client:robot", *scope, value="locked")
+    assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
 
 
-async def test_to_hold_a_lock_locked_takes_a_right_that_names_it(open_home: OpenHome) -> None:
+async def test_to_hold_a_lock_locked_takes_a_right_that_names_it(home: Home) -> None:
     """A lease keeps others from unlocking, those who have the right as well."""
-    async with open_home() as home:
-        await put_house(home)
-        lock = await home.handle(DoorLock, "door")
-        wanted = HoldRequest(
-            device=lock.device.id,
-            setting=Setting(capability="lock", value=Value.of("locked")),
-            by="x",
-            lease="1",
-            ttl=10,
-            issuer="client:local",
-        )
-        hold = home.app.create_client(HoldPart, HOLD_PART)
-        answer = LeaseResponse.of(await hold.call(wanted))
-        assert (answer.held, answer.result.policy, home.commands) == (False, "rights", [])
-        answer = LeaseResponse.of(await hold.call(wanted.model_copy(update={"issuer": "/app"})))
-        assert (answer.held, answer.result.policy, home.commands) == (False, "always_ask", [])
+    await put_house(home)
+    lock = await home.handle(DoorLock, "door")
+    wanted = HoldRequest(
+        device=lock.device.id,
+        setting=Setting(capability="lock", value=Value.of("locked")),
+        by="x",
+        lease="1",
+        ttl=10,
+        issuer="client:local",
+    )
+    hold = home.app.create_client(HoldPart, HOLD_PART)
+    answer = LeaseResponse.of(await hold.call(wanted))
+    assert (answer.held, answer.result.policy, home.commands) == (False, "rights", [])
+    answer = LeaseResponse.of(await hold.call(wanted.model_copy(update={"issuer": "/app"})))
+    assert (answer.held, answer.result.policy, home.commands) == (False, "always_ask", [])
 
 
 @pytest.mark.parametrize("scope", ["act: all", "act: lock", "act: lock in hall", 'act: name="Door"'])
-async def test_a_client_with_the_right_unlocks(open_home: OpenHome, scope: str) -> None:
-    async with open_home() as home:
-        await put_house(home)
-        assert (await unlock(home, "client:robot", scope)).outcome == "confirmed"
+async def test_a_client_with_the_right_unlocks(home: Home, scope: str) -> None:
+    await put_house(home)
+    assert (await unlock(home, "client:robot", scope)).outcome == "confirmed"
 
 
-async def test_an_unreadable_scope_allows_nothing(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        await put_house(home)
-        result = await unlock(home, "client:robot", "unlock everything")
-        assert (result.outcome, result.policy) == ("refused", "rights")
+async def test_an_unreadable_scope_allows_nothing(home: Home) -> None:
+    await put_house(home)
+    result = await unlock(home, "client:robot", "unlock everything")
+    assert (result.outcome, result.policy) == ("refused", "rights")
 
 
-async def test_a_query_commands_what_the_client_may_and_says_what_not(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        await put_house(home)
-        request = CommandDevicesRequest(target="lights", command="on", issuer="client:robot", scope=("act: in hall",))
-        answer = await home.control.command_devices(request)
-        assert (answer.success, answer.outcome) == (False, "refused")
-        assert sorted((one.name, one.result.outcome) for one in answer.results) == [
-            ("Lamp", "confirmed"),
-            ("Other", "refused"),
-        ]
-        refused = next(one.result for one in answer.results if one.result.outcome == "refused")
-        assert "it is not among what the client may command" in refused.reason
-        assert [one.key for one in home.commands] == ["lamp"]
+async def test_a_query_commands_what_the_client_may_and_says_what_not(home: Home) -> None:
+    await put_house(home)
+    request = CommandDevicesRequest(target="lights", command="on", issuer="client:robot", scope=("act: in hall",))
+    answer = await home.control.command_devices(request)
+    assert (answer.success, answer.outcome) == (False, "refused")
+    assert sorted((one.name, one.result.outcome) for one in answer.results) == [
+        ("Lamp", "confirmed"),
+        ("Other", "refused"),
+    ]
+    refused = next(one.result for one in answer.results if one.result.outcome == "refused")
+    assert "it is not among what the client may command" in refused.reason
+    assert [one.key for one in home.commands] == ["lamp"]
 
 
 async def test_an_app_is_no_client_and_has_the_rights_of_its_table(open_home: OpenHome) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore
+from tests.control.conftest import Home, ignore
 
 from homebot.devices import KeyValue
 from homebot.devices.command_messages import CommandDevices, CommandDevicesRequest, CommandDevicesResponse
@@ -33,24 +33,22 @@ def sent(home: Home) -> list[tuple[str, str, PlainValue]]:
     return sorted((one.key, one.capability, one.value.plain()) for one in home.commands)
 
 
-async def test_a_query_reaches_all_that_fit_and_nothing_else(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        for key, area in (("one", "hall"), ("two", "hall"), ("three", "attic")):
-            home.put(key, "light", "on_off", area=area)
-        home.put("plug", "plug", "on_off", area="hall")
-        answer = await command(home, "light in hall", "on")
-        assert (answer.success, answer.outcome) == (True, "confirmed")
-        assert [one.name for one in answer.results] == ["One", "Two"]
-        assert sent(home) == [("one", "on_off", True), ("two", "on_off", True)]
+async def test_a_query_reaches_all_that_fit_and_nothing_else(home: Home) -> None:
+    for key, area in (("one", "hall"), ("two", "hall"), ("three", "attic")):
+        home.put(key, "light", "on_off", area=area)
+    home.put("plug", "plug", "on_off", area="hall")
+    answer = await command(home, "light in hall", "on")
+    assert (answer.success, answer.outcome) == (True, "confirmed")
+    assert [one.name for one in answer.results] == ["One", "Two"]
+    assert sent(home) == [("one", "on_off", True), ("two", "on_off", True)]
 
 
 @pytest.mark.parametrize("target", ["lamp", "Lamp", "LAMP"])
-async def test_a_device_is_called_by_its_id_or_its_name(open_home: OpenHome, target: str) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.put("lamplet", "light", "on_off")
-        assert (await command(home, target, "on")).success
-        assert sent(home) == [("lamp", "on_off", True)]
+async def test_a_device_is_called_by_its_id_or_its_name(home: Home, target: str) -> None:
+    home.put("lamp", "light", "on_off")
+    home.put("lamplet", "light", "on_off")
+    assert (await command(home, target, "on")).success
+    assert sent(home) == [("lamp", "on_off", True)]
 
 
 @pytest.mark.parametrize(
@@ -63,59 +61,52 @@ async def test_a_device_is_called_by_its_id_or_its_name(open_home: OpenHome, tar
         ("brightness 40", "level", 40.0),
     ],
 )
-async def test_a_command_may_have_several_words(
-    open_home: OpenHome, words: str, capability: str, value: PlainValue
-) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        assert (await command(home, "lamp", words)).success
-        assert sent(home) == [("lamp", capability, value)]
+async def test_a_command_may_have_several_words(home: Home, words: str, capability: str, value: PlainValue) -> None:
+    home.put("lamp", "light", "on_off", "level")
+    assert (await command(home, "lamp", words)).success
+    assert sent(home) == [("lamp", capability, value)]
 
 
-async def test_a_device_that_is_away_and_does_not_answer_is_said_to_be_away(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = ignore
-        home.gateway.devices.report_reachable("lamp", reachable=False)
-        (result,) = (await command(home, "lamp", "on")).results
-        assert result.result.text.startswith("no answer within 10 s; it is offline, according to memory")
-        home.gateway.devices.report_reachable("lamp", reachable=True)
-        (result,) = (await command(home, "lamp", "on")).results
-        assert result.result.text == "no answer within 10 s"
+async def test_a_device_that_is_away_and_does_not_answer_is_said_to_be_away(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    home.behaviours["lamp"] = ignore
+    home.gateway.devices.report_reachable("lamp", reachable=False)
+    (result,) = (await command(home, "lamp", "on")).results
+    assert result.result.text.startswith("no answer within 10 s; it is offline, according to memory")
+    home.gateway.devices.report_reachable("lamp", reachable=True)
+    (result,) = (await command(home, "lamp", "on")).results
+    assert result.result.text == "no answer within 10 s"
 
 
 @pytest.mark.parametrize("is_back", [True, False])
-async def test_whether_it_is_away_is_told_as_it_is_in_the_end(open_home: OpenHome, *, is_back: bool) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.gateway.devices.report_reachable("lamp", reachable=not is_back)
-        await anyio.sleep(1)
+async def test_whether_it_is_away_is_told_as_it_is_in_the_end(home: Home, *, is_back: bool) -> None:
+    home.put("lamp", "light", "on_off")
+    home.gateway.devices.report_reachable("lamp", reachable=not is_back)
+    await anyio.sleep(1)
 
-        async def change(home: Home, _: Command) -> None:
-            home.gateway.devices.report_reachable("lamp", reachable=is_back)
+    async def change(home: Home, _: Command) -> None:
+        home.gateway.devices.report_reachable("lamp", reachable=is_back)
 
-        home.behaviours["lamp"] = change
-        (result,) = (await command(home, "lamp", "on")).results
-        assert ("it is offline" in result.result.text) is not is_back
+    home.behaviours["lamp"] = change
+    (result,) = (await command(home, "lamp", "on")).results
+    assert ("it is offline" in result.result.text) is not is_back
 
 
-async def test_the_worst_outcome_is_that_of_all(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("one", "light", "on_off")
-        home.put("two", "light", "on_off")
-        home.behaviours["two"] = ignore
-        answer = await command(home, "light", "on")
-        assert (answer.success, answer.outcome) == (False, "no_answer")
-        assert [one.result.outcome for one in answer.results] == ["confirmed", "no_answer"]
+async def test_the_worst_outcome_is_that_of_all(home: Home) -> None:
+    home.put("one", "light", "on_off")
+    home.put("two", "light", "on_off")
+    home.behaviours["two"] = ignore
+    answer = await command(home, "light", "on")
+    assert (answer.success, answer.outcome) == (False, "no_answer")
+    assert [one.result.outcome for one in answer.results] == ["confirmed", "no_answer"]
 
 
 @pytest.mark.parametrize(("kind", "capability"), [("x_scene", "scene"), ("x_setting", "push"), ("x_setting", "locate")])
-async def test_what_is_only_pressed_or_called_needs_no_value(open_home: OpenHome, kind: str, capability: str) -> None:
-    async with open_home() as home:
-        home.gateway.devices.put(GatewayDevice("it", "It", (simple_part(kind, settable=(capability,)),)), "it is there")
-        answer = await command(home, "it", capability)
-        assert answer.success, answer
-        assert sent(home) == [("it", capability, True)]
+async def test_what_is_only_pressed_or_called_needs_no_value(home: Home, kind: str, capability: str) -> None:
+    home.gateway.devices.put(GatewayDevice("it", "It", (simple_part(kind, settable=(capability,)),)), "it is there")
+    answer = await command(home, "it", capability)
+    assert answer.success, answer
+    assert sent(home) == [("it", capability, True)]
 
 
 @pytest.mark.parametrize(
@@ -139,13 +130,12 @@ async def test_what_is_only_pressed_or_called_needs_no_value(open_home: OpenHome
     ],
 )
 async def test_words_and_values_are_settings(
-    open_home: OpenHome, word: str, values: dict[str, str], expected: list[tuple[str, PlainValue]]
+    home: Home, word: str, values: dict[str, str], expected: list[tuple[str, PlainValue]]
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level", "color_temperature", "color")
-        answer = await command(home, "lamp", word, values)
-        assert answer.success, answer
-        assert [(name, value) for _, name, value in sent(home)] == expected
+    home.put("lamp", "light", "on_off", "level", "color_temperature", "color")
+    answer = await command(home, "lamp", word, values)
+    assert answer.success, answer
+    assert [(name, value) for _, name, value in sent(home)] == expected
 
 
 @pytest.mark.parametrize(
@@ -163,41 +153,32 @@ async def test_words_and_values_are_settings(
     ],
 )
 async def test_robots_take_words_and_mode_is_that_of_the_device(
-    open_home: OpenHome,
-    kind: str,
-    capability: str,
-    options: tuple[str, ...],
-    word: str,
-    values: dict[str, str],
-    expected: str,
+    home: Home, kind: str, capability: str, options: tuple[str, ...], word: str, values: dict[str, str], expected: str
 ) -> None:
-    async with open_home() as home:
-        home.put("device", kind, capability)
-        part = simple_part(kind, settable=(capability,))
-        taken = tuple(one.model_copy(update={"options": options}) for one in part.capabilities)
-        part = part.model_copy(update={"capabilities": taken})
-        home.gateway.devices.put(GatewayDevice("device", "Device", (part,)), "its options")
-        answer = await command(home, "device", word, values)
-        assert answer.success, answer
-        assert sent(home) == [("device", capability, expected)]
+    home.put("device", kind, capability)
+    part = simple_part(kind, settable=(capability,))
+    taken = tuple(one.model_copy(update={"options": options}) for one in part.capabilities)
+    part = part.model_copy(update={"capabilities": taken})
+    home.gateway.devices.put(GatewayDevice("device", "Device", (part,)), "its options")
+    answer = await command(home, "device", word, values)
+    assert answer.success, answer
+    assert sent(home) == [("device", capability, expected)]
 
 
 @pytest.mark.parametrize("word", ["21 °C", "21°c", "21.0 C", "heating_setpoint 21 °C", "set heating_setpoint to 21°C"])
-async def test_a_number_may_have_the_unit_that_the_list_of_devices_shows(open_home: OpenHome, word: str) -> None:
-    async with open_home() as home:
-        home.put("valve", "thermostat", "heating_setpoint")
-        answer = await command(home, "valve", word)
-        assert answer.success, answer
-        assert sent(home) == [("valve", "heating_setpoint", 21.0)]
+async def test_a_number_may_have_the_unit_that_the_list_of_devices_shows(home: Home, word: str) -> None:
+    home.put("valve", "thermostat", "heating_setpoint")
+    answer = await command(home, "valve", word)
+    assert answer.success, answer
+    assert sent(home) == [("valve", "heating_setpoint", 21.0)]
 
 
 @pytest.mark.parametrize("word", ["70 F", "21 %", "heating_setpoint 70 °F"])
-async def test_a_number_with_another_unit_is_refused(open_home: OpenHome, word: str) -> None:
-    async with open_home() as home:
-        home.put("valve", "thermostat", "heating_setpoint")
-        answer = await command(home, "valve", word)
-        assert (answer.success, answer.outcome) == (False, "refused")
-        assert home.commands == []
+async def test_a_number_with_another_unit_is_refused(home: Home, word: str) -> None:
+    home.put("valve", "thermostat", "heating_setpoint")
+    answer = await command(home, "valve", word)
+    assert (answer.success, answer.outcome) == (False, "refused")
+    assert home.commands == []
 
 
 @pytest.mark.parametrize(
@@ -225,16 +206,15 @@ async def test_a_number_with_another_unit_is_refused(open_home: OpenHome, word: 
     ],
 )
 async def test_what_makes_no_sense_is_refused_and_not_sent(
-    open_home: OpenHome, word: str, values: dict[str, str], problem: str
+    home: Home, word: str, values: dict[str, str], problem: str
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level", *(["color_temperature"] if "color_temperature" in values else []))
-        answer = await command(home, "lamp", word, values)
-        (one,) = answer.results
-        assert (answer.success, answer.outcome, one.result.policy) == (False, "refused", "device")
-        assert problem in one.result.text
-        assert answer.message == f"Lamp: {one.result.text}"
-        assert home.commands == []
+    home.put("lamp", "light", "on_off", "level", *(["color_temperature"] if "color_temperature" in values else []))
+    answer = await command(home, "lamp", word, values)
+    (one,) = answer.results
+    assert (answer.success, answer.outcome, one.result.policy) == (False, "refused", "device")
+    assert problem in one.result.text
+    assert answer.message == f"Lamp: {one.result.text}"
+    assert home.commands == []
 
 
 COLOR = "it takes hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
@@ -250,13 +230,12 @@ COLOR = "it takes hue (0 to 360) and saturation (0 to 100), such as 0,100 for re
     ],
 )
 async def test_what_is_no_colour_is_refused_with_an_example(
-    open_home: OpenHome, word: str, values: dict[str, str], problem: str
+    home: Home, word: str, values: dict[str, str], problem: str
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "color")
-        answer = await command(home, "lamp", word, values)
-        assert answer.message == f"Lamp: refused (device): {problem}"
-        assert home.commands == []
+    home.put("lamp", "light", "on_off", "color")
+    answer = await command(home, "lamp", word, values)
+    assert answer.message == f"Lamp: refused (device): {problem}"
+    assert home.commands == []
 
 
 @pytest.mark.parametrize(
@@ -273,87 +252,80 @@ async def test_what_is_no_colour_is_refused_with_an_example(
         ("light in (", ""),
     ],
 )
-async def test_a_target_that_is_none_or_several_is_told(open_home: OpenHome, target: str, problem: str) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.put("twin1", "light", "on_off", name="Big twin")
-        home.put("twin2", "light", "on_off", name="Big Twin")
-        answer = await command(home, target, "on")
-        assert not answer.success
-        assert answer.results == ()
-        assert problem in answer.message
-        assert answer.message
-        assert home.commands == []
+async def test_a_target_that_is_none_or_several_is_told(home: Home, target: str, problem: str) -> None:
+    home.put("lamp", "light", "on_off")
+    home.put("twin1", "light", "on_off", name="Big twin")
+    home.put("twin2", "light", "on_off", name="Big Twin")
+    answer = await command(home, target, "on")
+    assert not answer.success
+    assert answer.results == ()
+    assert problem in answer.message
+    assert answer.message
+    assert home.commands == []
 
 
 @pytest.mark.parametrize("target", ["light hall", "lights hall", "hall"])
-async def test_a_name_that_is_a_typo_away_is_not_commanded_along(open_home: OpenHome, target: str) -> None:
-    async with open_home() as home:
-        home.put("hall", "light", "on_off")
-        home.put("hill", "light", "on_off")
-        assert (await command(home, target, "on")).success
-        assert sent(home) == [("hall", "on_off", True)]
+async def test_a_name_that_is_a_typo_away_is_not_commanded_along(home: Home, target: str) -> None:
+    home.put("hall", "light", "on_off")
+    home.put("hill", "light", "on_off")
+    assert (await command(home, target, "on")).success
+    assert sent(home) == [("hall", "on_off", True)]
 
 
-async def test_a_word_that_is_a_capability_too_is_a_word_where_no_value_is_given(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lock", "door_lock", "lock")
-        await command(home, "lock", "lock")
-        assert sent(home) == [("lock", "lock", "locked")]
+async def test_a_word_that_is_a_capability_too_is_a_word_where_no_value_is_given(home: Home) -> None:
+    home.put("lock", "door_lock", "lock")
+    await command(home, "lock", "lock")
+    assert sent(home) == [("lock", "lock", "locked")]
 
 
-async def test_a_sensor_refuses(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lux", "light_sensor", readable=("illuminance",))
-        answer = await command(home, "lux", "on")
-        assert (answer.success, answer.outcome) == (False, "refused")
+async def test_a_sensor_refuses(home: Home) -> None:
+    home.put("lux", "light_sensor", readable=("illuminance",))
+    answer = await command(home, "lux", "on")
+    assert (answer.success, answer.outcome) == (False, "refused")
 
 
-async def test_an_appliance_is_turned_on_without_its_functions(open_home: OpenHome) -> None:
+async def test_an_appliance_is_turned_on_without_its_functions(home: Home) -> None:
     """Faikin announces an air conditioner with switches for its powerful mode and its display."""
-    async with open_home() as home:
-        cooler = simple_part("room_air_conditioner", settable=("on_off",)).model_copy(update={"id": "ac"})
-        switches = [
-            simple_part("switch", settable=("on_off",)).model_copy(update={"id": name, "name": name.title()})
-            for name in ("powerful", "display")
-        ]
-        home.gateway.devices.put(GatewayDevice("ac", "Guest room", (cooler, *switches)), "the test says so")
-        home.behaviours["ac"] = ignore
-        for target, expected in (
-            ("Guest room", ["ac"]),
-            ("guest_room#powerful", ["powerful"]),
-            ("Powerful", ["powerful"]),
-        ):
-            answer = await command(home, target, "on")
-            assert [one.part for one in answer.results] == expected
+    cooler = simple_part("room_air_conditioner", settable=("on_off",)).model_copy(update={"id": "ac"})
+    switches = [
+        simple_part("switch", settable=("on_off",)).model_copy(update={"id": name, "name": name.title()})
+        for name in ("powerful", "display")
+    ]
+    home.gateway.devices.put(GatewayDevice("ac", "Guest room", (cooler, *switches)), "the test says so")
+    home.behaviours["ac"] = ignore
+    for target, expected in (
+        ("Guest room", ["ac"]),
+        ("guest_room#powerful", ["powerful"]),
+        ("Powerful", ["powerful"]),
+    ):
+        answer = await command(home, target, "on")
+        assert [one.part for one in answer.results] == expected
 
 
-async def test_a_word_for_a_switch_is_no_text_for_its_label(open_home: OpenHome) -> None:
+async def test_a_word_for_a_switch_is_no_text_for_its_label(home: Home) -> None:
     """Home Buttons announce texts, and others a time or the message of a notification, that are no configuration."""
-    async with open_home() as home:
-        relay = simple_part("switch", settable=("on_off",)).model_copy(update={"id": "relay"})
-        label = simple_part("x_setting", settable=("text",)).model_copy(update={"id": "label"})
-        home.gateway.devices.put(GatewayDevice("panel", "Panel", (label, relay)), "the test says so")
-        home.behaviours["panel"] = ignore
-        for words, expected in ((("off", {}), ["relay"]), (("set", {"text": "off"}), ["label"])):
-            answer = await command(home, "panel", *words)
-            assert [one.part for one in answer.results] == expected
+    relay = simple_part("switch", settable=("on_off",)).model_copy(update={"id": "relay"})
+    label = simple_part("x_setting", settable=("text",)).model_copy(update={"id": "label"})
+    home.gateway.devices.put(GatewayDevice("panel", "Panel", (label, relay)), "the test says so")
+    home.behaviours["panel"] = ignore
+    for words, expected in ((("off", {}), ["relay"]), (("set", {"text": "off"}), ["label"])):
+        answer = await command(home, "panel", *words)
+        assert [one.part for one in answer.results] == expected
 
 
-async def test_what_only_the_fan_can_is_not_for_its_lamp(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        fan = simple_part("fan", settable=("on_off", "fan_speed")).model_copy(update={"id": "fan"})
-        lamps = [simple_part("light", settable=("on_off",)).model_copy(update={"id": name}) for name in ("a", "b")]
-        home.gateway.devices.put(GatewayDevice("unit", "Unit", (fan, *lamps)), "the test says so")
-        home.behaviours["unit"] = ignore
-        for words, parts in (
-            (("set", {"fan_speed": "40"}), ["fan"]),
-            (("on", {}), ["a", "b", "fan"]),
-        ):
-            answer = await command(home, "unit", *words)
-            assert [one.part for one in answer.results] == parts
-        answer = await command(home, "unit", "set", {"level": "40"})
-        assert (answer.outcome, len(answer.results)) == ("refused", 3)
+async def test_what_only_the_fan_can_is_not_for_its_lamp(home: Home) -> None:
+    fan = simple_part("fan", settable=("on_off", "fan_speed")).model_copy(update={"id": "fan"})
+    lamps = [simple_part("light", settable=("on_off",)).model_copy(update={"id": name}) for name in ("a", "b")]
+    home.gateway.devices.put(GatewayDevice("unit", "Unit", (fan, *lamps)), "the test says so")
+    home.behaviours["unit"] = ignore
+    for words, parts in (
+        (("set", {"fan_speed": "40"}), ["fan"]),
+        (("on", {}), ["a", "b", "fan"]),
+    ):
+        answer = await command(home, "unit", *words)
+        assert [one.part for one in answer.results] == parts
+    answer = await command(home, "unit", "set", {"level": "40"})
+    assert (answer.outcome, len(answer.results)) == ("refused", 3)
 
 
 def put_relays(home: Home, key: str, names: Mapping[str, str]) -> None:
@@ -378,29 +350,24 @@ def put_relays(home: Home, key: str, names: Mapping[str, str]) -> None:
         ("switch", ["r1", "r2", "r3", "r4"]),
     ],
 )
-async def test_one_of_several_relays_is_called_by_its_own_name(
-    open_home: OpenHome, target: str, parts: list[str]
-) -> None:
-    async with open_home() as home:
-        put_relays(home, "relays", {"r1": "Pump", "r2": "Garden light", "r3": "Garden tap", "r4": "Heater"})
-        answer = await command(home, target, "on")
-        assert [one.part for one in answer.results] == parts
+async def test_one_of_several_relays_is_called_by_its_own_name(home: Home, target: str, parts: list[str]) -> None:
+    put_relays(home, "relays", {"r1": "Pump", "r2": "Garden light", "r3": "Garden tap", "r4": "Heater"})
+    answer = await command(home, target, "on")
+    assert [one.part for one in answer.results] == parts
 
 
-async def test_parts_of_several_devices_with_one_name_are_told_apart_by_their_ids(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        put_relays(home, "one", {"r1": "Heater", "r2": "Lamp"})
-        put_relays(home, "two", {"r1": "Heater"})
-        answer = await command(home, "Heater", "on")
-        assert (answer.success, answer.results) == (False, ())
-        assert answer.message == "2 devices have a part called Heater; give the id of one: one#r1, two#r1"
+async def test_parts_of_several_devices_with_one_name_are_told_apart_by_their_ids(home: Home) -> None:
+    put_relays(home, "one", {"r1": "Heater", "r2": "Lamp"})
+    put_relays(home, "two", {"r1": "Heater"})
+    answer = await command(home, "Heater", "on")
+    assert (answer.success, answer.results) == (False, ())
+    assert answer.message == "2 devices have a part called Heater; give the id of one: one#r1, two#r1"
 
 
-async def test_relays_without_names_are_told_apart_by_their_ids(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        put_relays(home, "relays", {"r1": "", "r2": ""})
-        answer = await command(home, "relays", "on")
-        assert [one.name for one in answer.results] == ["Relays #r1", "Relays #r2"]
+async def test_relays_without_names_are_told_apart_by_their_ids(home: Home) -> None:
+    put_relays(home, "relays", {"r1": "", "r2": ""})
+    answer = await command(home, "relays", "on")
+    assert [one.name for one in answer.results] == ["Relays #r1", "Relays #r2"]
 
 
 def put_button(home: Home, key: str, name: str) -> None:
@@ -420,38 +387,35 @@ def put_button(home: Home, key: str, name: str) -> None:
     ],
 )
 async def test_a_part_whose_name_is_a_type_is_meant_where_nothing_of_the_type_takes_the_command(
-    open_home: OpenHome, target: str, word: str, parts: list[str]
+    home: Home, target: str, word: str, parts: list[str]
 ) -> None:
-    async with open_home() as home:
-        put_button(home, "box", "Garage door")
-        put_button(home, "panel", "Light")
-        for key in ("main", "side"):
-            home.put(key, "closure", "position")
-            home.behaviours[key] = ignore
-        light = simple_part("light", settable=("on_off",)).model_copy(update={"id": "lamp", "name": "Light"})
-        home.gateway.devices.put(GatewayDevice("fan", "Fan", (light,)), "the test says so")
-        home.put("lamp", "light", "on_off")
-        answer = await command(home, target, word)
-        assert [f"{one.device}#{one.part}" for one in answer.results] == parts
+    put_button(home, "box", "Garage door")
+    put_button(home, "panel", "Light")
+    for key in ("main", "side"):
+        home.put(key, "closure", "position")
+        home.behaviours[key] = ignore
+    light = simple_part("light", settable=("on_off",)).model_copy(update={"id": "lamp", "name": "Light"})
+    home.gateway.devices.put(GatewayDevice("fan", "Fan", (light,)), "the test says so")
+    home.put("lamp", "light", "on_off")
+    answer = await command(home, target, word)
+    assert [f"{one.device}#{one.part}" for one in answer.results] == parts
 
 
-async def test_a_device_whose_name_is_a_type_is_meant_alone(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("it", "x_setting", "push", name="Pump")
-        home.put("real", "pump", "on_off")
-        assert (await command(home, "pump", "press")).success
-        assert not (await command(home, "pump", "on")).success
-        assert sent(home) == [("it", "push", True)]
+async def test_a_device_whose_name_is_a_type_is_meant_alone(home: Home) -> None:
+    home.put("it", "x_setting", "push", name="Pump")
+    home.put("real", "pump", "on_off")
+    assert (await command(home, "pump", "press")).success
+    assert not (await command(home, "pump", "on")).success
+    assert sent(home) == [("it", "push", True)]
 
 
-async def test_of_several_parts_whose_name_is_a_type_none_is_chosen(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        for key in ("one", "two"):
-            put_button(home, key, "Garage door")
-        home.put("main", "closure", "position")
-        answer = await command(home, "Garage door", "press")
-        assert (answer.success, answer.results) == (False, ())
-        assert answer.message == "2 devices have a part called Garage door; give the id of one: one#b, two#b"
+async def test_of_several_parts_whose_name_is_a_type_none_is_chosen(home: Home) -> None:
+    for key in ("one", "two"):
+        put_button(home, key, "Garage door")
+    home.put("main", "closure", "position")
+    answer = await command(home, "Garage door", "press")
+    assert (answer.success, answer.results) == (False, ())
+    assert answer.message == "2 devices have a part called Garage door; give the id of one: one#b, two#b"
 
 
 def kitchen_and_hall(home: Home) -> None:
@@ -479,13 +443,10 @@ def kitchen_and_hall(home: Home) -> None:
         ("lights or mowers", ["hall_lamp", "kitchen_lamp", "worktop"]),
     ],
 )
-async def test_alternatives_are_commanded_if_they_mean_one_thing(
-    open_home: OpenHome, target: str, reached: list[str]
-) -> None:
-    async with open_home() as home:
-        kitchen_and_hall(home)
-        assert (await command(home, target, "on")).success
-        assert [key for key, _, _ in sent(home)] == reached
+async def test_alternatives_are_commanded_if_they_mean_one_thing(home: Home, target: str, reached: list[str]) -> None:
+    kitchen_and_hall(home)
+    assert (await command(home, target, "on")).success
+    assert [key for key, _, _ in sent(home)] == reached
 
 
 @pytest.mark.parametrize(
@@ -515,23 +476,21 @@ async def test_alternatives_are_commanded_if_they_mean_one_thing(
         ("hall lamp and kettle", "no device fits 'hall lamp and kettle'; join devices with 'or'"),
     ],
 )
-async def test_alternatives_that_may_mean_more_are_asked_back(open_home: OpenHome, target: str, asked: str) -> None:
-    async with open_home() as home:
-        kitchen_and_hall(home)
-        answer = await command(home, target, "off")
-        assert not answer.success
-        assert answer.message.startswith(asked)
-        assert home.commands == []
+async def test_alternatives_that_may_mean_more_are_asked_back(home: Home, target: str, asked: str) -> None:
+    kitchen_and_hall(home)
+    answer = await command(home, target, "off")
+    assert not answer.success
+    assert answer.message.startswith(asked)
+    assert home.commands == []
 
 
-async def test_each_reading_that_is_offered_is_carried_out(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        kitchen_and_hall(home)
-        assert (await command(home, "(lights in hall) or (kitchen)", "on")).success
-        assert [key for key, _, _ in sent(home)] == ["fan", "hall_lamp", "kettle", "kitchen_lamp", "worktop"]
+async def test_each_reading_that_is_offered_is_carried_out(home: Home) -> None:
+    kitchen_and_hall(home)
+    assert (await command(home, "(lights in hall) or (kitchen)", "on")).success
+    assert [key for key, _, _ in sent(home)] == ["fan", "hall_lamp", "kettle", "kitchen_lamp", "worktop"]
 
 
-async def test_an_option_is_for_the_setting_that_has_it(open_home: OpenHome) -> None:
+async def test_an_option_is_for_the_setting_that_has_it(home: Home) -> None:
     """A television takes its source, and its other settings do not refuse it."""
 
     def select(name: str, *options: str) -> Part:
@@ -539,20 +498,18 @@ async def test_an_option_is_for_the_setting_that_has_it(open_home: OpenHome) -> 
         return Part(id=name, service_type="x_setting", name=name, capabilities=(option,))
 
     parts = (select("Source", "HDMI 1", "HDMI 2"), select("Sound", "Movie", "Music"))
-    async with open_home() as home:
-        home.gateway.devices.put(GatewayDevice("tv", "TV", parts), "the test says so")
-        home.behaviours["tv"] = ignore
-        answer = await command(home, "TV", values={"option": "HDMI 2"})
-        assert [one.part for one in answer.results] == ["Source"]
-        answer = await command(home, "TV", values={"option": "Opera"})
-        assert (answer.success, len(answer.results)) == (False, 2)
+    home.gateway.devices.put(GatewayDevice("tv", "TV", parts), "the test says so")
+    home.behaviours["tv"] = ignore
+    answer = await command(home, "TV", values={"option": "HDMI 2"})
+    assert [one.part for one in answer.results] == ["Source"]
+    answer = await command(home, "TV", values={"option": "Opera"})
+    assert (answer.success, len(answer.results)) == (False, 2)
 
 
-async def test_heating_means_the_thermostats_also_while_they_idle(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        readable = ("thermostat_action",)
-        home.put("heat", "thermostat", "heating_setpoint", readable=readable, name="Heater", area="Living")
-        home.put("other", "thermostat", "heating_setpoint", name="Radiator", area="Hall")
-        await home.report("heat", "thermostat_action", "idle")
-        assert (await command(home, "heating in living", "22.5")).success
-        assert sent(home) == [("heat", "heating_setpoint", 22.5)]
+async def test_heating_means_the_thermostats_also_while_they_idle(home: Home) -> None:
+    readable = ("thermostat_action",)
+    home.put("heat", "thermostat", "heating_setpoint", readable=readable, name="Heater", area="Living")
+    home.put("other", "thermostat", "heating_setpoint", name="Radiator", area="Hall")
+    await home.report("heat", "thermostat_action", "idle")
+    assert (await command(home, "heating in living", "22.5")).success
+    assert sent(home) == [("heat", "heating_setpoint", 22.5)]

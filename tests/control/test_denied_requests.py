@@ -82,26 +82,24 @@ async def test_it_names_the_device_that_the_command_was_for(open_home: OpenHome)
     assert entries[0].text == "unlock"
 
 
-async def test_a_flood_is_some_entries_in_an_hour_and_a_count(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        same = [{"target": COMMAND_DEVICES}] * 500
-        others = [{"target": f"/app/{number}"} for number in range(300)]
-        entries = await refuse(home, *same, *others, {"target": "/app/0", "held_back": 99})
-        assert len(entries) == MOST_ENTRIES
-        await anyio.sleep(3600)
-        *_, last = (await read(home)).entries
-        assert count_of(last) == 500 + 300 + 100 - MOST_ENTRIES
-        assert last.verdicts[0].facts[1].value.plain() == "/app/0"
-        await anyio.sleep(3600)
-        again = await refuse(home, {})
-        assert len(again) == MOST_ENTRIES + 2
-        assert sum(float(str(count_of(one))) for one in again) == 901
+async def test_a_flood_is_some_entries_in_an_hour_and_a_count(home: Home) -> None:
+    same = [{"target": COMMAND_DEVICES}] * 500
+    others = [{"target": f"/app/{number}"} for number in range(300)]
+    entries = await refuse(home, *same, *others, {"target": "/app/0", "held_back": 99})
+    assert len(entries) == MOST_ENTRIES
+    await anyio.sleep(3600)
+    *_, last = (await read(home)).entries
+    assert count_of(last) == 500 + 300 + 100 - MOST_ENTRIES
+    assert last.verdicts[0].facts[1].value.plain() == "/app/0"
+    await anyio.sleep(3600)
+    again = await refuse(home, {})
+    assert len(again) == MOST_ENTRIES + 2
+    assert sum(float(str(count_of(one))) for one in again) == 901
 
 
-async def test_clients_are_told_apart_up_to_a_number(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        clients = [{"issuer": f"client:{number}"} for number in range(MOST_CLIENTS * 2)]
-        entries = await refuse(home, *clients)
-        assert [one.issuer for one in entries] == [f"client:{number}" for number in range(MOST_CLIENTS + 1)]
-        await anyio.sleep(3600)
-        assert count_of((await read(home)).entries[-1]) == MOST_CLIENTS - 1
+async def test_clients_are_told_apart_up_to_a_number(home: Home) -> None:
+    clients = [{"issuer": f"client:{number}"} for number in range(MOST_CLIENTS * 2)]
+    entries = await refuse(home, *clients)
+    assert [one.issuer for one in entries] == [f"client:{number}" for number in range(MOST_CLIENTS + 1)]
+    await anyio.sleep(3600)
+    assert count_of((await read(home)).entries[-1]) == MOST_CLIENTS - 1

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import OpenHome
+from tests.control.conftest import Home
 
 from homebot.control.device_lookup import DeviceLookup
 from homebot.devices import FIND_DEVICES, FindDevices
@@ -16,31 +16,28 @@ from homebot.graph import Graph, Node
 pytestmark = pytest.mark.virtual_time
 
 
-async def test_a_device_is_found_by_its_address(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
-        addresses = DeviceLookup(home.app)
-        assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
-        assert await addresses.device_at("mqtt", lamp.endpoints[0].command_address) == ""
+async def test_a_device_is_found_by_its_address(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    lamp = (await home.handle(Light)).device
+    addresses = DeviceLookup(home.app)
+    assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
+    assert await addresses.device_at("mqtt", lamp.endpoints[0].command_address) == ""
 
 
-async def test_a_device_is_found_by_what_its_parts_take(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": ("kettle/set",)})
-        home.gateway.devices.put(GatewayDevice("kettle", "Kettle", (part,)), "the test says so")
-        kettle = (await home.handle(Light)).device
-        assert await DeviceLookup(home.app).device_at("memory", "kettle/set") == kettle.id
+async def test_a_device_is_found_by_what_its_parts_take(home: Home) -> None:
+    part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": ("kettle/set",)})
+    home.gateway.devices.put(GatewayDevice("kettle", "Kettle", (part,)), "the test says so")
+    kettle = (await home.handle(Light)).device
+    assert await DeviceLookup(home.app).device_at("memory", "kettle/set") == kettle.id
 
 
-async def test_a_device_that_appears_later_is_found_a_second_later(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        addresses = DeviceLookup(home.app)
-        await addresses.device_at("memory", "nowhere")
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
-        await anyio.sleep(1)
-        assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
+async def test_a_device_that_appears_later_is_found_a_second_later(home: Home) -> None:
+    addresses = DeviceLookup(home.app)
+    await addresses.device_at("memory", "nowhere")
+    home.put("lamp", "light", "on_off")
+    lamp = (await home.handle(Light)).device
+    await anyio.sleep(1)
+    assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
 
 
 async def test_a_flood_of_unknown_addresses_reads_the_devices_once_a_second() -> None:

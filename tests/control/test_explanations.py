@@ -66,58 +66,53 @@ async def lamp_in(home: Home) -> Light:
 
 
 @virtual_time
-async def test_a_change_by_a_command_is_explained_by_its_entries(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        lamp = await lamp_in(home)
-        assert (await lamp.turn_on()).succeeded
-        found = await explain(home, lamp.device.id)
-        assert (found.finding, found.entries[0].kind, found.entries[0].issuer) == ("command", "requested", "/app")
-        assert changes(found.entries) == [("reported", "command")]
+async def test_a_change_by_a_command_is_explained_by_its_entries(home: Home) -> None:
+    lamp = await lamp_in(home)
+    assert (await lamp.turn_on()).succeeded
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, found.entries[0].kind, found.entries[0].issuer) == ("command", "requested", "/app")
+    assert changes(found.entries) == [("reported", "command")]
 
 
 @virtual_time
-async def test_a_late_answer_is_explained_by_the_command_that_failed(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        lamp = await lamp_in(home)
-        home.behaviours["lamp"] = ignore
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        await anyio.sleep(20)
-        await home.report("lamp", "on_off", True)
-        found = await explain(home, lamp.device.id)
-        assert (found.finding, changes(found.entries)) == ("command", [("reported", "command")])
-        await home.report("lamp", "on_off", True)  # again, which is no change
-        assert len((await explain(home, lamp.device.id)).entries) == len(found.entries)
+async def test_a_late_answer_is_explained_by_the_command_that_failed(home: Home) -> None:
+    lamp = await lamp_in(home)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    await anyio.sleep(20)
+    await home.report("lamp", "on_off", True)
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, changes(found.entries)) == ("command", [("reported", "command")])
+    await home.report("lamp", "on_off", True)  # again, which is no change
+    assert len((await explain(home, lamp.device.id)).entries) == len(found.entries)
 
 
 @virtual_time
-async def test_a_change_long_after_a_failed_command_is_unexplained(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        lamp = await lamp_in(home)
-        home.behaviours["lamp"] = ignore
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        await anyio.sleep(100)
-        await home.report("lamp", "on_off", True)
-        found = await explain(home, lamp.device.id)
-        assert (found.finding, changes(found.entries)) == ("change", [("changed", "person")])
+async def test_a_change_long_after_a_failed_command_is_unexplained(home: Home) -> None:
+    lamp = await lamp_in(home)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    await anyio.sleep(100)
+    await home.report("lamp", "on_off", True)
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, changes(found.entries)) == ("change", [("changed", "person")])
 
 
 @virtual_time
-async def test_another_value_in_answer_to_a_command_is_explained_by_it(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        lamp = await lamp_in(home)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(20)
-        home.behaviours["lamp"] = report((0.1, 10.0))
-        assert isinstance(await lamp.set_level(50), Contradicted)
-        found = await explain(home, lamp.device.id)
-        assert (found.finding, changes(found.entries)) == ("command", [("reported", "unknown")])
+async def test_another_value_in_answer_to_a_command_is_explained_by_it(home: Home) -> None:
+    lamp = await lamp_in(home)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(20)
+    home.behaviours["lamp"] = report((0.1, 10.0))
+    assert isinstance(await lamp.set_level(50), Contradicted)
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, changes(found.entries)) == ("command", [("reported", "unknown")])
 
 
 @virtual_time
-async def test_an_unknown_device_is_named_in_the_answer(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        found = await explain(home, "nowhere")
-        assert (found.success, found.message) == (False, "there is no device with the id nowhere")
+async def test_an_unknown_device_is_named_in_the_answer(home: Home) -> None:
+    found = await explain(home, "nowhere")
+    assert (found.success, found.message) == (False, "there is no device with the id nowhere")
 
 
 @pytest.mark.system
@@ -126,8 +121,8 @@ async def test_a_robot_asks_over_rosbridge(open_home: OpenHome) -> None:
         RosApi(Node(home.graph, "rosapi"))
         door = Door(Node(home.graph, "rosbridge_websocket"), DoorSettings(port=0))
         await home.tasks.start(door.run)
-        home.put("lamp", "light", "on_off")
-        assert (await (await home.handle(Light)).turn_on()).succeeded
+        lamp = await home.lamp("on_off")
+        assert (await lamp.turn_on()).succeeded
         with anyio.fail_after(PATIENCE):
             done = await anyio.run_process([sys.executable, "-c", ROBOT, str(door.port)])
         why, why_not = json.loads(done.stdout)

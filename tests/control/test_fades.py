@@ -10,7 +10,6 @@ import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore
 
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
 from homebot.devices.value import PlainValue
 
@@ -55,8 +54,7 @@ async def commanded(
     open_home: OpenHome, begin: float, setting: tuple[str, PlainValue], behaviour: Behaviour
 ) -> tuple[Outcome, int]:
     async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off", "level")
         await home.gateway.devices.report("lamp", on_and_level(begin))
         await anyio.sleep(1)
         home.behaviours["lamp"] = behaviour
@@ -93,45 +91,38 @@ async def test_a_dimmer_that_gets_stuck_on_its_way_is_told_again_and_contradicte
     assert (outcome.saw, sendings > 1) == ("level is 60", True)
 
 
-async def test_a_dimmer_that_reports_the_end_of_its_ramp_alone_is_told_once_after_it_gave_no_answer(
-    open_home: OpenHome,
-) -> None:
+async def test_a_dimmer_that_reports_the_end_of_its_ramp_alone_is_told_once_after_it_gave_no_answer(home: Home) -> None:
     """Its ramp takes longer than it is waited for before a repetition, which begins it anew."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-        ramps: list[int] = []
+    lamp = await home.lamp("on_off", "level")
+    ramps: list[int] = []
 
-        async def fade(home: Home, command: Command) -> None:
-            ramps.append(number := len(ramps))
-            home.tasks.start_soon(end, command, number)
+    async def fade(home: Home, command: Command) -> None:
+        ramps.append(number := len(ramps))
+        home.tasks.start_soon(end, command, number)
 
-        async def end(command: Command, number: int) -> None:
-            await anyio.sleep(6)
-            if number == len(ramps) - 1:
-                await home.report("lamp", command.capability, command.value.plain())
+    async def end(command: Command, number: int) -> None:
+        await anyio.sleep(6)
+        if number == len(ramps) - 1:
+            await home.report("lamp", command.capability, command.value.plain())
 
-        home.behaviours["lamp"] = fade
-        found: list[tuple[type[Outcome], int]] = []
-        for on in (True, False, True, False):
-            before = len(ramps)
-            outcome = await (lamp.turn_on() if on else lamp.turn_off())
-            found.append((type(outcome), len(ramps) - before))
-            await anyio.sleep(60)
-        assert found == [(NoAnswer, 3), (Confirmed, 1), (Confirmed, 1), (Confirmed, 1)]
+    home.behaviours["lamp"] = fade
+    found: list[tuple[type[Outcome], int]] = []
+    for on in (True, False, True, False):
+        before = len(ramps)
+        outcome = await (lamp.turn_on() if on else lamp.turn_off())
+        found.append((type(outcome), len(ramps) - before))
+        await anyio.sleep(60)
+    assert found == [(NoAnswer, 3), (Confirmed, 1), (Confirmed, 1), (Confirmed, 1)]
 
 
-async def test_a_deaf_dimmer_is_told_three_times_again_after_it_was_told_once(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = ignore
-        sendings: list[int] = []
-        for _ in range(3):
-            before = len(home.commands)
-            assert isinstance(await lamp.turn_on(), NoAnswer)
-            sendings.append(len(home.commands) - before)
-        assert sendings == [3, 1, 3]
+async def test_a_deaf_dimmer_is_told_three_times_again_after_it_was_told_once(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level", behaviour=ignore)
+    sendings: list[int] = []
+    for _ in range(3):
+        before = len(home.commands)
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        sendings.append(len(home.commands) - before)
+    assert sendings == [3, 1, 3]
 
 
 @pytest.mark.parametrize(
@@ -148,54 +139,50 @@ async def test_a_deaf_dimmer_is_told_three_times_again_after_it_was_told_once(op
     ],
 )
 async def test_a_lamp_that_is_on_again_went_back_unless_its_level_sinks(
-    open_home: OpenHome, told: list[dict[str, PlainValue]], reverted_after: int | None
+    home: Home, told: list[dict[str, PlainValue]], reverted_after: int | None
 ) -> None:
     """A bridge with a transition of its own reports that it is off before the lamp has faded off."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-        await home.gateway.devices.report("lamp", on_and_level(100.0))
-        await anyio.sleep(1)
+    lamp = await home.lamp("on_off", "level")
+    await home.gateway.devices.report("lamp", on_and_level(100.0))
+    await anyio.sleep(1)
 
-        async def tell(home: Home, _: Command) -> None:
-            await home.report("lamp", "on_off", False)
+    async def tell(home: Home, _: Command) -> None:
+        await home.report("lamp", "on_off", False)
+        home.tasks.start_soon(fade)
+
+    async def fade() -> None:
+        await anyio.sleep(0.9)
+        for one in told:
+            await anyio.sleep(0.1)
+            await home.gateway.devices.report("lamp", one)
+
+    home.behaviours["lamp"] = tell
+    assert isinstance(await lamp.turn_off(), Confirmed)
+    began, reverted = anyio.current_time(), None
+    while reverted is None and anyio.current_time() < began + 30:
+        await anyio.sleep(0.1)
+        reverted = round(anyio.current_time() - began) if home.events else None
+    assert reverted == reverted_after
+
+
+async def test_no_echo_is_learnt_from_a_lamp_that_fades_off(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level")
+
+    async def tell(home: Home, command: Command) -> None:
+        on = command.value.plain()
+        await home.gateway.devices.report("lamp", {"on_off": True, "level": 100.0} if on else {"on_off": False})
+        if not on:
             home.tasks.start_soon(fade)
 
-        async def fade() -> None:
-            await anyio.sleep(0.9)
-            for one in told:
-                await anyio.sleep(0.1)
-                await home.gateway.devices.report("lamp", one)
+    async def fade() -> None:
+        for level in (80.0, 60.0, 40.0, 20.0):
+            await anyio.sleep(1)
+            await home.gateway.devices.report("lamp", {"on_off": level > 20.0, "level": level})
 
-        home.behaviours["lamp"] = tell
-        assert isinstance(await lamp.turn_off(), Confirmed)
-        began, reverted = anyio.current_time(), None
-        while reverted is None and anyio.current_time() < began + 30:
-            await anyio.sleep(0.1)
-            reverted = round(anyio.current_time() - began) if home.events else None
-        assert reverted == reverted_after
-
-
-async def test_no_echo_is_learnt_from_a_lamp_that_fades_off(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-
-        async def tell(home: Home, command: Command) -> None:
-            on = command.value.plain()
-            await home.gateway.devices.report("lamp", {"on_off": True, "level": 100.0} if on else {"on_off": False})
-            if not on:
-                home.tasks.start_soon(fade)
-
-        async def fade() -> None:
-            for level in (80.0, 60.0, 40.0, 20.0):
-                await anyio.sleep(1)
-                await home.gateway.devices.report("lamp", {"on_off": level > 20.0, "level": level})
-
-        home.behaviours["lamp"] = tell
-        for number in range(8):
-            outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
-            assert isinstance(outcome, Confirmed)
-            assert (outcome.latency < 0.1, outcome.evidence) == (True, Evidence.REPORTED)
-            await anyio.sleep(30)
-        assert (home.events, len(home.commands)) == ([], 8)
+    home.behaviours["lamp"] = tell
+    for number in range(8):
+        outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
+        assert isinstance(outcome, Confirmed)
+        assert (outcome.latency < 0.1, outcome.evidence) == (True, Evidence.REPORTED)
+        await anyio.sleep(30)
+    assert (home.events, len(home.commands)) == ([], 8)

@@ -103,18 +103,17 @@ async def quarrel(home: Home, issuers: tuple[str, str], rounds: int) -> None:
 
 
 @pytest.mark.virtual_time
-async def test_a_fight_is_a_line_of_the_log_a_trouble_of_control_and_an_answer_to_why(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        with capture_logs() as lines:
-            await quarrel(home, ("mornings", "night"), rounds=5)
-        told = [one["message"] for one in lines if one["event"] == "control.fight"]
-        assert told == ["mornings (on) and night (off) fight over lamp: 4 commands in 15 s; see homebot why lamp"]
-        health = await home.app.create_client(GetHealth, "/control/health").call(HealthRequest())
-        found = await home.app.create_client(ExplainDevice, EXPLAIN_DEVICE).call(ExplainDeviceRequest(device="lamp"))
-        text = "mornings (on) and night (off) fight over lamp: 10 commands in 45 s"
-        assert (health.troubles, [one.text for one in found.fights]) == ((f"{text}; see homebot why lamp",), [text])
+async def test_a_fight_is_a_line_of_the_log_a_trouble_of_control_and_an_answer_to_why(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    with capture_logs() as lines:
+        await quarrel(home, ("mornings", "night"), rounds=5)
+    told = [one["message"] for one in lines if one["event"] == "control.fight"]
+    assert told == ["mornings (on) and night (off) fight over lamp: 4 commands in 15 s; see homebot why lamp"]
+    health = await home.app.create_client(GetHealth, "/control/health").call(HealthRequest())
+    found = await home.app.create_client(ExplainDevice, EXPLAIN_DEVICE).call(ExplainDeviceRequest(device="lamp"))
+    text = "mornings (on) and night (off) fight over lamp: 10 commands in 45 s"
+    assert (health.troubles, [one.text for one in found.fights]) == ((f"{text}; see homebot why lamp",), [text])
 
 
 @pytest.mark.virtual_time
@@ -128,17 +127,15 @@ async def test_an_app_whose_commands_are_refused_fights_with_none(open_home: Ope
 
 
 @pytest.mark.virtual_time
-async def test_a_person_at_a_client_fights_with_no_app(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        with capture_logs() as lines:
-            for _ in range(5):
-                await lamp.turn_on()
-                await anyio.sleep(5)
-                wish = CommandRequest(
-                    device="lamp", settings=(Setting.of("on_off", False),), issuer="client:anna", scope=("act: all",)
-                )
-                assert (await home.control.perform(wish)).succeeded
-                await anyio.sleep(5)
-        assert not [one for one in lines if one["event"] == "control.fight"]
+async def test_a_person_at_a_client_fights_with_no_app(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    with capture_logs() as lines:
+        for _ in range(5):
+            await lamp.turn_on()
+            await anyio.sleep(5)
+            wish = CommandRequest(
+                device="lamp", settings=(Setting.of("on_off", False),), issuer="client:anna", scope=("act: all",)
+            )
+            assert (await home.control.perform(wish)).succeeded
+            await anyio.sleep(5)
+    assert not [one for one in lines if one["event"] == "control.fight"]

@@ -56,70 +56,63 @@ async def test_a_code_that_is_commanded_is_sent_and_kept_nowhere(
     assert CODE not in f"{found} {seen} {lines}"
 
 
-async def test_what_is_no_code_is_in_the_journal(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("display", "x_setting", "text", is_silent=True)
-        await give(home, "display", "text", "Dinner is ready")
-        assert [one.value.plain() for one in (await entries(home))[0].settings] == ["Dinner is ready"]
+async def test_what_is_no_code_is_in_the_journal(home: Home) -> None:
+    home.put("display", "x_setting", "text", is_silent=True)
+    await give(home, "display", "text", "Dinner is ready")
+    assert [one.value.plain() for one in (await entries(home))[0].settings] == ["Dinner is ready"]
 
 
-async def test_a_code_is_not_held(open_home: OpenHome) -> None:
+async def test_a_code_is_not_held(home: Home) -> None:
     """Everybody may see what is held."""
-    async with open_home() as home:
-        home.put("keypad", "x_setting", "text", name="Pin Code", is_silent=True)
-        device = (await home.handle(Handle, "pin code")).device
-        request = HoldRequest(
-            device=device.id,
-            setting=Setting(capability="text", value=Value.of(CODE)),
-            lease="1",
-            by="robot",
-            ttl=60,
-            issuer="client:kitchen",
-        )
-        answer = LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(request))
-        assert (answer.held, answer.result.reason) == (False, "a code is given once, and nothing to hold")
-        (denied,) = await entries(home)
-        assert (denied.kind, CODE in str(denied)) == ("denied", False)
-        assert home.commands == []
+    home.put("keypad", "x_setting", "text", name="Pin Code", is_silent=True)
+    device = (await home.handle(Handle, "pin code")).device
+    request = HoldRequest(
+        device=device.id,
+        setting=Setting(capability="text", value=Value.of(CODE)),
+        lease="1",
+        by="robot",
+        ttl=60,
+        issuer="client:kitchen",
+    )
+    answer = LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(request))
+    assert (answer.held, answer.result.reason) == (False, "a code is given once, and nothing to hold")
+    (denied,) = await entries(home)
+    assert (denied.kind, CODE in str(denied)) == ("denied", False)
+    assert home.commands == []
 
 
 @pytest.mark.parametrize("text", [CODE, f"text={CODE}", f"user {CODE}"])
 @pytest.mark.parametrize("capability", ["text", "number"])
-async def test_a_text_for_what_takes_a_code_is_noted_without_it(
-    open_home: OpenHome, capability: str, text: str
-) -> None:
+async def test_a_text_for_what_takes_a_code_is_noted_without_it(home: Home, capability: str, text: str) -> None:
     """Whether or not it can be read, and whatever its address."""
-    async with open_home() as home:
-        home.put("keypad", "x_setting", capability, name="Pin Code", is_silent=True)
-        device = (await home.handle(Handle, "pin code")).device
-        await home.devices.tell(device, text)
-        found = await entries(home)
-        assert [one.kind for one in found] == ["requested", "published"]
-        assert ([one.value.plain() for one in found[0].settings], found[1].text) == ([CODE_GIVEN], CODE_GIVEN)
+    home.put("keypad", "x_setting", capability, name="Pin Code", is_silent=True)
+    device = (await home.handle(Handle, "pin code")).device
+    await home.devices.tell(device, text)
+    found = await entries(home)
+    assert [one.kind for one in found] == ["requested", "published"]
+    assert ([one.value.plain() for one in found[0].settings], found[1].text) == ([CODE_GIVEN], CODE_GIVEN)
 
 
 @pytest.mark.parametrize(("name", "text"), [("Pin Code", CODE), ("Alarm", f'{{"code": "{CODE}"}}')])
-async def test_a_code_that_is_not_sent_is_noted_nowhere(open_home: OpenHome, name: str, text: str) -> None:
-    async with open_home() as home:
-        home.put("keypad", "x_setting", "text", name=name, is_silent=True)
-        device = (await home.handle(Handle, name.lower())).device
-        home.gateway.set_unavailable("no link")
-        with pytest.raises(LinkError, match=CODE):
-            await home.devices.tell(device, text)
-        found = await entries(home)
-        assert [one.kind for one in found] == ["requested", "outcome"]
-        assert (CODE in str(found), "its gateway memory is unavailable: no link" in str(found[1])) == (False, True)
+async def test_a_code_that_is_not_sent_is_noted_nowhere(home: Home, name: str, text: str) -> None:
+    home.put("keypad", "x_setting", "text", name=name, is_silent=True)
+    device = (await home.handle(Handle, name.lower())).device
+    home.gateway.set_unavailable("no link")
+    with pytest.raises(LinkError, match=CODE):
+        await home.devices.tell(device, text)
+    found = await entries(home)
+    assert [one.kind for one in found] == ["requested", "outcome"]
+    assert (CODE in str(found), "its gateway memory is unavailable: no link" in str(found[1])) == (False, True)
 
 
-async def test_a_raw_text_with_a_code_is_noted_without_it(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        address = (await home.handle(Handle, "lamp")).device.endpoints[0].command_address
-        publisher = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
-        publisher.publish(RawCommand(address=address, payload=f'{{"action": "DISARM", "code": "{CODE}"}}'))
-        await anyio.sleep(0.1)
-        (noted,) = await entries(home)
-        assert (noted.kind, noted.text) == ("published", '{"action": "DISARM", "code": "***"}')
+async def test_a_raw_text_with_a_code_is_noted_without_it(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    address = (await home.handle(Handle, "lamp")).device.endpoints[0].command_address
+    publisher = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
+    publisher.publish(RawCommand(address=address, payload=f'{{"action": "DISARM", "code": "{CODE}"}}'))
+    await anyio.sleep(0.1)
+    (noted,) = await entries(home)
+    assert (noted.kind, noted.text) == ("published", '{"action": "DISARM", "code": "***"}')
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
+from tests.control.conftest import Home, ignore, obey_after, report
 
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Light, OccupancySensor
@@ -29,117 +29,105 @@ def kinds(response: ReadJournalResponse) -> list[str]:
     return [one.kind for one in response.entries]
 
 
-async def test_a_confirmed_command_has_a_complete_chain(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(0.5)
-        outcome = await (await home.handle(Light)).turn_on()
-        found = await read(home)
-        assert kinds(found) == ["requested", "sent", "acknowledged", "reported", "outcome"]
-        assert {one.command for one in found.entries} == {outcome.command_id}
-        assert {one.issuer for one in found.entries} == {"/app"}
-        assert [one.value.plain() for one in found.entries[0].settings] == [True]
-        assert found.entries[-1].results[0].text == outcome.text
-        assert [one.value for one in found.names] == ["Lamp"]
-        times = [one.at.to_seconds() for one in found.entries]
-        assert round(times[-1] - times[0], 2) == 0.5
+async def test_a_confirmed_command_has_a_complete_chain(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=obey_after(0.5))
+    outcome = await lamp.turn_on()
+    found = await read(home)
+    assert kinds(found) == ["requested", "sent", "acknowledged", "reported", "outcome"]
+    assert {one.command for one in found.entries} == {outcome.command_id}
+    assert {one.issuer for one in found.entries} == {"/app"}
+    assert [one.value.plain() for one in found.entries[0].settings] == [True]
+    assert found.entries[-1].results[0].text == outcome.text
+    assert [one.value for one in found.names] == ["Lamp"]
+    times = [one.at.to_seconds() for one in found.entries]
+    assert round(times[-1] - times[0], 2) == 0.5
 
 
-async def test_each_try_is_an_entry_and_so_is_what_goes_back(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = ignore
-        lamp = await home.handle(Light)
+async def test_each_try_is_an_entry_and_so_is_what_goes_back(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=ignore)
+    await lamp.turn_on()
+    assert kinds(await read(home)) == ["requested", *["sent", "acknowledged"] * 3, "outcome"]
+    home.behaviours["lamp"] = report((0.1, True), (3.0, False))
+    outcome = await lamp.turn_on()
+    await anyio.sleep(5)
+    found = await read(home, command=outcome.command_id)
+    assert kinds(found)[-2:] == ["outcome", "reverted"]
+
+
+async def test_a_command_of_an_app_names_the_report_that_led_to_it(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    home.put("motion", "occupancy_sensor", readable=("occupancy",))
+    lamp = await home.handle(Light, "lamp")
+
+    async def follow() -> None:
+        async for change in home.devices.follow(OccupancySensor, occupied=True):
+            if change.kind == "appeared":
+                await lamp.turn_on()
+
+    home.tasks.start_soon(follow)
+    await anyio.sleep(1)
+    await home.report("motion", "occupancy", True)
+    await anyio.sleep(1)
+    requested = (await read(home)).entries[0]
+    trigger = requested.trigger
+    assert (requested.kind, trigger.kind) == ("requested", "report")
+    assert trigger.device.endswith("motion")
+    assert [(one.capability, one.value.plain()) for one in trigger.readings] == [("occupancy", True)]
+    assert trigger.at.to_seconds() <= requested.at.to_seconds()
+
+
+async def test_a_command_of_a_timer_says_so(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+
+    async def turn_on() -> None:
         await lamp.turn_on()
-        assert kinds(await read(home)) == ["requested", *["sent", "acknowledged"] * 3, "outcome"]
-        home.behaviours["lamp"] = report((0.1, True), (3.0, False))
-        outcome = await lamp.turn_on()
-        await anyio.sleep(5)
-        found = await read(home, command=outcome.command_id)
-        assert kinds(found)[-2:] == ["outcome", "reverted"]
+
+    timer = home.app.create_timer(60.0, turn_on)
+    await anyio.sleep(61)
+    timer.cancel()
+    trigger = (await read(home)).entries[0].trigger
+    assert (trigger.kind, trigger.text) == ("timer", "every 60 s")
 
 
-async def test_a_command_of_an_app_names_the_report_that_led_to_it(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.put("motion", "occupancy_sensor", readable=("occupancy",))
-        lamp = await home.handle(Light, "lamp")
-
-        async def follow() -> None:
-            async for change in home.devices.follow(OccupancySensor, occupied=True):
-                if change.kind == "appeared":
-                    await lamp.turn_on()
-
-        home.tasks.start_soon(follow)
-        await anyio.sleep(1)
-        await home.report("motion", "occupancy", True)
-        await anyio.sleep(1)
-        requested = (await read(home)).entries[0]
-        trigger = requested.trigger
-        assert (requested.kind, trigger.kind) == ("requested", "report")
-        assert trigger.device.endswith("motion")
-        assert [(one.capability, one.value.plain()) for one in trigger.readings] == [("occupancy", True)]
-        assert trigger.at.to_seconds() <= requested.at.to_seconds()
+async def test_entries_are_published_as_they_come(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    seen: list[JournalEntry] = []
+    home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, seen.append, 100)
+    await (await home.handle(Light)).turn_on()
+    await anyio.sleep(0.1)
+    assert tuple(seen) == (await read(home)).entries
 
 
-async def test_a_command_of_a_timer_says_so(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-
-        async def turn_on() -> None:
-            await lamp.turn_on()
-
-        timer = home.app.create_timer(60.0, turn_on)
-        await anyio.sleep(61)
-        timer.cancel()
-        trigger = (await read(home)).entries[0].trigger
-        assert (trigger.kind, trigger.text) == ("timer", "every 60 s")
-
-
-async def test_entries_are_published_as_they_come(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        seen: list[JournalEntry] = []
-        home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, seen.append, 100)
-        await (await home.handle(Light)).turn_on()
-        await anyio.sleep(0.1)
-        assert tuple(seen) == (await read(home)).entries
+async def test_it_is_read_by_device_and_time_and_bounded(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    home.put("plug", "light", "on_off")
+    for key in ("lamp", "plug"):
+        await (await home.handle(Light, key)).turn_on()
+        await anyio.sleep(60)
+    lamp = (await home.handle(Light, "lamp")).device.id
+    everything = await read(home)
+    assert len(everything.entries) == 10
+    assert (await read(home, device=lamp)).entries == everything.entries[:5]
+    since = Time.from_seconds(everything.entries[5].at.to_seconds())
+    assert (await read(home, since=since)).entries == everything.entries[5:]
+    until = Time.from_seconds(everything.entries[4].at.to_seconds())
+    assert (await read(home, until=until)).entries == everything.entries[:5]
+    newest = await read(home, limit=2)
+    assert (newest.entries, newest.complete) == (everything.entries[-2:], False)
+    assert newest.begins == everything.entries[0].at
 
 
-async def test_it_is_read_by_device_and_time_and_bounded(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.put("plug", "light", "on_off")
-        for key in ("lamp", "plug"):
-            await (await home.handle(Light, key)).turn_on()
-            await anyio.sleep(60)
-        lamp = (await home.handle(Light, "lamp")).device.id
-        everything = await read(home)
-        assert len(everything.entries) == 10
-        assert (await read(home, device=lamp)).entries == everything.entries[:5]
-        since = Time.from_seconds(everything.entries[5].at.to_seconds())
-        assert (await read(home, since=since)).entries == everything.entries[5:]
-        until = Time.from_seconds(everything.entries[4].at.to_seconds())
-        assert (await read(home, until=until)).entries == everything.entries[:5]
-        newest = await read(home, limit=2)
-        assert (newest.entries, newest.complete) == (everything.entries[-2:], False)
-        assert newest.begins == everything.entries[0].at
-
-
-async def test_a_command_to_a_device_that_is_gone_is_in_it(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.gateway.devices.remove("lamp", "sold")
-        await anyio.sleep(0.1)
-        request = CommandRequest(
-            device=lamp.device.id,
-            part="",
-            settings=(Setting(capability="on_off", value=Value.of(True)),),
-            issuer="client:kitchen",
-        )
-        await home.control.perform(request)
-        found = await read(home)
-        assert kinds(found) == ["requested", "outcome"]
-        assert found.entries[-1].results[0].outcome == "gone"
+async def test_a_command_to_a_device_that_is_gone_is_in_it(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    home.gateway.devices.remove("lamp", "sold")
+    await anyio.sleep(0.1)
+    request = CommandRequest(
+        device=lamp.device.id,
+        part="",
+        settings=(Setting(capability="on_off", value=Value.of(True)),),
+        issuer="client:kitchen",
+    )
+    await home.control.perform(request)
+    found = await read(home)
+    assert kinds(found) == ["requested", "outcome"]
+    assert found.entries[-1].results[0].outcome == "gone"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore, obey_after
+from tests.control.conftest import Home, ignore, obey_after
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
@@ -26,97 +26,84 @@ async def switched(home: Home, times: int) -> list[tuple[type[Outcome], int]]:
 
 
 @pytest.mark.parametrize("seconds", [11.0, 14.0, 25.0, 45.0])
-async def test_a_lamp_that_is_slower_than_the_limit_fails_once(open_home: OpenHome, seconds: float) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(seconds)
-        found = await switched(home, 5)
-        failed = [one for one, _ in found].count(NoAnswer)
-        assert failed == (1 if seconds <= 31.0 else 2)  # told once, it is waited for as long as is usual at most
-        assert found[-1] == (Confirmed, 1)
+async def test_a_lamp_that_is_slower_than_the_limit_fails_once(home: Home, seconds: float) -> None:
+    home.put("lamp", "light", "on_off")
+    home.behaviours["lamp"] = obey_after(seconds)
+    found = await switched(home, 5)
+    failed = [one for one, _ in found].count(NoAnswer)
+    assert failed == (1 if seconds <= 31.0 else 2)  # told once, it is waited for as long as is usual at most
+    assert found[-1] == (Confirmed, 1)
 
 
-async def test_a_dimmer_with_a_long_ramp_fails_once(open_home: OpenHome) -> None:
+async def test_a_dimmer_with_a_long_ramp_fails_once(home: Home) -> None:
     """It reports the end alone, and each repetition begins the ramp anew."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        ramps: list[int] = []
+    home.put("lamp", "light", "on_off", "level")
+    ramps: list[int] = []
 
-        async def fade(home: Home, command: Command) -> None:
-            ramps.append(number := len(ramps))
-            home.tasks.start_soon(end, command, number)
+    async def fade(home: Home, command: Command) -> None:
+        ramps.append(number := len(ramps))
+        home.tasks.start_soon(end, command, number)
 
-        async def end(command: Command, number: int) -> None:
-            await anyio.sleep(15)
-            if number == len(ramps) - 1:
-                await home.report("lamp", command.capability, command.value.plain())
+    async def end(command: Command, number: int) -> None:
+        await anyio.sleep(15)
+        if number == len(ramps) - 1:
+            await home.report("lamp", command.capability, command.value.plain())
 
-        home.behaviours["lamp"] = fade
-        assert await switched(home, 3) == [(NoAnswer, 3), (Confirmed, 1), (Confirmed, 1)]
+    home.behaviours["lamp"] = fade
+    assert await switched(home, 3) == [(NoAnswer, 3), (Confirmed, 1), (Confirmed, 1)]
 
 
-async def test_a_slow_lamp_that_tells_meanwhile_that_it_is_off_fails_once(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = obey_after(14.0)
-        home.later(8.0, "lamp", "on_off", False)
-        assert isinstance(await lamp.turn_on(), Contradicted)
-        await anyio.sleep(30)
+async def test_a_slow_lamp_that_tells_meanwhile_that_it_is_off_fails_once(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=obey_after(14.0))
+    home.later(8.0, "lamp", "on_off", False)
+    assert isinstance(await lamp.turn_on(), Contradicted)
+    await anyio.sleep(30)
+    assert isinstance(await lamp.turn_off(), Confirmed)
+
+
+async def test_what_is_another_value_or_later_than_a_minute_is_no_late_answer(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level", behaviour=ignore)
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    home.later(30.0, "lamp", "on_off", False)
+    home.later(61.0, "lamp", "on_off", True)
+    await anyio.sleep(80)
+    home.behaviours["lamp"] = obey_after(14.0)
+    assert isinstance(await lamp.turn_off(), NoAnswer)
+
+
+async def test_a_deaf_lamp_that_says_again_how_it_is_gives_no_late_answer(home: Home) -> None:
+    """Else the next failure would be told of only after a minute."""
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    home.behaviours["lamp"] = ignore
+    lamp = await home.handle(Light)
+    for _ in range(3):
+        for command in (lamp.turn_on, lamp.turn_off):
+            began = anyio.current_time()
+            assert isinstance(await command(), NoAnswer)
+            assert anyio.current_time() - began <= 10.1
+        home.later(30.0, "lamp", "on_off", False)
+        await anyio.sleep(35)
+
+
+async def test_a_deaf_lamp_that_is_wanted_as_it_says_that_it_is_gets_no_more_time(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    home.behaviours["lamp"] = ignore
+    lamp = await home.handle(Light)
+    for _ in range(3):
+        began = anyio.current_time()
+        assert isinstance(await lamp.turn_on(), NoAnswer)
+        assert anyio.current_time() - began <= 10.1
+        home.later(6.0, "lamp", "on_off", False)
         assert isinstance(await lamp.turn_off(), Confirmed)
 
 
-async def test_what_is_another_value_or_later_than_a_minute_is_no_late_answer(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = ignore
-        lamp = await home.handle(Light)
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        home.later(30.0, "lamp", "on_off", False)
-        home.later(61.0, "lamp", "on_off", True)
-        await anyio.sleep(80)
-        home.behaviours["lamp"] = obey_after(14.0)
-        assert isinstance(await lamp.turn_off(), NoAnswer)
-
-
-async def test_a_deaf_lamp_that_says_again_how_it_is_gives_no_late_answer(open_home: OpenHome) -> None:
-    """Else the next failure would be told of only after a minute."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        home.behaviours["lamp"] = ignore
-        lamp = await home.handle(Light)
-        for _ in range(3):
-            for command in (lamp.turn_on, lamp.turn_off):
-                began = anyio.current_time()
-                assert isinstance(await command(), NoAnswer)
-                assert anyio.current_time() - began <= 10.1
-            home.later(30.0, "lamp", "on_off", False)
-            await anyio.sleep(35)
-
-
-async def test_a_deaf_lamp_that_is_wanted_as_it_says_that_it_is_gets_no_more_time(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        home.behaviours["lamp"] = ignore
-        lamp = await home.handle(Light)
-        for _ in range(3):
-            began = anyio.current_time()
-            assert isinstance(await lamp.turn_on(), NoAnswer)
-            assert anyio.current_time() - began <= 10.1
-            home.later(6.0, "lamp", "on_off", False)
-            assert isinstance(await lamp.turn_off(), Confirmed)
-
-
-async def test_a_newer_command_ends_the_wait_for_a_late_answer(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = ignore
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        assert isinstance(await lamp.turn_off(), NoAnswer)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(30)
-        home.behaviours["lamp"] = obey_after(14.0)
-        assert not (await lamp.turn_off()).succeeded
+async def test_a_newer_command_ends_the_wait_for_a_late_answer(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=ignore)
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    assert isinstance(await lamp.turn_off(), NoAnswer)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(30)
+    home.behaviours["lamp"] = obey_after(14.0)
+    assert not (await lamp.turn_off()).succeeded

@@ -11,7 +11,6 @@ from tests.control.conftest import OpenHome, report
 from tests.control.kept_store import KeptStore
 
 from homebot.control.journal.store import LearntRow
-from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted
 
 pytestmark = pytest.mark.virtual_time
@@ -22,9 +21,8 @@ ECHO = 0.005
 async def learn_a_profile(open_home: OpenHome, store: KeptStore) -> LearntRow:
     """Let a lamp go back by itself once; return the row of its profile."""
     async with open_home(store=store) as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = report((ECHO, True), (1.5, False))
-        assert isinstance(await (await home.handle(Light)).turn_on(), Confirmed)
+        lamp = await home.lamp("on_off", behaviour=report((ECHO, True), (1.5, False)))
+        assert isinstance(await lamp.turn_on(), Confirmed)
         await anyio.sleep(20)
     (row,) = store.rows.values()
     return row
@@ -43,8 +41,7 @@ async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: 
     store.rows = {("profile", "habit"): LearntRow("profile", "habit", "nonsense", 0.0, "")}
     with capture_logs() as lines:
         async with open_home(store=store) as home:
-            home.put("lamp", "light", "on_off")
-            lamp = await home.handle(Light)
+            lamp = await home.lamp("on_off")
             began = home.graph.clock.monotonic()
             assert isinstance(await lamp.turn_on(), Confirmed)
             assert home.graph.clock.monotonic() - began < 1.5
@@ -67,8 +64,8 @@ async def test_rows_of_older_versions_are_dropped(open_home: OpenHome) -> None:
     store = KeptStore()
     store.rows = {(kind, "x"): LearntRow(kind, "x", "{}", 0.0, "") for kind in ("disproof", "echo", "witness")}
     async with open_home(store=store) as home:
-        home.put("lamp", "light", "on_off")
-        await (await home.handle(Light)).turn_on()
+        lamp = await home.lamp("on_off")
+        await lamp.turn_on()
     assert not any(kind in store.rows for kind in [("disproof", "x"), ("echo", "x"), ("witness", "x")])
 
 
@@ -76,9 +73,8 @@ async def test_a_profile_is_known_after_a_restart(open_home: OpenHome) -> None:
     store = KeptStore()
     for expected in (Confirmed, Confirmed, Confirmed, Contradicted):
         async with open_home(store=store) as home:
-            home.put("lamp", "light", "on_off")
-            home.behaviours["lamp"] = report((ECHO, True), (1.5, False))
-            assert isinstance(await (await home.handle(Light)).turn_on(), expected)
+            lamp = await home.lamp("on_off", behaviour=report((ECHO, True), (1.5, False)))
+            assert isinstance(await lamp.turn_on(), expected)
             await anyio.sleep(20)
 
 
@@ -101,8 +97,8 @@ async def test_a_row_that_cannot_be_read_is_dropped_and_the_others_are_used(
     store.rows = {(one.kind, one.name): one for one in (bad, good)}
     with capture_logs() as lines:
         async with open_home(store=store) as home:
-            home.put("lamp", "light", "on_off")
-            await (await home.handle(Light)).turn_on()
+            lamp = await home.lamp("on_off")
+            await lamp.turn_on()
     (line,) = [one for one in lines if one["event"] == "control.learnt_dropped"]
     assert line["log_level"] == "warning"
     assert f"{bad.kind} {bad.name!r}" in line["message"]

@@ -108,53 +108,50 @@ async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_he
         assert (await door.close()).succeeded
 
 
-async def test_a_setpoint_that_is_held_is_not_changed_by_as_much_as_a_device_may_round(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("radiator", "thermostat", "heating_setpoint")
-        radiator = await home.handle(Thermostat)
-        async with radiator.hold("21", by="robot", ttl=10) as held:
-            assert held.succeeded
-            assert isinstance(await radiator.heat_to(21.5), Refused)
-            assert not isinstance(await radiator.heat_to(21.0), Refused)
+async def test_a_setpoint_that_is_held_is_not_changed_by_as_much_as_a_device_may_round(home: Home) -> None:
+    home.put("radiator", "thermostat", "heating_setpoint")
+    radiator = await home.handle(Thermostat)
+    async with radiator.hold("21", by="robot", ttl=10) as held:
+        assert held.succeeded
+        assert isinstance(await radiator.heat_to(21.5), Refused)
+        assert not isinstance(await radiator.heat_to(21.0), Refused)
 
 
-async def test_the_steps_of_a_dimmer_are_no_hand(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
+async def test_the_steps_of_a_dimmer_are_no_hand(home: Home) -> None:
+    home.put("lamp", "light", "on_off", "level")
 
-        async def round_it(home: Home, command: Command) -> None:
-            value = command.value.plain()
-            assert isinstance(value, float)
-            await home.report("lamp", "level", 5.0 * round(value / 5.0))
+    async def round_it(home: Home, command: Command) -> None:
+        value = command.value.plain()
+        assert isinstance(value, float)
+        await home.report("lamp", "level", 5.0 * round(value / 5.0))
 
-        home.behaviours["lamp"] = round_it
-        lamp = await home.handle(Light)
-        for level in (62.0, 33.0, 47.0):  # from these it is learnt
-            assert isinstance(await lamp.set_level(level), Contradicted)
-        async with lamp.hold("0.88", by="robot", ttl=10) as holding:
-            assert isinstance(holding.outcome, Confirmed)
-            await home.report("lamp", "level", 90.0)
-            await anyio.sleep(5)
-            assert (holding.is_held, isinstance(holding.outcome, Confirmed)) == (True, True)
-            await home.report("lamp", "level", 70.0)
-            await anyio.sleep(5)
-            assert isinstance(holding.outcome, Contradicted)
+    home.behaviours["lamp"] = round_it
+    lamp = await home.handle(Light)
+    for level in (62.0, 33.0, 47.0):  # from these it is learnt
+        assert isinstance(await lamp.set_level(level), Contradicted)
+    async with lamp.hold("0.88", by="robot", ttl=10) as holding:
+        assert isinstance(holding.outcome, Confirmed)
+        await home.report("lamp", "level", 90.0)
+        await anyio.sleep(5)
+        assert (holding.is_held, isinstance(holding.outcome, Confirmed)) == (True, True)
+        await home.report("lamp", "level", 70.0)
+        await anyio.sleep(5)
+        assert isinstance(holding.outcome, Contradicted)
 
 
 @pytest.mark.parametrize(("later", "is_so"), [((2.0, 80.0), True), ((2.0, 60.0), False)])
 async def test_steps_after_the_end_was_reported_are_a_hand_only_if_the_lamp_stays_there(
-    open_home: OpenHome, later: tuple[float, float], *, is_so: bool
+    home: Home, later: tuple[float, float], *, is_so: bool
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        await home.report("lamp", "level", 20.0)
-        home.behaviours["lamp"] = report((0.05, 80.0), (1.0, 50.0), later)
-        lamp = await home.handle(Light)
-        async with lamp.hold("0.8", by="robot", ttl=10) as holding:
-            await anyio.sleep(5)
-            assert isinstance(holding.outcome, Confirmed)
-            await anyio.sleep(15)
-            assert isinstance(holding.outcome, Confirmed if is_so else Contradicted)
+    home.put("lamp", "light", "on_off", "level")
+    await home.report("lamp", "level", 20.0)
+    home.behaviours["lamp"] = report((0.05, 80.0), (1.0, 50.0), later)
+    lamp = await home.handle(Light)
+    async with lamp.hold("0.8", by="robot", ttl=10) as holding:
+        await anyio.sleep(5)
+        assert isinstance(holding.outcome, Confirmed)
+        await anyio.sleep(15)
+        assert isinstance(holding.outcome, Confirmed if is_so else Contradicted)
 
 
 async def test_a_command_for_the_same_and_a_stop_pass(open_home: OpenHome) -> None:
@@ -319,47 +316,42 @@ async def test_a_close_that_is_on_its_way_is_not_repeated_once_the_door_is_held(
         assert all(one.value.plain() == "open" for one in home.commands[1:])
 
 
-async def test_a_dimmed_lamp_is_on_and_dark_is_off(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-        async with lamp.hold("on", by="cook"):
-            assert not isinstance(await lamp.set_level(30), Refused)
-            assert isinstance(await lamp.set_level(0), Refused)
-            refused = await lamp.turn_off()
-            assert isinstance(refused, Refused)
-            assert refused.reason.startswith("held on by cook for ")
+async def test_a_dimmed_lamp_is_on_and_dark_is_off(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level")
+    async with lamp.hold("on", by="cook"):
+        assert not isinstance(await lamp.set_level(30), Refused)
+        assert isinstance(await lamp.set_level(0), Refused)
+        refused = await lamp.turn_off()
+        assert isinstance(refused, Refused)
+        assert refused.reason.startswith("held on by cook for ")
 
 
-async def test_a_lamp_that_is_held_dark_takes_no_colour_and_one_that_is_held_on_does(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "color_temperature")
-        lamp = await home.handle(Light)
-        async with lamp.hold("off", by="cinema"):
-            assert isinstance(await lamp.turn_on(kelvin=2700), Refused)
-        async with lamp.hold("on", by="cook"):
-            assert isinstance(await lamp.turn_on(kelvin=2700), Confirmed)
+async def test_a_lamp_that_is_held_dark_takes_no_colour_and_one_that_is_held_on_does(home: Home) -> None:
+    lamp = await home.lamp("on_off", "color_temperature")
+    async with lamp.hold("off", by="cinema"):
+        assert isinstance(await lamp.turn_on(kelvin=2700), Refused)
+    async with lamp.hold("on", by="cook"):
+        assert isinstance(await lamp.turn_on(kelvin=2700), Confirmed)
 
 
-async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
+async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(home: Home) -> None:
+    home.put("lamp", "light", "on_off", "level")
 
-        async def be_off(home: Home, _command: Command) -> None:
-            await home.report("lamp", "on_off", False)
-            await home.report("lamp", "level", 100.0)
+    async def be_off(home: Home, _command: Command) -> None:
+        await home.report("lamp", "on_off", False)
+        await home.report("lamp", "level", 100.0)
 
-        home.behaviours["lamp"] = be_off
-        dark = Setting(capability="level", value=Value.of(0.0))
-        wanted = HoldRequest(device="lamp", setting=dark, lease="1", by="cinema", ttl=10, issuer="/cinema")
-        assert (await hold(home, wanted)).held
-        await home.report("lamp", "level", 90.0)
-        (held,) = await leases(home)
-        assert (held.setting.capability, held.saw) == ("on_off", "")
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(1)  # of virtual time
-        (held,) = await leases(home)
-        assert held.saw == "on_off is on"
+    home.behaviours["lamp"] = be_off
+    dark = Setting(capability="level", value=Value.of(0.0))
+    wanted = HoldRequest(device="lamp", setting=dark, lease="1", by="cinema", ttl=10, issuer="/cinema")
+    assert (await hold(home, wanted)).held
+    await home.report("lamp", "level", 90.0)
+    (held,) = await leases(home)
+    assert (held.setting.capability, held.saw) == ("on_off", "")
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(1)  # of virtual time
+    (held,) = await leases(home)
+    assert held.saw == "on_off is on"
 
 
 @pytest.mark.parametrize(
@@ -370,18 +362,17 @@ async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(open_home: 
     ],
 )
 async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
-    open_home: OpenHome, device: str, part: str, problem: str
+    home: Home, device: str, part: str, problem: str
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await anyio.sleep(0.1)
-        lit = Setting(capability="on_off", value=Value.of(True))
-        wanted = HoldRequest(device=device, part=part, setting=lit, lease="1", by="cook", ttl=10, issuer="client:cook")
-        answer = await hold(home, wanted)
-        assert (answer.held, answer.result.outcome, answer.result.text) == (False, "gone", problem)
-        command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
-        result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
-        assert (result.kind, result.text) == ("gone", problem)
+    home.put("lamp", "light", "on_off")
+    await anyio.sleep(0.1)
+    lit = Setting(capability="on_off", value=Value.of(True))
+    wanted = HoldRequest(device=device, part=part, setting=lit, lease="1", by="cook", ttl=10, issuer="client:cook")
+    answer = await hold(home, wanted)
+    assert (answer.held, answer.result.outcome, answer.result.text) == (False, "gone", problem)
+    command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
+    result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
+    assert (result.kind, result.text) == ("gone", problem)
 
 
 @pytest.mark.parametrize(
@@ -392,27 +383,26 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
     ],
 )
 async def test_a_part_is_named_only_where_several_take_what_is_held_or_commanded(
-    open_home: OpenHome, relays: tuple[str, ...], answer: tuple[bool, str]
+    home: Home, relays: tuple[str, ...], answer: tuple[bool, str]
 ) -> None:
     """A child lock, which is a setting, is not what is meant by a plug."""
-    async with open_home() as home:
-        switch = simple_part("switch", settable=("on_off",))
-        lock = simple_part("x_setting", settable=("on_off",)).model_copy(update={"id": "lock", "category": "config"})
-        parts = (lock, *(switch.model_copy(update={"id": name}) for name in relays))
-        home.gateway.devices.put(GatewayDevice("plug", "Plug", parts), "the test says so")
-        home.behaviours["plug"] = ignore
-        await anyio.sleep(0.1)
-        lit = Setting(capability="on_off", value=Value.of(True))
-        held = await hold(home, HoldRequest(device="plug", setting=lit, lease="1", by="cook", ttl=60, issuer="/cook"))
-        assert (held.held, held.result.outcome) == answer
-        assert [one.part for one in home.commands] == ["relay"] * 3 * held.held
-        assert ("it has lock, left, right" in held.result.text) is not held.held
-        command = CommandRequest(device="plug", settings=(lit,), issuer="/cook")
-        result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command, timeout=600)
-        assert (result.kind, result.text) == (held.result.outcome, held.result.text)
-        assert [one.part for one in home.commands] == ["relay"] * 6 * held.held
-        journal = await home.control.read_journal(ReadJournalRequest(device="plug"))
-        assert {one.part for one in journal.entries} == {"relay" if held.held else ""}
+    switch = simple_part("switch", settable=("on_off",))
+    lock = simple_part("x_setting", settable=("on_off",)).model_copy(update={"id": "lock", "category": "config"})
+    parts = (lock, *(switch.model_copy(update={"id": name}) for name in relays))
+    home.gateway.devices.put(GatewayDevice("plug", "Plug", parts), "the test says so")
+    home.behaviours["plug"] = ignore
+    await anyio.sleep(0.1)
+    lit = Setting(capability="on_off", value=Value.of(True))
+    held = await hold(home, HoldRequest(device="plug", setting=lit, lease="1", by="cook", ttl=60, issuer="/cook"))
+    assert (held.held, held.result.outcome) == answer
+    assert [one.part for one in home.commands] == ["relay"] * 3 * held.held
+    assert ("it has lock, left, right" in held.result.text) is not held.held
+    command = CommandRequest(device="plug", settings=(lit,), issuer="/cook")
+    result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command, timeout=600)
+    assert (result.kind, result.text) == (held.result.outcome, held.result.text)
+    assert [one.part for one in home.commands] == ["relay"] * 6 * held.held
+    journal = await home.control.read_journal(ReadJournalRequest(device="plug"))
+    assert {one.part for one in journal.entries} == {"relay" if held.held else ""}
 
 
 @pytest.mark.parametrize(("word", "by", "ttl"), [("open", "", 10), ("open", "  ", 10), ("open", "robot", 0.5)])

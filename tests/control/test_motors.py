@@ -120,29 +120,27 @@ async def test_a_blind_that_never_reports_has_a_minute(open_home: OpenHome) -> N
     assert (round(outcome.waited), sendings) == (60, 3)
 
 
-async def test_a_blind_that_is_known_to_be_away_has_ten_seconds(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement", "position")
-        home.behaviours["blind"] = ignore
-        home.gateway.devices.report_reachable("blind", reachable=False)
-        outcome = await (await home.handle(WindowCovering)).close()
-        assert isinstance(outcome, NoAnswer)
-        assert round(outcome.waited) == 10
+async def test_a_blind_that_is_known_to_be_away_has_ten_seconds(home: Home) -> None:
+    home.put("blind", "window_covering", "movement", "position")
+    home.behaviours["blind"] = ignore
+    home.gateway.devices.report_reachable("blind", reachable=False)
+    outcome = await (await home.handle(WindowCovering)).close()
+    assert isinstance(outcome, NoAnswer)
+    assert round(outcome.waited) == 10
 
 
 @pytest.mark.parametrize(
     ("position", "expected", "sendings"), [(35.0, Confirmed, 1), (98.0, AlreadySo, 0), (None, AlreadySo, 0)]
 )
 async def test_what_is_open_in_part_is_opened_all_the_way(
-    open_home: OpenHome, position: float | None, expected: type[Outcome], sendings: int
+    home: Home, position: float | None, expected: type[Outcome], sendings: int
 ) -> None:
     """A blind at 35 % is open, for it is not closed; who says open wants more than that."""
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement", "position")
-        blind = await home.handle(WindowCovering)
-        values: dict[str, PlainValue] = {"movement": "open"} | ({} if position is None else {"position": position})
-        await home.gateway.devices.report("blind", values)
-        await anyio.sleep(1)
-        home.behaviours["blind"] = on_the_way((2.0, {"movement": "open", "position": 100.0}))
-        assert isinstance(await blind.open(), expected)
-        assert len(home.commands) == sendings
+    home.put("blind", "window_covering", "movement", "position")
+    blind = await home.handle(WindowCovering)
+    values: dict[str, PlainValue] = {"movement": "open"} | ({} if position is None else {"position": position})
+    await home.gateway.devices.report("blind", values)
+    await anyio.sleep(1)
+    home.behaviours["blind"] = on_the_way((2.0, {"movement": "open", "position": 100.0}))
+    assert isinstance(await blind.open(), expected)
+    assert len(home.commands) == sendings

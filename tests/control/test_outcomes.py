@@ -30,124 +30,106 @@ from homebot.errors import RefusedError
 pytestmark = pytest.mark.virtual_time
 
 
-async def test_a_lamp_that_reports_is_confirmed_with_its_latency(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(0.12)
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert (round(outcome.latency, 2), outcome.evidence, outcome.succeeded) == (0.12, Evidence.REPORTED, True)
-        assert (outcome.command_id != "", outcome.reported) == (True, {"on_off": True})
+async def test_a_lamp_that_reports_is_confirmed_with_its_latency(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=obey_after(0.12))
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency, 2), outcome.evidence, outcome.succeeded) == (0.12, Evidence.REPORTED, True)
+    assert (outcome.command_id != "", outcome.reported) == (True, {"on_off": True})
 
 
-async def test_the_service_answers_with_the_outcome_itself(open_home: OpenHome) -> None:
+async def test_the_service_answers_with_the_outcome_itself(home: Home) -> None:
     """In the process; the border of the process makes a message of it."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        wanted = (Setting.of("on_off", True),)
-        request = CommandRequest(device=lamp.device.id, settings=wanted, issuer="/app")
-        outcome = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request)
-        assert isinstance(outcome, Confirmed)
-        assert CommandResult.of(outcome).reported == wanted
+    lamp = await home.lamp("on_off")
+    wanted = (Setting.of("on_off", True),)
+    request = CommandRequest(device=lamp.device.id, settings=wanted, issuer="/app")
+    outcome = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(request)
+    assert isinstance(outcome, Confirmed)
+    assert CommandResult.of(outcome).reported == wanted
 
 
-async def test_a_slow_but_honest_lamp_is_no_false_alarm(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(7.5)
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert len(home.commands) == 3  # sent again meanwhile, which does no harm
+async def test_a_slow_but_honest_lamp_is_no_false_alarm(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=obey_after(7.5))
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert len(home.commands) == 3  # sent again meanwhile, which does no harm
 
 
-async def test_a_deaf_lamp_gives_no_answer_and_is_told_three_times(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = ignore
-        outcome = await (await home.handle(Light)).turn_on()
-        assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
-        assert len(home.commands) == 3
+async def test_a_deaf_lamp_gives_no_answer_and_is_told_three_times(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=ignore)
+    outcome = await lamp.turn_on()
+    assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
+    assert len(home.commands) == 3
 
 
-async def test_a_lamp_that_is_known_to_be_fast_is_told_again_sooner_and_waited_for_as_long(
-    open_home: OpenHome,
-) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(0.5)
-        lamp = await home.handle(Light)
-        for _ in range(3):
-            await lamp.turn_on()
-            await lamp.turn_off()
-        told_at: list[float] = []
+async def test_a_lamp_that_is_known_to_be_fast_is_told_again_sooner_and_waited_for_as_long(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=obey_after(0.5))
+    for _ in range(3):
+        await lamp.turn_on()
+        await lamp.turn_off()
+    told_at: list[float] = []
 
-        async def note(_home: Home, _command: Command) -> None:
-            told_at.append(anyio.current_time())
+    async def note(_home: Home, _command: Command) -> None:
+        told_at.append(anyio.current_time())
 
-        home.behaviours["lamp"] = note
-        outcome = await lamp.turn_on()
-        assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
-        assert [round(at - told_at[0], 2) for at in told_at] == [0.0, 2.0, 4.0]
+    home.behaviours["lamp"] = note
+    outcome = await lamp.turn_on()
+    assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
+    assert [round(at - told_at[0], 2) for at in told_at] == [0.0, 2.0, 4.0]
 
 
 @pytest.mark.parametrize("beat", [0.7, 3.0, 100.0])
-async def test_a_fast_lamp_that_becomes_slow_is_no_false_alarm(open_home: OpenHome, beat: float) -> None:
+async def test_a_fast_lamp_that_becomes_slow_is_no_false_alarm(home: Home, beat: float) -> None:
     """Not even if it says again and again how it is, as many do."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        is_on = False
+    lamp = await home.lamp("on_off")
+    is_on = False
 
-        async def be_slow(home: Home, command: Command) -> None:
-            async def act() -> None:
-                nonlocal is_on
-                await anyio.sleep(8.0)
-                is_on = command.value.plain() is True
-                await home.report("lamp", "on_off", is_on)
+    async def be_slow(home: Home, command: Command) -> None:
+        async def act() -> None:
+            nonlocal is_on
+            await anyio.sleep(8.0)
+            is_on = command.value.plain() is True
+            await home.report("lamp", "on_off", is_on)
 
-            home.tasks.start_soon(act)
+        home.tasks.start_soon(act)
 
-        async def repeat() -> None:
-            while True:
-                await anyio.sleep(beat)
-                await home.report("lamp", "on_off", is_on)
+    async def repeat() -> None:
+        while True:
+            await anyio.sleep(beat)
+            await home.report("lamp", "on_off", is_on)
 
-        for number in range(20):
-            await (lamp.turn_off() if number % 2 else lamp.turn_on())
-        home.behaviours["lamp"] = be_slow
-        home.tasks.start_soon(repeat)
-        for number in range(10):
-            outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
-            assert isinstance(outcome, Confirmed)
-            assert round(outcome.latency) == 8
-            await anyio.sleep(40)
+    for number in range(20):
+        await (lamp.turn_off() if number % 2 else lamp.turn_on())
+    home.behaviours["lamp"] = be_slow
+    home.tasks.start_soon(repeat)
+    for number in range(10):
+        outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
+        assert isinstance(outcome, Confirmed)
+        assert round(outcome.latency) == 8
+        await anyio.sleep(40)
 
 
-async def test_a_stuck_lamp_that_answers_with_the_old_state_is_contradicted(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = report((2.0, False))
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Contradicted)
-        assert outcome.saw == "on_off is off"
+async def test_a_stuck_lamp_that_answers_with_the_old_state_is_contradicted(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=report((2.0, False)))
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, Contradicted)
+    assert outcome.saw == "on_off is off"
 
 
-async def test_a_lamp_that_is_off_and_keeps_its_brightness_obeyed_a_level_of_0(open_home: OpenHome) -> None:
+async def test_a_lamp_that_is_off_and_keeps_its_brightness_obeyed_a_level_of_0(home: Home) -> None:
     """As Zigbee2MQTT and Home Assistant's JSON lamps report it: ``{"state": "OFF", "brightness": 254}``."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        await home.report("lamp", "on_off", True)
+    home.put("lamp", "light", "on_off", "level")
+    await home.report("lamp", "on_off", True)
 
-        async def be_off(home: Home, command: Command) -> None:
-            await home.report("lamp", "on_off", False)
-            await home.report("lamp", "level", 100.0)
+    async def be_off(home: Home, command: Command) -> None:
+        await home.report("lamp", "on_off", False)
+        await home.report("lamp", "level", 100.0)
 
-        home.behaviours["lamp"] = be_off
-        lamp = await home.handle(Light)
-        assert isinstance(await lamp.command("level", 0.0), Confirmed)
-        assert isinstance(await lamp.command("level", 0.0), AlreadySo)
-        assert [(one.capability, one.value.plain()) for one in home.commands] == [("on_off", False)]
+    home.behaviours["lamp"] = be_off
+    lamp = await home.handle(Light)
+    assert isinstance(await lamp.command("level", 0.0), Confirmed)
+    assert isinstance(await lamp.command("level", 0.0), AlreadySo)
+    assert [(one.capability, one.value.plain()) for one in home.commands] == [("on_off", False)]
 
 
 @pytest.mark.parametrize(
@@ -155,29 +137,28 @@ async def test_a_lamp_that_is_off_and_keeps_its_brightness_obeyed_a_level_of_0(o
 )
 @pytest.mark.parametrize("is_stuck", [False, True])
 async def test_a_lamp_that_is_off_at_the_wanted_level_or_colour_is_not_on_already(
-    open_home: OpenHome, capability: str, value: PlainValue, *, is_stuck: bool
+    home: Home, capability: str, value: PlainValue, *, is_stuck: bool
 ) -> None:
     """Most lamps report while they are off what they will be when they are on."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", capability)
-        await home.report("lamp", "on_off", False)
-        await home.report("lamp", capability, value)
+    home.put("lamp", "light", "on_off", capability)
+    await home.report("lamp", "on_off", False)
+    await home.report("lamp", capability, value)
 
-        async def light_up(home: Home, command: Command) -> None:
-            await home.report("lamp", command.capability, command.value.plain())
-            await home.report("lamp", "on_off", not is_stuck)
+    async def light_up(home: Home, command: Command) -> None:
+        await home.report("lamp", command.capability, command.value.plain())
+        await home.report("lamp", "on_off", not is_stuck)
 
-        home.behaviours["lamp"] = light_up
-        lamp = await home.handle(Light)
-        outcome = await lamp.command(capability, value)
-        assert isinstance(outcome, Contradicted if is_stuck else Confirmed)
-        assert [(one.capability, one.value.plain()) for one in home.commands][:1] == [(capability, value)]
-        if not is_stuck:
-            assert isinstance(await lamp.command(capability, value), AlreadySo)
-            home.behaviours["lamp"] = obey
-            await lamp.turn_off()
-            await anyio.sleep(20)
-            assert home.events == []  # it did not go back: it was turned off
+    home.behaviours["lamp"] = light_up
+    lamp = await home.handle(Light)
+    outcome = await lamp.command(capability, value)
+    assert isinstance(outcome, Contradicted if is_stuck else Confirmed)
+    assert [(one.capability, one.value.plain()) for one in home.commands][:1] == [(capability, value)]
+    if not is_stuck:
+        assert isinstance(await lamp.command(capability, value), AlreadySo)
+        home.behaviours["lamp"] = obey
+        await lamp.turn_off()
+        await anyio.sleep(20)
+        assert home.events == []  # it did not go back: it was turned off
 
 
 async def json_lamp(home: Home, command: Command) -> None:
@@ -192,9 +173,7 @@ async def test_who_dims_a_lamp_soon_after_it_was_turned_off_made_it_no_liar(
     open_home: OpenHome, capability: str, value: PlainValue
 ) -> None:
     async with open_home(rate_limit=False) as home:
-        home.put("lamp", "light", "on_off", "level", "color_temperature")
-        home.behaviours["lamp"] = json_lamp
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off", "level", "color_temperature", behaviour=json_lamp)
         for _ in range(6):
             for outcome in (await lamp.turn_off(), await lamp.command(capability, value)):
                 assert isinstance(outcome, Confirmed)
@@ -203,50 +182,45 @@ async def test_who_dims_a_lamp_soon_after_it_was_turned_off_made_it_no_liar(
         assert home.events == []
 
 
-async def test_a_blind_that_is_sent_half_up_soon_after_it_closed_did_not_go_back(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement", "position")
+async def test_a_blind_that_is_sent_half_up_soon_after_it_closed_did_not_go_back(home: Home) -> None:
+    home.put("blind", "window_covering", "movement", "position")
 
-        async def move(home: Home, command: Command) -> None:
-            is_closed = command.value.plain() == "closed"
-            movement, position = ("closed", 0.0) if is_closed else ("open", 50.0)
-            await home.gateway.devices.report("blind", {"movement": movement, "position": position})
+    async def move(home: Home, command: Command) -> None:
+        is_closed = command.value.plain() == "closed"
+        movement, position = ("closed", 0.0) if is_closed else ("open", 50.0)
+        await home.gateway.devices.report("blind", {"movement": movement, "position": position})
 
-        home.behaviours["blind"] = move
-        blind = await home.handle(WindowCovering)
-        assert isinstance(await blind.close(), Confirmed)
-        assert isinstance(await blind.set_position(50), Confirmed)
-        await anyio.sleep(20)
-        assert home.events == []
+    home.behaviours["blind"] = move
+    blind = await home.handle(WindowCovering)
+    assert isinstance(await blind.close(), Confirmed)
+    assert isinstance(await blind.set_position(50), Confirmed)
+    await anyio.sleep(20)
+    assert home.events == []
 
 
-async def test_a_lamp_that_is_turned_off_is_told_no_older_colour_again(open_home: OpenHome) -> None:
+async def test_a_lamp_that_is_turned_off_is_told_no_older_colour_again(home: Home) -> None:
     """Nor the other way round: a colour turns it on."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "color_temperature")
-        home.behaviours["lamp"] = ignore
-        lamp = await home.handle(Light)
-        found: list[Outcome] = []
+    lamp = await home.lamp("on_off", "color_temperature", behaviour=ignore)
+    found: list[Outcome] = []
 
-        async def give(capability: str, value: PlainValue) -> None:
-            found.append(await lamp.command(capability, value))
+    async def give(capability: str, value: PlainValue) -> None:
+        found.append(await lamp.command(capability, value))
 
-        for capability, value in (("color_temperature", 2700.0), ("on_off", False), ("color_temperature", 4000.0)):
-            home.tasks.start_soon(give, capability, value)
-            await anyio.sleep(1)
-        await anyio.sleep(20)
-        assert [type(one) for one in found] == [Superseded, Superseded, NoAnswer]
-        told = [(one.capability, one.value.plain()) for one in home.commands]
-        assert told == [("color_temperature", 2700.0), ("on_off", False), *[("color_temperature", 4000.0)] * 3]
+    for capability, value in (("color_temperature", 2700.0), ("on_off", False), ("color_temperature", 4000.0)):
+        home.tasks.start_soon(give, capability, value)
+        await anyio.sleep(1)
+    await anyio.sleep(20)
+    assert [type(one) for one in found] == [Superseded, Superseded, NoAnswer]
+    told = [(one.capability, one.value.plain()) for one in home.commands]
+    assert told == [("color_temperature", 2700.0), ("on_off", False), *[("color_temperature", 4000.0)] * 3]
 
 
-async def test_a_blind_that_is_not_known_to_move_is_stopped_all_the_same(open_home: OpenHome) -> None:
+async def test_a_blind_that_is_not_known_to_move_is_stopped_all_the_same(home: Home) -> None:
     """It reports nothing on its way, and somebody may have started it at its switch."""
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement")
-        await home.report("blind", "movement", "open")
-        await (await home.handle(WindowCovering)).stop()
-        assert [one.value.plain() for one in home.commands][:1] == ["stopped"]
+    home.put("blind", "window_covering", "movement")
+    await home.report("blind", "movement", "open")
+    await (await home.handle(WindowCovering)).stop()
+    assert [one.value.plain() for one in home.commands][:1] == ["stopped"]
 
 
 async def test_the_latch_of_an_unlocked_door_is_opened(open_home: OpenHome) -> None:
@@ -259,134 +233,124 @@ async def test_the_latch_of_an_unlocked_door_is_opened(open_home: OpenHome) -> N
         assert [one.value.plain() for one in home.commands] == ["open"]
 
 
-async def test_a_dimmer_without_a_switch_is_told_a_level_of_0(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "level", readable=("on_off",))
-        await home.report("lamp", "on_off", True)
-        await home.report("lamp", "level", 100.0)
-        lamp = await home.handle(Light)
-        assert isinstance(await lamp.command("level", 0.0), Confirmed)
-        await home.report("lamp", "on_off", False)
-        assert isinstance(await lamp.command("level", 0.0), AlreadySo)
-        assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 0.0)]
+async def test_a_dimmer_without_a_switch_is_told_a_level_of_0(home: Home) -> None:
+    home.put("lamp", "light", "level", readable=("on_off",))
+    await home.report("lamp", "on_off", True)
+    await home.report("lamp", "level", 100.0)
+    lamp = await home.handle(Light)
+    assert isinstance(await lamp.command("level", 0.0), Confirmed)
+    await home.report("lamp", "on_off", False)
+    assert isinstance(await lamp.command("level", 0.0), AlreadySo)
+    assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 0.0)]
 
 
-async def test_what_is_so_already_is_not_sent(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        await home.report("lamp", "on_off", True)
-        lamp = await home.handle(Light)
-        assert isinstance(await lamp.turn_on(), AlreadySo)
-        assert home.commands == []
+async def test_what_is_so_already_is_not_sent(home: Home) -> None:
+    home.put("lamp", "light", "on_off", "level")
+    await home.report("lamp", "on_off", True)
+    lamp = await home.handle(Light)
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    assert home.commands == []
 
 
-async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", True)
-        lamp = await home.handle(Light)
-        await anyio.sleep(300)
-        home.behaviours["lamp"] = ignore
-        assert isinstance(await lamp.turn_on(), AlreadySo)
-        assert home.commands
+async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", True)
+    lamp = await home.handle(Light)
+    await anyio.sleep(300)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    assert home.commands
 
 
 @pytest.mark.parametrize(("reachable", "expected"), [(True, AlreadySo), (None, NoAnswer), (False, NoAnswer)])
 async def test_a_switch_that_is_online_and_reports_only_changes_is_as_the_broker_kept_it(
-    open_home: OpenHome, *, reachable: bool | None, expected: type[Outcome]
+    home: Home, *, reachable: bool | None, expected: type[Outcome]
 ) -> None:
     """As ESPHome's and ESPurna's: told to be on where they are on, they report nothing."""
-    async with open_home() as home:
-        home.put("relay", "switch", "on_off")
-        home.behaviours["relay"] = ignore
-        relay = await home.handle(Switch)
-        await home.gateway.devices.report("relay", {"on_off": True}, retained=True)
-        home.gateway.devices.report_reachable("relay", reachable=reachable)
-        await anyio.sleep(1)
-        assert isinstance(await relay.turn_on(), expected)
-        assert len(home.commands) == 3
-        assert isinstance(await relay.turn_off(), NoAnswer)
+    home.put("relay", "switch", "on_off")
+    home.behaviours["relay"] = ignore
+    relay = await home.handle(Switch)
+    await home.gateway.devices.report("relay", {"on_off": True}, retained=True)
+    home.gateway.devices.report_reachable("relay", reachable=reachable)
+    await anyio.sleep(1)
+    assert isinstance(await relay.turn_on(), expected)
+    assert len(home.commands) == 3
+    assert isinstance(await relay.turn_off(), NoAnswer)
 
 
-async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_more(open_home: OpenHome) -> None:
+async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_more(home: Home) -> None:
     """The lamp may have obeyed, and its report was lost."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        assert isinstance(await lamp.turn_on(), Confirmed)
-        home.behaviours["lamp"] = ignore
-        assert isinstance(await lamp.turn_off(), NoAnswer)
-        sent = len(home.commands)
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        assert len(home.commands) > sent
-        await anyio.sleep(1)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(1)
-        sent = len(home.commands)
-        assert isinstance(await lamp.turn_on(), AlreadySo)
-        assert len(home.commands) > sent  # it may repeat what it reported before
-        home.behaviours["lamp"] = obey
-        assert isinstance(await lamp.turn_on(), Confirmed)
-        sent = len(home.commands)
-        await anyio.sleep(1)
-        assert isinstance(await lamp.turn_on(), AlreadySo)
-        assert len(home.commands) == sent
+    lamp = await home.lamp("on_off")
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.turn_off(), NoAnswer)
+    sent = len(home.commands)
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    assert len(home.commands) > sent
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(1)
+    sent = len(home.commands)
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    assert len(home.commands) > sent  # it may repeat what it reported before
+    home.behaviours["lamp"] = obey
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    sent = len(home.commands)
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    assert len(home.commands) == sent
 
 
-async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("plug", "switch", "on_off", is_silent=True)
-        outcome = await (await home.handle(Switch)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert outcome.evidence is Evidence.ACKNOWLEDGED
+async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(home: Home) -> None:
+    home.put("plug", "switch", "on_off", is_silent=True)
+    outcome = await (await home.handle(Switch)).turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert outcome.evidence is Evidence.ACKNOWLEDGED
 
 
-async def test_a_blind_on_its_way_is_waited_for(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement")
-        home.behaviours["blind"] = report((1.0, "opening"), (45.0, "open"))
-        outcome = await (await home.handle(WindowCovering)).open()
-        assert isinstance(outcome, Confirmed)
-        assert round(outcome.latency) == 45
-        assert len(home.commands) == 1
+async def test_a_blind_on_its_way_is_waited_for(home: Home) -> None:
+    home.put("blind", "window_covering", "movement")
+    home.behaviours["blind"] = report((1.0, "opening"), (45.0, "open"))
+    outcome = await (await home.handle(WindowCovering)).open()
+    assert isinstance(outcome, Confirmed)
+    assert round(outcome.latency) == 45
+    assert len(home.commands) == 1
 
 
-async def test_a_blind_of_which_nothing_was_heard_since_it_began_to_move_gave_no_answer(open_home: OpenHome) -> None:
+async def test_a_blind_of_which_nothing_was_heard_since_it_began_to_move_gave_no_answer(home: Home) -> None:
     """Its last report may have been lost."""
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement")
-        home.behaviours["blind"] = report((1.0, "opening"))
-        outcome = await (await home.handle(WindowCovering)).open()
-        assert outcome == NoAnswer(61.0, command_id=outcome.command_id)
+    home.put("blind", "window_covering", "movement")
+    home.behaviours["blind"] = report((1.0, "opening"))
+    outcome = await (await home.handle(WindowCovering)).open()
+    assert outcome == NoAnswer(61.0, command_id=outcome.command_id)
 
 
-async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", True)
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = ignore
-        outcomes: list[Outcome] = []
+async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", True)
+    lamp = await home.handle(Light)
+    home.behaviours["lamp"] = ignore
+    outcomes: list[Outcome] = []
 
-        async def turn_off() -> None:
-            outcomes.append(await lamp.turn_off())
+    async def turn_off() -> None:
+        outcomes.append(await lamp.turn_off())
 
-        async def turn_on() -> None:
-            outcomes.append(await lamp.turn_on())
+    async def turn_on() -> None:
+        outcomes.append(await lamp.turn_on())
 
-        home.tasks.start_soon(turn_off)
-        await anyio.sleep(1)
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        assert [type(one) for one in outcomes] == [Superseded]
-        await anyio.sleep(1)
-        home.behaviours["lamp"] = obey
-        await lamp.turn_on()
-        await anyio.sleep(70)
-        home.behaviours["lamp"] = ignore
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(turn_on)
-            tasks.start_soon(turn_on)  # which wants the same
-        assert [type(one) for one in outcomes[1:]] == [Superseded, AlreadySo]
+    home.tasks.start_soon(turn_off)
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    assert [type(one) for one in outcomes] == [Superseded]
+    await anyio.sleep(1)
+    home.behaviours["lamp"] = obey
+    await lamp.turn_on()
+    await anyio.sleep(70)
+    home.behaviours["lamp"] = ignore
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(turn_on)
+        tasks.start_soon(turn_on)  # which wants the same
+    assert [type(one) for one in outcomes[1:]] == [Superseded, AlreadySo]
 
 
 async def blind_without_movement(home: Home) -> WindowCovering:
@@ -406,171 +370,152 @@ def positions(*values: tuple[float, float]) -> Behaviour:
     return behaviour
 
 
-async def test_a_blind_that_reports_its_position_alone_is_known_by_that(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        blind = await blind_without_movement(home)
-        home.behaviours["blind"] = positions((5.0, 60.0), (20.0, 0.0))
-        outcome = await blind.close()
-        assert isinstance(outcome, Confirmed)
-        assert (round(outcome.latency), outcome.evidence) == (20, Evidence.REPORTED)
-        home.behaviours["blind"] = positions((2.0, 0.0))
-        assert isinstance(await blind.open(), Contradicted)
-        assert isinstance(await blind.stop(), Confirmed)
+async def test_a_blind_that_reports_its_position_alone_is_known_by_that(home: Home) -> None:
+    blind = await blind_without_movement(home)
+    home.behaviours["blind"] = positions((5.0, 60.0), (20.0, 0.0))
+    outcome = await blind.close()
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency), outcome.evidence) == (20, Evidence.REPORTED)
+    home.behaviours["blind"] = positions((2.0, 0.0))
+    assert isinstance(await blind.open(), Contradicted)
+    assert isinstance(await blind.stop(), Confirmed)
 
 
-async def test_a_blind_that_goes_back_is_told_as_an_event(open_home: OpenHome) -> None:
+async def test_a_blind_that_goes_back_is_told_as_an_event(home: Home) -> None:
     """As behind a bridge that reports the commanded position before the blind has moved."""
-    async with open_home() as home:
-        blind = await blind_without_movement(home)
-        home.behaviours["blind"] = positions((0.0, 0.0), (4.0, 100.0))
-        for command in (blind.close, partial(blind.set_position, 0.0)):
-            home.events.clear()
-            outcome = await command()
-            assert isinstance(outcome, Confirmed)
-            await anyio.sleep(16)
-            assert [one.result.command_id for one in home.events] == [outcome.command_id]
+    blind = await blind_without_movement(home)
+    home.behaviours["blind"] = positions((0.0, 0.0), (4.0, 100.0))
+    for command in (blind.close, partial(blind.set_position, 0.0)):
+        home.events.clear()
+        outcome = await command()
+        assert isinstance(outcome, Confirmed)
+        await anyio.sleep(16)
+        assert [one.result.command_id for one in home.events] == [outcome.command_id]
 
 
-async def test_a_blind_that_tells_where_it_will_be_and_then_each_step_does_not_go_back(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        blind = await blind_without_movement(home)
-        steps = [(0.0, 0.0), (0.5, 100.0), *((3.0 + number, 95.0 - 5 * number) for number in range(20))]
-        home.behaviours["blind"] = positions(*steps)
-        assert isinstance(await blind.close(), Confirmed)
-        await anyio.sleep(60)
-        assert home.events == []
+async def test_a_blind_that_tells_where_it_will_be_and_then_each_step_does_not_go_back(home: Home) -> None:
+    blind = await blind_without_movement(home)
+    steps = [(0.0, 0.0), (0.5, 100.0), *((3.0 + number, 95.0 - 5 * number) for number in range(20))]
+    home.behaviours["blind"] = positions(*steps)
+    assert isinstance(await blind.close(), Confirmed)
+    await anyio.sleep(60)
+    assert home.events == []
 
 
 @pytest.mark.parametrize("failing", ["movement", "position"])
 async def test_after_a_failed_command_an_older_report_of_the_same_in_other_words_counts_no_more(
-    open_home: OpenHome, failing: str
+    home: Home, failing: str
 ) -> None:
-    async with open_home() as home:
-        blind = await blind_without_movement(home)
-        home.behaviours["blind"] = ignore  # it may have obeyed, and its report was lost
-        assert isinstance(await (blind.close() if failing == "movement" else blind.set_position(0.0)), NoAnswer)
-        home.commands.clear()
-        assert isinstance(await (blind.set_position(100.0) if failing == "movement" else blind.open()), NoAnswer)
-        assert home.commands
+    blind = await blind_without_movement(home)
+    home.behaviours["blind"] = ignore  # it may have obeyed, and its report was lost
+    assert isinstance(await (blind.close() if failing == "movement" else blind.set_position(0.0)), NoAnswer)
+    home.commands.clear()
+    assert isinstance(await (blind.set_position(100.0) if failing == "movement" else blind.open()), NoAnswer)
+    assert home.commands
 
 
-async def test_after_an_unanswered_off_an_older_level_counts_no_more(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        await home.report("lamp", "on_off", True)
-        await home.report("lamp", "level", 80.0)
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = ignore
-        assert isinstance(await lamp.turn_off(), NoAnswer)
-        home.commands.clear()
-        assert isinstance(await lamp.set_level(80.0), NoAnswer)
-        assert home.commands
+async def test_after_an_unanswered_off_an_older_level_counts_no_more(home: Home) -> None:
+    home.put("lamp", "light", "on_off", "level")
+    await home.report("lamp", "on_off", True)
+    await home.report("lamp", "level", 80.0)
+    lamp = await home.handle(Light)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.turn_off(), NoAnswer)
+    home.commands.clear()
+    assert isinstance(await lamp.set_level(80.0), NoAnswer)
+    assert home.commands
 
 
-async def test_a_lock_that_jams_on_its_way_is_contradicted(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lock", "door_lock", "lock")
-        home.behaviours["lock"] = report((1.0, "locking"), (4.0, "jammed"))
-        outcome = await (await home.handle(DoorLock)).lock()
-        assert isinstance(outcome, Contradicted)
-        assert outcome.saw == "lock is jammed"
+async def test_a_lock_that_jams_on_its_way_is_contradicted(home: Home) -> None:
+    home.put("lock", "door_lock", "lock")
+    home.behaviours["lock"] = report((1.0, "locking"), (4.0, "jammed"))
+    outcome = await (await home.handle(DoorLock)).lock()
+    assert isinstance(outcome, Contradicted)
+    assert outcome.saw == "lock is jammed"
 
 
-async def test_a_newer_command_takes_the_place_of_the_older_one(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(3.0)
-        lamp = await home.handle(Light)
-        outcomes: list[Outcome] = []
+async def test_a_newer_command_takes_the_place_of_the_older_one(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=obey_after(3.0))
+    outcomes: list[Outcome] = []
 
-        async def turn_on() -> None:
-            outcomes.append(await lamp.turn_on())
+    async def turn_on() -> None:
+        outcomes.append(await lamp.turn_on())
 
-        home.tasks.start_soon(turn_on)
-        await anyio.sleep(1)
-        last = await lamp.turn_off()
-        assert isinstance(last, Confirmed)
-        (first,) = outcomes
-        assert first == Superseded(last.command_id, command_id=first.command_id)
+    home.tasks.start_soon(turn_on)
+    await anyio.sleep(1)
+    last = await lamp.turn_off()
+    assert isinstance(last, Confirmed)
+    (first,) = outcomes
+    assert first == Superseded(last.command_id, command_id=first.command_id)
 
 
-async def test_off_takes_the_place_of_a_level_that_would_be_sent_again(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = ignore
-        lamp = await home.handle(Light)
-        outcomes: list[Outcome] = []
+async def test_off_takes_the_place_of_a_level_that_would_be_sent_again(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level", behaviour=ignore)
+    outcomes: list[Outcome] = []
 
-        async def dim() -> None:
-            outcomes.append(await lamp.set_level(40))
+    async def dim() -> None:
+        outcomes.append(await lamp.set_level(40))
 
-        home.tasks.start_soon(dim)
-        await anyio.sleep(1)
-        home.behaviours["lamp"] = obey
-        last = await lamp.turn_off()
-        assert isinstance(last, Confirmed)
-        await anyio.sleep(60)
-        assert outcomes == [Superseded(last.command_id, command_id=outcomes[0].command_id)]
-        assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 40.0), ("on_off", False)]
+    home.tasks.start_soon(dim)
+    await anyio.sleep(1)
+    home.behaviours["lamp"] = obey
+    last = await lamp.turn_off()
+    assert isinstance(last, Confirmed)
+    await anyio.sleep(60)
+    assert outcomes == [Superseded(last.command_id, command_id=outcomes[0].command_id)]
+    assert [(one.capability, one.value.plain()) for one in home.commands] == [("level", 40.0), ("on_off", False)]
 
 
 @pytest.mark.parametrize("newer", ["closed", "stopped"])
-async def test_a_movement_takes_the_place_of_a_position(open_home: OpenHome, newer: str) -> None:
-    async with open_home() as home:
-        home.put("blind", "window_covering", "movement", "position")
-        home.behaviours["blind"] = ignore
-        blind = await home.handle(WindowCovering)
-        outcomes: list[Outcome] = []
+async def test_a_movement_takes_the_place_of_a_position(home: Home, newer: str) -> None:
+    home.put("blind", "window_covering", "movement", "position")
+    home.behaviours["blind"] = ignore
+    blind = await home.handle(WindowCovering)
+    outcomes: list[Outcome] = []
 
-        async def open_it() -> None:
-            outcomes.append(await blind.set_position(100))
+    async def open_it() -> None:
+        outcomes.append(await blind.set_position(100))
 
-        home.tasks.start_soon(open_it)
-        await anyio.sleep(1)
-        await (blind.close() if newer == "closed" else blind.stop())
-        await anyio.sleep(60)
-        assert isinstance(outcomes[0], Superseded)
-        assert [one.capability for one in home.commands].count("position") == 1
-
-
-async def test_on_lets_a_level_go_on(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = obey_after(0.5)
-        lamp = await home.handle(Light)
-        outcomes: list[Outcome] = []
-
-        async def dim() -> None:
-            outcomes.append(await lamp.set_level(40))
-
-        home.tasks.start_soon(dim)
-        await anyio.sleep(0.1)
-        assert isinstance(await lamp.turn_on(), Confirmed)
-        await anyio.sleep(1)
-        assert isinstance(outcomes[0], Confirmed)
+    home.tasks.start_soon(open_it)
+    await anyio.sleep(1)
+    await (blind.close() if newer == "closed" else blind.stop())
+    await anyio.sleep(60)
+    assert isinstance(outcomes[0], Superseded)
+    assert [one.capability for one in home.commands].count("position") == 1
 
 
-async def test_a_dimmer_may_round(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = report((0.2, 39.6))
-        assert (await (await home.handle(Light)).set_level(40)).succeeded
+async def test_on_lets_a_level_go_on(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level", behaviour=obey_after(0.5))
+    outcomes: list[Outcome] = []
+
+    async def dim() -> None:
+        outcomes.append(await lamp.set_level(40))
+
+    home.tasks.start_soon(dim)
+    await anyio.sleep(0.1)
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    await anyio.sleep(1)
+    assert isinstance(outcomes[0], Confirmed)
 
 
-async def test_a_fan_that_is_given_a_mode_soon_after_it_was_turned_off_made_it_no_liar(open_home: OpenHome) -> None:
+async def test_a_dimmer_may_round(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level", behaviour=report((0.2, 39.6)))
+    assert (await lamp.set_level(40)).succeeded
+
+
+async def test_a_fan_that_is_given_a_mode_soon_after_it_was_turned_off_made_it_no_liar(home: Home) -> None:
     async def run(home: Home, command: Command) -> None:
         mode = command.value.plain() if command.capability == "fan_mode" else "off"
         await home.gateway.devices.report("fan", {"on_off": mode != "off", "fan_mode": mode})
 
-    async with open_home() as home:
-        home.put("fan", "fan", "on_off", "fan_mode")
-        home.behaviours["fan"] = run
-        fan = await home.handle(Handle)
-        assert isinstance(await fan.command("fan_mode", "low"), Confirmed)
-        assert isinstance(await fan.command("on_off", False), Confirmed)
-        assert isinstance(await fan.command("fan_mode", "auto"), Confirmed)
-        await anyio.sleep(20)
-        assert home.events == []
+    home.put("fan", "fan", "on_off", "fan_mode")
+    home.behaviours["fan"] = run
+    fan = await home.handle(Handle)
+    assert isinstance(await fan.command("fan_mode", "low"), Confirmed)
+    assert isinstance(await fan.command("on_off", False), Confirmed)
+    assert isinstance(await fan.command("fan_mode", "auto"), Confirmed)
+    await anyio.sleep(20)
+    assert home.events == []
 
 
 SMALL_STEPS = [
@@ -582,42 +527,37 @@ SMALL_STEPS = [
 
 @pytest.mark.parametrize(("kind", "capability", "before", "wanted"), SMALL_STEPS)
 async def test_half_a_degree_more_is_commanded_although_a_device_may_round_by_as_much(
-    open_home: OpenHome, kind: str, capability: str, before: float, wanted: float
+    home: Home, kind: str, capability: str, before: float, wanted: float
 ) -> None:
-    async with open_home() as home:
-        home.put("device", kind, capability)
-        device = await home.handle(Handle)
-        await home.report("device", capability, before)
-        await anyio.sleep(1)
-        assert isinstance(await device.command(capability, wanted), Confirmed)
-        assert [one.value.plain() for one in home.commands] == [wanted]
-        assert isinstance(await device.command(capability, wanted), AlreadySo)
+    home.put("device", kind, capability)
+    device = await home.handle(Handle)
+    await home.report("device", capability, before)
+    await anyio.sleep(1)
+    assert isinstance(await device.command(capability, wanted), Confirmed)
+    assert [one.value.plain() for one in home.commands] == [wanted]
+    assert isinstance(await device.command(capability, wanted), AlreadySo)
 
 
 @pytest.mark.parametrize(("kind", "capability", "before", "wanted"), SMALL_STEPS)
 async def test_who_reports_the_setpoint_from_before_did_not_take_half_a_degree_more(
-    open_home: OpenHome, kind: str, capability: str, before: float, wanted: float
+    home: Home, kind: str, capability: str, before: float, wanted: float
 ) -> None:
-    async with open_home() as home:
-        home.put("device", kind, capability)
-        home.behaviours["device"] = report((0.2, before))
-        device = await home.handle(Handle)
-        await home.report("device", capability, before)
-        await anyio.sleep(1)
-        assert isinstance(await device.command(capability, wanted), Contradicted)
+    home.put("device", kind, capability)
+    home.behaviours["device"] = report((0.2, before))
+    device = await home.handle(Handle)
+    await home.report("device", capability, before)
+    await anyio.sleep(1)
+    assert isinstance(await device.command(capability, wanted), Contradicted)
 
 
 @pytest.mark.parametrize(("wanted", "reported"), [(21.3, 21.5), (21.4, 21.667)])
-async def test_a_thermostat_that_rounds_is_told_the_same_once(
-    open_home: OpenHome, wanted: float, reported: float
-) -> None:
+async def test_a_thermostat_that_rounds_is_told_the_same_once(home: Home, wanted: float, reported: float) -> None:
     """It takes half degrees, or whole ones of Fahrenheit."""
-    async with open_home() as home:
-        home.put("radiator", "thermostat", "heating_setpoint")
-        home.behaviours["radiator"] = report((0.2, reported))
-        radiator = await home.handle(Thermostat)
-        assert isinstance(await radiator.heat_to(wanted), Confirmed)
-        assert isinstance(await radiator.heat_to(wanted), AlreadySo)
+    home.put("radiator", "thermostat", "heating_setpoint")
+    home.behaviours["radiator"] = report((0.2, reported))
+    radiator = await home.handle(Thermostat)
+    assert isinstance(await radiator.heat_to(wanted), Confirmed)
+    assert isinstance(await radiator.heat_to(wanted), AlreadySo)
 
 
 @pytest.mark.parametrize(
@@ -636,24 +576,23 @@ async def test_a_thermostat_that_rounds_is_told_the_same_once(
 )
 @pytest.mark.parametrize("is_told_first", [False, True])
 async def test_a_device_that_does_the_nearest_that_it_can_obeyed_each_time(
-    open_home: OpenHome, kind: str, capability: str, wanted: PlainValue, reported: PlainValue, *, is_told_first: bool
+    home: Home, kind: str, capability: str, wanted: PlainValue, reported: PlainValue, *, is_told_first: bool
 ) -> None:
     """Fans of three and four speeds, lamps of Philips Hue that show no vivid green, and an air conditioner.
 
     Zigbee2MQTT reports the commanded value first, and then what the device reads back.
     """
-    async with open_home() as home:
-        home.put("device", kind, capability)
-        first = [(0.05, wanted)] if is_told_first else []
-        home.behaviours["device"] = report(*first, (0.2, reported))
-        device = await home.handle(Handle)
-        assert isinstance(await device.command(capability, wanted), Confirmed)
-        await anyio.sleep(20)
-        assert isinstance(await device.command(capability, wanted), AlreadySo)
-        await anyio.sleep(100)
-        assert isinstance(await device.command(capability, wanted), Confirmed)
-        await anyio.sleep(20)
-        assert home.events == []
+    home.put("device", kind, capability)
+    first = [(0.05, wanted)] if is_told_first else []
+    home.behaviours["device"] = report(*first, (0.2, reported))
+    device = await home.handle(Handle)
+    assert isinstance(await device.command(capability, wanted), Confirmed)
+    await anyio.sleep(20)
+    assert isinstance(await device.command(capability, wanted), AlreadySo)
+    await anyio.sleep(100)
+    assert isinstance(await device.command(capability, wanted), Confirmed)
+    await anyio.sleep(20)
+    assert home.events == []
 
 
 @pytest.mark.parametrize(
@@ -668,25 +607,23 @@ async def test_a_device_that_does_the_nearest_that_it_can_obeyed_each_time(
     ],
 )
 async def test_a_device_that_does_something_else_did_not_obey(
-    open_home: OpenHome, kind: str, capability: str, wanted: PlainValue, reported: PlainValue
+    home: Home, kind: str, capability: str, wanted: PlainValue, reported: PlainValue
 ) -> None:
-    async with open_home() as home:
-        home.put("device", kind, capability)
-        home.behaviours["device"] = report((0.2, reported))
-        assert isinstance(await (await home.handle(Handle)).command(capability, wanted), Contradicted)
+    home.put("device", kind, capability)
+    home.behaviours["device"] = report((0.2, reported))
+    assert isinstance(await (await home.handle(Handle)).command(capability, wanted), Contradicted)
 
 
-async def test_what_a_hand_changed_by_half_a_degree_is_commanded_again(open_home: OpenHome) -> None:
+async def test_what_a_hand_changed_by_half_a_degree_is_commanded_again(home: Home) -> None:
     """It is no rounding of the same command from before."""
-    async with open_home() as home:
-        home.put("radiator", "thermostat", "heating_setpoint")
-        radiator = await home.handle(Thermostat)
-        assert isinstance(await radiator.heat_to(21.5), Confirmed)
-        await anyio.sleep(100)
-        await home.report("radiator", "heating_setpoint", 21.0)
-        await anyio.sleep(1)
-        assert isinstance(await radiator.heat_to(21.5), Confirmed)
-        assert len(home.commands) == 2
+    home.put("radiator", "thermostat", "heating_setpoint")
+    radiator = await home.handle(Thermostat)
+    assert isinstance(await radiator.heat_to(21.5), Confirmed)
+    await anyio.sleep(100)
+    await home.report("radiator", "heating_setpoint", 21.0)
+    await anyio.sleep(1)
+    assert isinstance(await radiator.heat_to(21.5), Confirmed)
+    assert len(home.commands) == 2
 
 
 @pytest.mark.parametrize(
@@ -697,99 +634,85 @@ async def test_what_a_hand_changed_by_half_a_degree_is_commanded_again(open_home
     ],
 )
 async def test_white_takes_the_place_of_a_colour_and_no_lamp_went_back(
-    open_home: OpenHome, older: tuple[str, PlainValue], newer: tuple[str, PlainValue]
+    home: Home, older: tuple[str, PlainValue], newer: tuple[str, PlainValue]
 ) -> None:
     """A lamp that shows one of them reports that the other is unknown, or what it looks like."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "color_temperature", "color")
+    home.put("lamp", "light", "on_off", "color_temperature", "color")
 
-        async def show(home: Home, command: Command) -> None:
-            other = "color" if command.capability == "color_temperature" else "color_temperature"
-            await home.gateway.devices.report("lamp", {command.capability: command.value.plain(), other: None})
+    async def show(home: Home, command: Command) -> None:
+        other = "color" if command.capability == "color_temperature" else "color_temperature"
+        await home.gateway.devices.report("lamp", {command.capability: command.value.plain(), other: None})
 
-        home.behaviours["lamp"] = show
-        lamp = await home.handle(Light)
-        assert isinstance(await lamp.command(*older), Confirmed)
-        assert isinstance(await lamp.command(*newer), Confirmed)
-        await anyio.sleep(20)
-        assert home.events == []
-
-
-async def test_several_settings_are_one_command(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level", "color_temperature")
-        outcome = await (await home.handle(Light)).turn_on(level=40, kelvin=2700)
-        assert isinstance(outcome, Confirmed)
-        assert [one.capability for one in home.commands] == ["level", "color_temperature"]
+    home.behaviours["lamp"] = show
+    lamp = await home.handle(Light)
+    assert isinstance(await lamp.command(*older), Confirmed)
+    assert isinstance(await lamp.command(*newer), Confirmed)
+    await anyio.sleep(20)
+    assert home.events == []
 
 
-async def test_a_gateway_that_only_observes_refuses(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.gateway.acts = False
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Refused)
-        assert outcome.policy == "gateway"
-        assert "only observes" in outcome.reason
+async def test_several_settings_are_one_command(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level", "color_temperature")
+    outcome = await lamp.turn_on(level=40, kelvin=2700)
+    assert isinstance(outcome, Confirmed)
+    assert [one.capability for one in home.commands] == ["level", "color_temperature"]
 
 
-async def test_a_network_that_is_away_is_told(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.gateway.set_unavailable("the cable is out")
-        outcome = await lamp.turn_on()
-        assert isinstance(outcome, NoAnswer)
-        assert "the cable is out" in outcome.text
+async def test_a_gateway_that_only_observes_refuses(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    home.gateway.acts = False
+    outcome = await (await home.handle(Light)).turn_on()
+    assert isinstance(outcome, Refused)
+    assert outcome.policy == "gateway"
+    assert "only observes" in outcome.reason
 
 
-async def test_a_device_that_was_removed_is_gone(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.gateway.devices.remove("lamp", "sold")
+async def test_a_network_that_is_away_is_told(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    home.gateway.set_unavailable("the cable is out")
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, NoAnswer)
+    assert "the cable is out" in outcome.text
+
+
+async def test_a_device_that_was_removed_is_gone(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    home.gateway.devices.remove("lamp", "sold")
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_on(), Gone)
+
+
+async def test_a_device_that_is_removed_before_it_answers_is_gone(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=report())
+    outcomes: list[Outcome] = []
+
+    async def turn_on() -> None:
+        outcomes.append(await lamp.turn_on())
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(turn_on)
         await anyio.sleep(1)
-        assert isinstance(await lamp.turn_on(), Gone)
+        home.gateway.devices.remove("lamp", "sold")
+    assert [type(one) for one in outcomes] == [Gone]
 
 
-async def test_a_device_that_is_removed_before_it_answers_is_gone(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = report()
-        lamp = await home.handle(Light)
-        outcomes: list[Outcome] = []
-
-        async def turn_on() -> None:
-            outcomes.append(await lamp.turn_on())
-
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(turn_on)
-            await anyio.sleep(1)
-            home.gateway.devices.remove("lamp", "sold")
-        assert [type(one) for one in outcomes] == [Gone]
-
-
-async def test_a_device_that_its_gateway_has_just_lost_is_gone_and_was_not_refused(open_home: OpenHome) -> None:
+async def test_a_device_that_its_gateway_has_just_lost_is_gone_and_was_not_refused(home: Home) -> None:
     async def vanish(home: Home, command: Command) -> None:
         home.gateway.devices.remove(command.key, "its announcement has run out")
         raise RefusedError("the command", "no device was announced with that key")
 
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = vanish
-        assert isinstance(await (await home.handle(Light)).turn_on(), Gone)
+    lamp = await home.lamp("on_off", behaviour=vanish)
+    assert isinstance(await lamp.turn_on(), Gone)
 
 
-async def test_a_lamp_that_goes_back_is_told_as_an_event(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = report((0.1, True), (3.1, False))
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        await anyio.sleep(5)
-        (event,) = home.events
-        assert (event.result.outcome, round(event.result.latency), event.issuer) == ("reverted", 3, "/app")
-        assert event.result.command_id == outcome.command_id
+async def test_a_lamp_that_goes_back_is_told_as_an_event(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=report((0.1, True), (3.1, False)))
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, Confirmed)
+    await anyio.sleep(5)
+    (event,) = home.events
+    assert (event.result.outcome, round(event.result.latency), event.issuer) == ("reverted", 3, "/app")
+    assert event.result.command_id == outcome.command_id
 
 
 @pytest.mark.parametrize(
@@ -803,27 +726,26 @@ async def test_a_lamp_that_goes_back_is_told_as_an_event(open_home: OpenHome) ->
     ],
 )
 async def test_a_dimmer_that_tells_where_it_will_be_and_then_each_step_does_not_go_back(
-    open_home: OpenHome, levels: tuple[tuple[float, float], ...], reverted_after: int | None
+    home: Home, levels: tuple[tuple[float, float], ...], reverted_after: int | None
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "level")
-        await home.report("lamp", "level", 20.0)
-        lamp = await home.handle(Light)
+    home.put("lamp", "light", "level")
+    await home.report("lamp", "level", 20.0)
+    lamp = await home.handle(Light)
 
-        async def dim(home: Home, command: Command) -> None:
-            await obey(home, command)
-            for seconds, level in levels:
-                home.later(seconds, "lamp", "level", level)
+    async def dim(home: Home, command: Command) -> None:
+        await obey(home, command)
+        for seconds, level in levels:
+            home.later(seconds, "lamp", "level", level)
 
-        home.behaviours["lamp"] = dim
-        assert isinstance(await lamp.set_level(80.0, transition=4.0), Confirmed)
-        began = anyio.current_time()
-        reverted: list[int] = []
-        while anyio.current_time() < began + 20:
-            await anyio.sleep(0.5)
-            if home.events and not reverted:
-                reverted.append(int(anyio.current_time() - began))
-        assert reverted == ([] if reverted_after is None else [reverted_after])
+    home.behaviours["lamp"] = dim
+    assert isinstance(await lamp.set_level(80.0, transition=4.0), Confirmed)
+    began = anyio.current_time()
+    reverted: list[int] = []
+    while anyio.current_time() < began + 20:
+        await anyio.sleep(0.5)
+        if home.events and not reverted:
+            reverted.append(int(anyio.current_time() - began))
+    assert reverted == ([] if reverted_after is None else [reverted_after])
 
 
 Fade: TypeAlias = list[tuple[float, dict[str, PlainValue]]]
@@ -848,101 +770,87 @@ FADES_DOWN += [(float(step), {"on_off": step < 4, "level": 100.0 - 20 * step}) f
     ],
 )
 async def test_a_lamp_that_reports_the_end_of_a_fade_first_and_then_its_steps_does_not_go_back(
-    open_home: OpenHome,
-    *,
-    was_on: bool,
-    setting: tuple[str, PlainValue],
-    transition: float,
-    steps: Fade,
-    reverted: int,
+    home: Home, *, was_on: bool, setting: tuple[str, PlainValue], transition: float, steps: Fade, reverted: int
 ) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-        await home.gateway.devices.report("lamp", {"on_off": was_on, "level": 100.0})
+    lamp = await home.lamp("on_off", "level")
+    await home.gateway.devices.report("lamp", {"on_off": was_on, "level": 100.0})
+    await anyio.sleep(1)
+
+    async def tell(seconds: float, values: dict[str, PlainValue]) -> None:
+        await anyio.sleep(seconds)
+        await home.gateway.devices.report("lamp", values)
+
+    async def fade(home: Home, _: Command) -> None:
+        for step in steps:
+            home.tasks.start_soon(tell, *step)
+
+    home.behaviours["lamp"] = fade
+    assert isinstance(await lamp.command(*setting, transition=transition), Confirmed)
+    await anyio.sleep(30)
+    assert len(home.events) == reverted
+
+
+async def test_a_whole_floor_is_confirmed_at_once(home: Home) -> None:
+    for number in range(200):
+        home.put(f"lamp{number}", "light", "on_off")
+        home.behaviours[f"lamp{number}"] = obey_after(1.0)
+    outcomes: list[Outcome] = []
+
+    async def turn_on(lamp: Light) -> None:
+        outcomes.append(await lamp.turn_on())
+
+    began = anyio.current_time()
+    async with anyio.create_task_group() as tasks:
+        await home.handle(Light, "lamp0")
+        for lamp in await home.devices.find(Light):
+            tasks.start_soon(turn_on, lamp)
+    assert anyio.current_time() - began < 1.5
+    assert len(outcomes) == 200
+    assert all(isinstance(one, Confirmed) for one in outcomes)
+
+
+async def test_a_network_that_is_lost_after_the_first_try_may_have_carried_it(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    home.behaviours["lamp"] = obey_after(9.0)
+
+    async def pull_the_cable() -> None:
         await anyio.sleep(1)
+        home.gateway.set_unavailable("the cable is out")
 
-        async def tell(seconds: float, values: dict[str, PlainValue]) -> None:
-            await anyio.sleep(seconds)
-            await home.gateway.devices.report("lamp", values)
-
-        async def fade(home: Home, _: Command) -> None:
-            for step in steps:
-                home.tasks.start_soon(tell, *step)
-
-        home.behaviours["lamp"] = fade
-        assert isinstance(await lamp.command(*setting, transition=transition), Confirmed)
-        await anyio.sleep(30)
-        assert len(home.events) == reverted
+    lamp = await home.handle(Light)
+    home.tasks.start_soon(pull_the_cable)
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    assert len(home.commands) == 1
 
 
-async def test_a_whole_floor_is_confirmed_at_once(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        for number in range(200):
-            home.put(f"lamp{number}", "light", "on_off")
-            home.behaviours[f"lamp{number}"] = obey_after(1.0)
-        outcomes: list[Outcome] = []
-
-        async def turn_on(lamp: Light) -> None:
-            outcomes.append(await lamp.turn_on())
-
-        began = anyio.current_time()
-        async with anyio.create_task_group() as tasks:
-            await home.handle(Light, "lamp0")
-            for lamp in await home.devices.find(Light):
-                tasks.start_soon(turn_on, lamp)
-        assert anyio.current_time() - began < 1.5
-        assert len(outcomes) == 200
-        assert all(isinstance(one, Confirmed) for one in outcomes)
+async def test_a_lamp_that_is_about_to_change_is_told_although_it_is_still_so(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    home.behaviours["lamp"] = obey_after(2.0)
+    lamp = await home.handle(Light)
+    home.tasks.start_soon(lamp.turn_on)
+    await anyio.sleep(1)
+    await lamp.turn_off()
+    assert [one.value.plain() for one in home.commands][:2] == [True, False]
 
 
-async def test_a_network_that_is_lost_after_the_first_try_may_have_carried_it(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = obey_after(9.0)
-
-        async def pull_the_cable() -> None:
-            await anyio.sleep(1)
-            home.gateway.set_unavailable("the cable is out")
-
-        lamp = await home.handle(Light)
-        home.tasks.start_soon(pull_the_cable)
-        assert isinstance(await lamp.turn_on(), Confirmed)
-        assert len(home.commands) == 1
-
-
-async def test_a_lamp_that_is_about_to_change_is_told_although_it_is_still_so(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        home.behaviours["lamp"] = obey_after(2.0)
-        lamp = await home.handle(Light)
-        home.tasks.start_soon(lamp.turn_on)
-        await anyio.sleep(1)
-        await lamp.turn_off()
-        assert [one.value.plain() for one in home.commands][:2] == [True, False]
-
-
-async def test_of_several_settings_each_must_be_reported(open_home: OpenHome) -> None:
+async def test_of_several_settings_each_must_be_reported(home: Home) -> None:
     """Not the first alone."""
 
     async def obey_the_first(home: Home, command: Command) -> None:
         if command.capability == "on_off":
             await home.report(command.key, command.capability, command.value.plain())
 
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = obey_the_first
-        outcome = await (await home.handle(Light)).commands({"on_off": True, "level": 40.0})
-        assert isinstance(outcome, NoAnswer)
+    lamp = await home.lamp("on_off", "level", behaviour=obey_the_first)
+    outcome = await lamp.commands({"on_off": True, "level": 40.0})
+    assert isinstance(outcome, NoAnswer)
 
 
 @pytest.mark.parametrize("count", [0, 21])
-async def test_a_command_has_one_to_twenty_settings(open_home: OpenHome, count: int) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        with pytest.raises(RefusedError, match=f"{count} settings"):
-            await (await home.handle(Light)).commands({f"x_{number}": 1.0 for number in range(count)})
+async def test_a_command_has_one_to_twenty_settings(home: Home, count: int) -> None:
+    home.put("lamp", "light", "on_off")
+    with pytest.raises(RefusedError, match=f"{count} settings"):
+        await (await home.handle(Light)).commands({f"x_{number}": 1.0 for number in range(count)})
 
 
 def take_seconds(seconds: float) -> Behaviour:
@@ -955,28 +863,23 @@ def take_seconds(seconds: float) -> Behaviour:
     return behaviour
 
 
-async def test_a_gateway_that_takes_long_to_connect_is_waited_for(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = take_seconds(7.0)
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert (round(outcome.latency), outcome.evidence) == (7, Evidence.REPORTED)
+async def test_a_gateway_that_takes_long_to_connect_is_waited_for(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=take_seconds(7.0))
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert (round(outcome.latency), outcome.evidence) == (7, Evidence.REPORTED)
 
 
-async def test_what_a_gateway_cannot_send_in_time_does_not_happen_later(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = take_seconds(12.0)
-        lamp = await home.handle(Light)
-        outcome = await lamp.turn_on()
-        assert isinstance(outcome, NoAnswer)
-        assert (outcome.waited, outcome.text) == (
-            10,
-            "not sent: on_off was not sent to lamp: lamp was not reached within 10 s",
-        )
-        await anyio.sleep(60)
-        assert lamp.on is None
+async def test_what_a_gateway_cannot_send_in_time_does_not_happen_later(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=take_seconds(12.0))
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, NoAnswer)
+    assert (outcome.waited, outcome.text) == (
+        10,
+        "not sent: on_off was not sent to lamp: lamp was not reached within 10 s",
+    )
+    await anyio.sleep(60)
+    assert lamp.on is None
 
 
 async def test_a_device_that_misses_the_first_sending_each_time_is_not_given_more_and_more_time(
@@ -1008,26 +911,23 @@ async def test_what_a_device_reported_before_the_last_sending_contradicts_nothin
             if len(home.commands) == 1:
                 home.later(1.0, "lamp", "on_off", False)
 
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = say_once_how_it_was
-        outcome = await (await home.handle(Light)).turn_on()
+        lamp = await home.lamp("on_off", behaviour=say_once_how_it_was)
+        outcome = await lamp.turn_on()
         assert outcome.text == "no answer within 10 s"
 
 
 async def test_a_device_that_answers_each_sending_with_how_it_was_is_contradicted(open_home: OpenHome) -> None:
     async with open_home(retries=1) as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = report((1.0, False))
-        outcome = await (await home.handle(Light)).turn_on()
+        lamp = await home.lamp("on_off", behaviour=report((1.0, False)))
+        outcome = await lamp.turn_on()
         assert outcome.text == "contradicted: on_off is off"
 
 
-async def test_a_colour_of_a_lamp_that_stays_off_is_not_confirmed(open_home: OpenHome) -> None:
+async def test_a_colour_of_a_lamp_that_stays_off_is_not_confirmed(home: Home) -> None:
     """``turn_on(kelvin=…)`` is about the light, not about the colour that it would have."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "color_temperature")
-        await home.report("lamp", "on_off", value=False)
-        lamp = await home.handle(Light)
-        outcome = await lamp.turn_on(kelvin=2700)
-        assert not outcome.succeeded
-        assert lamp.on is False
+    home.put("lamp", "light", "on_off", "color_temperature")
+    await home.report("lamp", "on_off", value=False)
+    lamp = await home.handle(Light)
+    outcome = await lamp.turn_on(kelvin=2700)
+    assert not outcome.succeeded
+    assert lamp.on is False

@@ -12,100 +12,86 @@ from homebot.devices.outcomes import AlreadySo, Confirmed, Evidence, NoAnswer
 pytestmark = pytest.mark.virtual_time
 
 
-async def test_a_command_after_a_lost_connection_is_sent(open_home: OpenHome) -> None:
+async def test_a_command_after_a_lost_connection_is_sent(home: Home) -> None:
     """The lamp may have been switched off meanwhile."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", True)
-        lamp = await home.handle(Light)
-        await anyio.sleep(1)
-        home.gateway.set_unavailable("the cable is out")
-        await anyio.sleep(10)
-        home.gateway.set_available()
-        await anyio.sleep(1)
-        assert isinstance(await lamp.turn_on(), Confirmed)
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", True)
+    lamp = await home.handle(Light)
+    await anyio.sleep(1)
+    home.gateway.set_unavailable("the cable is out")
+    await anyio.sleep(10)
+    home.gateway.set_available()
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    assert len(home.commands) == 1
+
+
+async def test_silence_after_a_lost_connection_does_not_prove_that_it_is_so_still(home: Home) -> None:
+    """It may be dead; one that is online by its last will reports only changes."""
+    for name in ("lamp", "relay"):
+        home.put(name, "light", "on_off")
+        home.behaviours[name] = ignore
+        await home.report(name, "on_off", True)
+    home.gateway.set_unavailable("the cable is out")
+    await anyio.sleep(10)
+    home.gateway.set_available()
+    home.gateway.devices.report_reachable("relay", reachable=True)
+    await anyio.sleep(1)
+    outcomes = {one.name: await one.turn_on() for one in await home.devices.find(Light)}
+    assert {name: type(outcome) for name, outcome in outcomes.items()} == {"Lamp": NoAnswer, "Relay": AlreadySo}
+
+
+async def test_a_report_after_a_lost_connection_is_recent(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    home.gateway.set_unavailable("the cable is out")
+    await anyio.sleep(10)
+    home.gateway.set_available()
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    assert home.commands == []
+
+
+async def test_a_paused_vacuum_is_stopped(home: Home) -> None:
+    """A pause goes on by itself, a stop does not."""
+    home.put("robby", "robotic_vacuum_cleaner", "vacuum")
+    await home.report("robby", "vacuum", "paused")
+    robby = await home.handle(Handle)
+    home.behaviours["robby"] = report((0.5, "idle"))
+    assert isinstance(await robby.command("vacuum", "idle"), Confirmed)
+    assert [one.value.plain() for one in home.commands] == ["idle"]
+
+
+async def test_a_person_who_rejects_commands_is_not_overridden(home: Home) -> None:
+    """Each time "off" 1.5 s after "on"."""
+    lamp = await home.lamp("on_off", behaviour=report((0.05, True), (1.55, False)))
+    for _ in range(5):
+        home.commands.clear()
+        await lamp.turn_on()
+        await anyio.sleep(60)
         assert len(home.commands) == 1
 
 
-async def test_silence_after_a_lost_connection_does_not_prove_that_it_is_so_still(open_home: OpenHome) -> None:
-    """It may be dead; one that is online by its last will reports only changes."""
-    async with open_home() as home:
-        for name in ("lamp", "relay"):
-            home.put(name, "light", "on_off")
-            home.behaviours[name] = ignore
-            await home.report(name, "on_off", True)
-        home.gateway.set_unavailable("the cable is out")
-        await anyio.sleep(10)
-        home.gateway.set_available()
-        home.gateway.devices.report_reachable("relay", reachable=True)
-        await anyio.sleep(1)
-        outcomes = {one.name: await one.turn_on() for one in await home.devices.find(Light)}
-        assert {name: type(outcome) for name, outcome in outcomes.items()} == {"Lamp": NoAnswer, "Relay": AlreadySo}
-
-
-async def test_a_report_after_a_lost_connection_is_recent(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.gateway.set_unavailable("the cable is out")
-        await anyio.sleep(10)
-        home.gateway.set_available()
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(1)
-        assert isinstance(await lamp.turn_on(), AlreadySo)
-        assert home.commands == []
-
-
-async def test_a_paused_vacuum_is_stopped(open_home: OpenHome) -> None:
-    """A pause goes on by itself, a stop does not."""
-    async with open_home() as home:
-        home.put("robby", "robotic_vacuum_cleaner", "vacuum")
-        await home.report("robby", "vacuum", "paused")
-        robby = await home.handle(Handle)
-        home.behaviours["robby"] = report((0.5, "idle"))
-        assert isinstance(await robby.command("vacuum", "idle"), Confirmed)
-        assert [one.value.plain() for one in home.commands] == ["idle"]
-
-
-async def test_a_person_who_rejects_commands_is_not_overridden(open_home: OpenHome) -> None:
-    """Each time "off" 1.5 s after "on"."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = report((0.05, True), (1.55, False))
-        for _ in range(5):
-            home.commands.clear()
-            await lamp.turn_on()
-            await anyio.sleep(60)
-            assert len(home.commands) == 1
-
-
-async def test_a_lamp_is_as_honest_as_before_after_a_person_rejected_two_commands(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = report((0.05, True), (1.55, False))
-        for _ in range(2):
-            await lamp.turn_on()
-            await anyio.sleep(60)
-        home.behaviours["lamp"] = obey
-        for number in range(15):
-            outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
-            assert isinstance(outcome, Confirmed)
-            assert outcome.evidence is Evidence.REPORTED
-            await anyio.sleep(30)
-
-
-async def test_a_person_who_undoes_a_command_is_not_told_to_be_the_device(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = report((0.1, True), (3.1, False))
+async def test_a_lamp_is_as_honest_as_before_after_a_person_rejected_two_commands(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=report((0.05, True), (1.55, False)))
+    for _ in range(2):
         await lamp.turn_on()
-        await anyio.sleep(5)
-        (event,) = home.events
-        assert event.result.outcome == "reverted"
-        assert event.result.text == "changed back after 3 s, by a hand or by itself"
+        await anyio.sleep(60)
+    home.behaviours["lamp"] = obey
+    for number in range(15):
+        outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+        await anyio.sleep(30)
+
+
+async def test_a_person_who_undoes_a_command_is_not_told_to_be_the_device(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=report((0.1, True), (3.1, False)))
+    await lamp.turn_on()
+    await anyio.sleep(5)
+    (event,) = home.events
+    assert event.result.outcome == "reverted"
+    assert event.result.text == "changed back after 3 s, by a hand or by itself"
 
 
 async def press(home: Home, lamp: Light, delay: float = 0.0) -> list[str]:

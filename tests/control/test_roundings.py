@@ -12,7 +12,6 @@ from tests.control.conftest import Behaviour, Home, OpenHome
 
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, Outcome
 
 Rounding: TypeAlias = Callable[[float], float]
@@ -43,9 +42,7 @@ def dimmer(rounding: Rounding) -> Behaviour:
 
 async def dimmed(open_home: OpenHome, behaviour: Behaviour, levels: tuple[float, ...]) -> list[Outcome]:
     async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = behaviour
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off", "level", behaviour=behaviour)
         outcomes: list[Outcome] = []
         for level in levels:
             outcomes.append(await lamp.set_level(level))
@@ -67,23 +64,20 @@ async def test_a_dimmer_that_rounds_is_contradicted_until_its_steps_are_known(
 
 
 @pytest.mark.virtual_time
-async def test_one_that_is_known_to_round_is_contradicted_at_another_step(open_home: OpenHome) -> None:
+async def test_one_that_is_known_to_round_is_contradicted_at_another_step(home: Home) -> None:
     broken = False
 
     def rounding(level: float) -> float:
         return 20.0 if broken else 5.0 * math.floor(level / 5.0 + 0.5)
 
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        home.behaviours["lamp"] = dimmer(rounding)
-        lamp = await home.handle(Light)
-        for level in (62.0, 33.0, 47.0):
-            assert isinstance(await lamp.set_level(level), Contradicted)
-        assert isinstance(await lamp.set_level(88.0), Confirmed)
-        broken = True
-        outcome = await lamp.set_level(73.0)
-        assert isinstance(outcome, Contradicted)
-        assert outcome.saw == "level is 20"
+    lamp = await home.lamp("on_off", "level", behaviour=dimmer(rounding))
+    for level in (62.0, 33.0, 47.0):
+        assert isinstance(await lamp.set_level(level), Contradicted)
+    assert isinstance(await lamp.set_level(88.0), Confirmed)
+    broken = True
+    outcome = await lamp.set_level(73.0)
+    assert isinstance(outcome, Contradicted)
+    assert outcome.saw == "level is 20"
 
 
 def rounding(*answers: tuple[float, float]) -> float:

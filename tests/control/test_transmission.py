@@ -6,7 +6,7 @@ import itertools
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore, obey_after
+from tests.control.conftest import Home, ignore, obey_after
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
@@ -26,82 +26,71 @@ async def lose_connection_and_answer(home: Home, command: Command) -> None:
     lose_connection(home)
 
 
-async def test_a_command_is_not_repeated_after_the_connection_was_lost_as_it_may_have_been_obeyed(
-    open_home: OpenHome,
-) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = lose_connection_and_answer
-        outcome = await (await home.handle(Light)).turn_on()
-        assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
-        assert len(home.commands) == 1
+async def test_a_command_is_not_repeated_after_the_connection_was_lost_as_it_may_have_been_obeyed(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=lose_connection_and_answer)
+    outcome = await lamp.turn_on()
+    assert outcome == NoAnswer(10.0, command_id=outcome.command_id)
+    assert len(home.commands) == 1
 
 
-async def test_it_is_repeated_once_the_lamp_reports_that_it_is_still_off(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        sent_at: list[float] = []
+async def test_it_is_repeated_once_the_lamp_reports_that_it_is_still_off(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    sent_at: list[float] = []
 
-        async def come_back_after_six_seconds(home: Home, command: Command) -> None:
-            sent_at.append(anyio.current_time())
-            if len(sent_at) == 1:
-                lose_connection(home)
-                home.later(6.0, command.key, "on_off", value=False)
-            else:
-                home.later(0.1, command.key, "on_off", value=True)
-
-        home.behaviours["lamp"] = come_back_after_six_seconds
-        outcome = await (await home.handle(Light)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert [round(at - sent_at[0], 1) for at in sent_at] == [0.0, 6.0]
-
-
-async def test_it_is_confirmed_without_a_repetition_where_the_lamp_reports_that_it_is_on(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-
-        async def obey_late(home: Home, command: Command) -> None:
+    async def come_back_after_six_seconds(home: Home, command: Command) -> None:
+        sent_at.append(anyio.current_time())
+        if len(sent_at) == 1:
             lose_connection(home)
-            home.later(8.0, command.key, "on_off", value=True)
+            home.later(6.0, command.key, "on_off", value=False)
+        else:
+            home.later(0.1, command.key, "on_off", value=True)
 
-        home.behaviours["lamp"] = obey_late
-        assert isinstance(await (await home.handle(Light)).turn_on(), Confirmed)
-        assert len(home.commands) == 1
+    home.behaviours["lamp"] = come_back_after_six_seconds
+    outcome = await (await home.handle(Light)).turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert [round(at - sent_at[0], 1) for at in sent_at] == [0.0, 6.0]
 
 
-async def test_a_connection_that_was_lost_before_the_command_does_not_matter(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        await lamp.turn_off()
+async def test_it_is_confirmed_without_a_repetition_where_the_lamp_reports_that_it_is_on(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+
+    async def obey_late(home: Home, command: Command) -> None:
         lose_connection(home)
-        await anyio.sleep(1.0)
-        home.behaviours["lamp"] = ignore
-        home.commands.clear()
-        assert isinstance(await lamp.turn_on(), NoAnswer)
-        assert len(home.commands) == 3
+        home.later(8.0, command.key, "on_off", value=True)
+
+    home.behaviours["lamp"] = obey_late
+    assert isinstance(await (await home.handle(Light)).turn_on(), Confirmed)
+    assert len(home.commands) == 1
 
 
-async def test_the_network_forgets_a_command_before_it_is_sent_again(open_home: OpenHome) -> None:
+async def test_a_connection_that_was_lost_before_the_command_does_not_matter(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    await lamp.turn_off()
+    lose_connection(home)
+    await anyio.sleep(1.0)
+    home.behaviours["lamp"] = ignore
+    home.commands.clear()
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    assert len(home.commands) == 3
+
+
+async def test_the_network_forgets_a_command_before_it_is_sent_again(home: Home) -> None:
     """So that a device that was away never gets two copies of it: one that it answers in time stays the only one."""
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        home.behaviours["lamp"] = obey_after(0.4)
-        for number in range(4):
-            await (lamp.turn_off() if number % 2 else lamp.turn_on())
-        home.behaviours["lamp"] = ignore
-        home.commands.clear()
-        sent_at: list[float] = []
+    lamp = await home.lamp("on_off", behaviour=obey_after(0.4))
+    for number in range(4):
+        await (lamp.turn_off() if number % 2 else lamp.turn_on())
+    home.behaviours["lamp"] = ignore
+    home.commands.clear()
+    sent_at: list[float] = []
 
-        async def note(_home: Home, _command: Command) -> None:
-            sent_at.append(anyio.current_time())
+    async def note(_home: Home, _command: Command) -> None:
+        sent_at.append(anyio.current_time())
 
-        home.behaviours["lamp"] = note
-        await lamp.turn_on()
-        assert [one.repeated for one in home.commands] == [False, True, True]  # where nothing expires only that helps
-        kept_for = [one.kept_for for one in home.commands]
-        assert kept_for == pytest.approx([1.5, 1.5, 0.0], abs=0.01)
-        for seconds, (before, after) in zip(kept_for, itertools.pairwise(sent_at), strict=False):
-            assert after - before >= seconds + 0.4 - 0.01
-        assert home.commands[-1].expires_after == pytest.approx(10.0 - 2 * 1.9, abs=0.01)  # until the outcome is told
+    home.behaviours["lamp"] = note
+    await lamp.turn_on()
+    assert [one.repeated for one in home.commands] == [False, True, True]  # where nothing expires only that helps
+    kept_for = [one.kept_for for one in home.commands]
+    assert kept_for == pytest.approx([1.5, 1.5, 0.0], abs=0.01)
+    for seconds, (before, after) in zip(kept_for, itertools.pairwise(sent_at), strict=False):
+        assert after - before >= seconds + 0.4 - 0.01
+    assert home.commands[-1].expires_after == pytest.approx(10.0 - 2 * 1.9, abs=0.01)  # until the outcome is told

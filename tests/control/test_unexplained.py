@@ -27,102 +27,94 @@ async def changes(home: Home) -> list[JournalEntry]:
     return [one for one in (await read(home)).entries if one.kind == "changed"]
 
 
-async def test_a_hand_at_the_switch_is_in_the_journal(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await anyio.sleep(1)
-        await home.report("lamp", "on_off", False)
-        assert await changes(home) == []  # how it is, and no change
-        await home.report("lamp", "on_off", True)
-        (change,) = await changes(home)
-        assert [(one.capability, one.value.plain()) for one in change.settings] == [("on_off", True)]
-        assert (change.command, change.issuer, change.trigger.kind) == ("", "", "")
+async def test_a_hand_at_the_switch_is_in_the_journal(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", False)
+    assert await changes(home) == []  # how it is, and no change
+    await home.report("lamp", "on_off", True)
+    (change,) = await changes(home)
+    assert [(one.capability, one.value.plain()) for one in change.settings] == [("on_off", True)]
+    assert (change.command, change.issuer, change.trigger.kind) == ("", "", "")
 
 
-async def test_what_a_command_does_is_explained_and_what_comes_later_is_not(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        await home.report("lamp", "on_off", False)
-        await home.report("lamp", "level", 0.0)
-        home.behaviours["lamp"] = report((0.1, 40.0))
-        home.later(1.2, "lamp", "on_off", True)  # what comes along with the level
-        await anyio.sleep(1)
-        assert (await (await home.handle(Light)).set_level(40)).succeeded
-        await anyio.sleep(5)
-        assert await changes(home) == []
-        await anyio.sleep(30)
-        await home.report("lamp", "on_off", False)
-        assert len(await changes(home)) == 1
+async def test_what_a_command_does_is_explained_and_what_comes_later_is_not(home: Home) -> None:
+    home.put("lamp", "light", "on_off", "level")
+    await home.report("lamp", "on_off", False)
+    await home.report("lamp", "level", 0.0)
+    home.behaviours["lamp"] = report((0.1, 40.0))
+    home.later(1.2, "lamp", "on_off", True)  # what comes along with the level
+    await anyio.sleep(1)
+    assert (await (await home.handle(Light)).set_level(40)).succeeded
+    await anyio.sleep(5)
+    assert await changes(home) == []
+    await anyio.sleep(30)
+    await home.report("lamp", "on_off", False)
+    assert len(await changes(home)) == 1
 
 
-async def test_a_sensor_needs_no_reason(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("meter", "temperature_sensor", readable=("temperature",))
-        await home.report("meter", "temperature", 20.0)
-        await home.report("meter", "temperature", 21.0)
-        assert await changes(home) == []
+async def test_a_sensor_needs_no_reason(home: Home) -> None:
+    home.put("meter", "temperature_sensor", readable=("temperature",))
+    await home.report("meter", "temperature", 20.0)
+    await home.report("meter", "temperature", 21.0)
+    assert await changes(home) == []
 
 
-async def test_a_dial_that_is_turned_is_one_change(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "level")
-        await home.report("lamp", "level", 10.0)
-        await anyio.sleep(20)
-        for level in range(20, 60):
-            await home.report("lamp", "level", float(level))
-            await anyio.sleep(0.2)
-        assert len(await changes(home)) == 1
+async def test_a_dial_that_is_turned_is_one_change(home: Home) -> None:
+    home.put("lamp", "light", "level")
+    await home.report("lamp", "level", 10.0)
+    await anyio.sleep(20)
+    for level in range(20, 60):
+        await home.report("lamp", "level", float(level))
+        await anyio.sleep(0.2)
+    assert len(await changes(home)) == 1
 
 
-async def test_a_lamp_that_goes_back_is_reverted_and_not_unexplained(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        home.behaviours["lamp"] = report((0.1, True), (3.0, False))
-        await (await home.handle(Light)).turn_on()
-        await anyio.sleep(5)
-        assert await changes(home) == []
-        assert "reverted" in kinds(await read(home))
+async def test_a_lamp_that_goes_back_is_reverted_and_not_unexplained(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    home.behaviours["lamp"] = report((0.1, True), (3.0, False))
+    await (await home.handle(Light)).turn_on()
+    await anyio.sleep(5)
+    assert await changes(home) == []
+    assert "reverted" in kinds(await read(home))
 
 
-async def test_the_effect_of_a_slow_command_is_explained_as_long_as_it_takes(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        home.behaviours["lamp"] = obey_after(9.0)
-        await (await home.handle(Light)).turn_on()
-        assert await changes(home) == []
+async def test_the_effect_of_a_slow_command_is_explained_as_long_as_it_takes(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    home.behaviours["lamp"] = obey_after(9.0)
+    await (await home.handle(Light)).turn_on()
+    assert await changes(home) == []
 
 
-async def test_a_raw_command_explains_what_the_device_reports(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        lamp = (await home.handle(Light)).device
-        home.later(0.3, "lamp", "on_off", True)
-        await publish(home, lamp, "on")
-        assert await changes(home) == []
-        found = await read(home)
-        assert kinds(found) == ["published", "reported"]
-        published, reported = found.entries
-        assert (published.issuer, published.text, published.device) == ("/app", "on", lamp.id)
-        assert published.command == reported.command != ""
+async def test_a_raw_command_explains_what_the_device_reports(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    lamp = (await home.handle(Light)).device
+    home.later(0.3, "lamp", "on_off", True)
+    await publish(home, lamp, "on")
+    assert await changes(home) == []
+    found = await read(home)
+    assert kinds(found) == ["published", "reported"]
+    published, reported = found.entries
+    assert (published.issuer, published.text, published.device) == ("/app", "on", lamp.id)
+    assert published.command == reported.command != ""
 
 
-async def test_a_raw_command_explains_what_undoes_another_command(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        lamp = await home.handle(Light)
-        await anyio.sleep(1)
-        await lamp.turn_on()
-        await anyio.sleep(1)
-        await publish(home, lamp.device, "off")
-        await home.report("lamp", "on_off", False)
-        assert await changes(home) == []
-        found = await read(home)
-        assert kinds(found)[-3:] == ["published", "reverted", "reported"]
-        assert found.entries[-1].command == found.entries[-3].command
+async def test_a_raw_command_explains_what_undoes_another_command(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await home.report("lamp", "on_off", False)
+    lamp = await home.handle(Light)
+    await anyio.sleep(1)
+    await lamp.turn_on()
+    await anyio.sleep(1)
+    await publish(home, lamp.device, "off")
+    await home.report("lamp", "on_off", False)
+    assert await changes(home) == []
+    found = await read(home)
+    assert kinds(found)[-3:] == ["published", "reverted", "reported"]
+    assert found.entries[-1].command == found.entries[-3].command
 
 
 async def test_what_is_reported_in_the_moment_of_the_command_is_explained(open_home: OpenHome) -> None:
@@ -136,11 +128,10 @@ async def test_what_is_reported_in_the_moment_of_the_command_is_explained(open_h
         assert await changes(home) == []
 
 
-async def test_a_raw_command_of_nobody_known_is_there_too(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
-        await publish(home, lamp, "on", issuer="")
-        await anyio.sleep(1)
-        (published,) = (await read(home)).entries
-        assert (published.kind, published.issuer, published.device) == ("published", "", lamp.id)
+async def test_a_raw_command_of_nobody_known_is_there_too(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    lamp = (await home.handle(Light)).device
+    await publish(home, lamp, "on", issuer="")
+    await anyio.sleep(1)
+    (published,) = (await read(home)).entries
+    assert (published.kind, published.issuer, published.device) == ("published", "", lamp.id)

@@ -21,30 +21,25 @@ async def blink(lamp: Light, times: int) -> list[Outcome]:
     return [await (lamp.turn_off() if number % 2 else lamp.turn_on()) for number in range(times)]
 
 
-async def test_a_strobe_is_stopped(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        outcomes = await blink(await home.handle(Light), 40)
-        refused = [one for one in outcomes if isinstance(one, Refused)]
-        assert len(home.commands) == 31  # the first is no change
-        assert refused[0].policy == "rate_limit"
-        assert refused[0].reason == "lamp was switched to and fro 30 times within 10 s"
+async def test_a_strobe_is_stopped(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    outcomes = await blink(await home.handle(Light), 40)
+    refused = [one for one in outcomes if isinstance(one, Refused)]
+    assert len(home.commands) == 31  # the first is no change
+    assert refused[0].policy == "rate_limit"
+    assert refused[0].reason == "lamp was switched to and fro 30 times within 10 s"
 
 
-async def test_it_obeys_again_after_a_while(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        await blink(lamp, 40)
-        await anyio.sleep(10.1)
-        assert all(one.succeeded for one in await blink(lamp, 20))
+async def test_it_obeys_again_after_a_while(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    await blink(lamp, 40)
+    await anyio.sleep(10.1)
+    assert all(one.succeeded for one in await blink(lamp, 20))
 
 
-async def test_dimming_is_no_strobe(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off", "level")
-        lamp = await home.handle(Light)
-        assert all([(await lamp.set_level(level)).succeeded for level in range(100, 0, -1)])
+async def test_dimming_is_no_strobe(home: Home) -> None:
+    lamp = await home.lamp("on_off", "level")
+    assert all([(await lamp.set_level(level)).succeeded for level in range(100, 0, -1)])
 
 
 def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
@@ -60,8 +55,7 @@ def test_a_strobe_by_brightness_and_switch_in_turn_is_counted() -> None:
 async def test_a_command_that_is_still_being_sent_counts(open_home: OpenHome) -> None:
     """A gateway may first have to connect."""
     async with open_home(rate_limit={"changes": 1, "seconds": 10}) as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off")
         assert (await lamp.turn_on()).succeeded
         home.behaviours["lamp"] = obey_slowly
         async with anyio.create_task_group() as tasks:

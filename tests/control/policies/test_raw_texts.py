@@ -91,33 +91,29 @@ async def test_a_lock_takes_a_text_of_who_has_a_right_that_names_it(open_home: O
             await home.devices.tell(lock.device, "open sesame")
 
 
-async def test_a_lock_takes_no_text_of_others_but_to_lock(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lock", "door_lock", "lock")
-        lock = await home.handle(DoorLock)
-        with pytest.raises(RefusedError, match="takes a right that names it"):
-            await home.devices.tell(lock.device, "unlock")
-        await home.devices.tell(lock.device, "lock")
-        await anyio.sleep(1)
-        assert [one.value.plain() for one in home.commands] == ["locked"]
+async def test_a_lock_takes_no_text_of_others_but_to_lock(home: Home) -> None:
+    home.put("lock", "door_lock", "lock")
+    lock = await home.handle(DoorLock)
+    with pytest.raises(RefusedError, match="takes a right that names it"):
+        await home.devices.tell(lock.device, "unlock")
+    await home.devices.tell(lock.device, "lock")
+    await anyio.sleep(1)
+    assert [one.value.plain() for one in home.commands] == ["locked"]
 
 
 async def test_an_app_tells_only_what_it_is_granted(open_home: OpenHome) -> None:
     async with open_home({"/app": ("read", "act: plug")}) as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off")
         with pytest.raises(RefusedError, match="grants"):
             await home.devices.tell(lamp.device, "on")
 
 
-async def test_what_somebody_holds_is_not_changed_by_a_text(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
-        async with lamp.hold("on", by="robot"):
-            with pytest.raises(RefusedError, match=r"held on by robot for \d+ s more \(lease\)"):
-                await home.devices.tell(lamp.device, "off")
-            await home.devices.tell(lamp.device, "on")
+async def test_what_somebody_holds_is_not_changed_by_a_text(home: Home) -> None:
+    lamp = await home.lamp("on_off")
+    async with lamp.hold("on", by="robot"):
+        with pytest.raises(RefusedError, match=r"held on by robot for \d+ s more \(lease\)"):
+            await home.devices.tell(lamp.device, "off")
+        await home.devices.tell(lamp.device, "on")
 
 
 async def test_texts_are_limited_in_their_rate(open_home: OpenHome) -> None:
@@ -130,10 +126,9 @@ async def test_texts_are_limited_in_their_rate(open_home: OpenHome) -> None:
             await home.devices.tell(lamp, "off")
 
 
-async def test_a_text_takes_the_place_of_a_command_under_way(open_home: OpenHome) -> None:
-    async with open_home() as home, anyio.create_task_group() as tasks:
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light)
+async def test_a_text_takes_the_place_of_a_command_under_way(home: Home) -> None:
+    async with anyio.create_task_group() as tasks:
+        lamp = await home.lamp("on_off")
         outcomes: list[object] = []
 
         async def turn_on() -> None:
@@ -152,8 +147,8 @@ async def test_a_text_takes_the_place_of_a_command_under_way(open_home: OpenHome
         assert [one.value.plain() for one in home.commands] == [True, False]
 
 
-async def test_beside_a_runtime_nothing_is_sent_while_the_control_layer_is_away(open_home: OpenHome) -> None:
-    async with open_home() as home, Node(home.graph, "homebot"):
+async def test_beside_a_runtime_nothing_is_sent_while_the_control_layer_is_away(home: Home) -> None:
+    async with Node(home.graph, "homebot"):
         home.put("lamp", "light", "on_off")
         lamp = (await home.handle(Light)).device
         control = home.graph.get_node("/control")

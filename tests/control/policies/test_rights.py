@@ -6,7 +6,7 @@ import tomllib
 from dataclasses import replace
 
 import pytest
-from tests.control.conftest import OpenHome
+from tests.control.conftest import Home, OpenHome
 from tests.control.policies.houses import make_command, make_device, make_facts
 
 from homebot.config import parse_config
@@ -135,30 +135,26 @@ async def test_an_app_commands_what_is_granted(open_home: OpenHome) -> None:
 
 
 @pytest.mark.virtual_time
-async def test_an_app_without_the_right_does_not_unlock(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lock", "door_lock", "lock")
-        lock = await home.handle(DoorLock)
-        outcome = await lock.unlock()
-        assert isinstance(outcome, Refused)
-        assert outcome.policy == "always_ask"
-        assert home.commands == []
-        assert (await lock.lock()).succeeded
+async def test_an_app_without_the_right_does_not_unlock(home: Home) -> None:
+    home.put("lock", "door_lock", "lock")
+    lock = await home.handle(DoorLock)
+    outcome = await lock.unlock()
+    assert isinstance(outcome, Refused)
+    assert outcome.policy == "always_ask"
+    assert home.commands == []
+    assert (await lock.lock()).succeeded
 
 
 @pytest.mark.virtual_time
-async def test_a_client_with_the_right_unlocks_and_a_wrong_scope_is_refused(open_home: OpenHome) -> None:
-    async with open_home() as home:
-        home.put("lock", "door_lock", "lock")
-        lock = await home.handle(DoorLock)
-        unlock = Setting(capability="lock", value=Value.of("unlocked"))
+async def test_a_client_with_the_right_unlocks_and_a_wrong_scope_is_refused(home: Home) -> None:
+    home.put("lock", "door_lock", "lock")
+    lock = await home.handle(DoorLock)
+    unlock = Setting(capability="lock", value=Value.of("unlocked"))
 
-        async def outcome(*scope: str) -> str:
-            request = CommandRequest(
-                device=lock.device.id, part="", settings=(unlock,), issuer="client:phone", scope=scope
-            )
-            return (await home.control.perform(request)).kind
+    async def outcome(*scope: str) -> str:
+        request = CommandRequest(device=lock.device.id, part="", settings=(unlock,), issuer="client:phone", scope=scope)
+        return (await home.control.perform(request)).kind
 
-        assert await outcome("act: lights") == "refused"
-        assert await outcome("unlock everything") == "refused"
-        assert await outcome("act: lock") == "confirmed"
+    assert await outcome("act: lights") == "refused"
+    assert await outcome("unlock everything") == "refused"
+    assert await outcome("act: lock") == "confirmed"

@@ -146,25 +146,24 @@ async def test_a_newer_command_ends_the_wait_for_a_witness(open_home: OpenHome) 
         assert [type(one) for one in found] == [Superseded]
 
 
-async def test_the_power_of_a_plug_witnesses_it_without_a_wait(open_home: OpenHome) -> None:
+async def test_the_power_of_a_plug_witnesses_it_without_a_wait(home: Home) -> None:
     async def draw(home: Home, command: Command) -> None:
         is_on = command.value.plain() is True
         await home.gateway.devices.report("plug", {"power": 40.0 if is_on else 0.0, "on_off": is_on})
 
-    async with open_home() as home:
-        home.put("plug", "switch", "on_off", readable=("power",))
-        home.behaviours["plug"] = draw
-        await home.gateway.devices.report("plug", {"on_off": False, "power": 0.0})
-        plug = await home.handle(Switch, "plug")
-        outcome = await plug.turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert (outcome.evidence, outcome.witness) == (Evidence.WITNESSED, "Plug")
-        home.behaviours["plug"] = obey_after(0.1)  # nothing is plugged in any more
-        began = anyio.current_time()
-        outcome = await plug.turn_off()
-        assert isinstance(outcome, Confirmed)
-        assert outcome.evidence is Evidence.REPORTED
-        assert anyio.current_time() - began == pytest.approx(0.1)
+    home.put("plug", "switch", "on_off", readable=("power",))
+    home.behaviours["plug"] = draw
+    await home.gateway.devices.report("plug", {"on_off": False, "power": 0.0})
+    plug = await home.handle(Switch, "plug")
+    outcome = await plug.turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert (outcome.evidence, outcome.witness) == (Evidence.WITNESSED, "Plug")
+    home.behaviours["plug"] = obey_after(0.1)  # nothing is plugged in any more
+    began = anyio.current_time()
+    outcome = await plug.turn_off()
+    assert isinstance(outcome, Confirmed)
+    assert outcome.evidence is Evidence.REPORTED
+    assert anyio.current_time() - began == pytest.approx(0.1)
 
 
 async def test_a_contact_sees_a_blind_and_a_bolt_sensor_a_lock(open_home: OpenHome) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import AsyncIterator, Iterable, Mapping
+from contextlib import asynccontextmanager
 
-import anyio
 import pytest
+from tests.one_task import in_one_task
 
 from homebot.devices import (
     DEVICE_CHANGES,
@@ -193,22 +193,16 @@ class House:
         return FindDevicesResponse(devices=tuple(found), sequence=self._sequence)
 
 
+@asynccontextmanager
+async def open_house() -> AsyncIterator[House]:
+    graph = Graph()
+    async with Node(graph, "app") as node, Node(graph, "discovery") as directory:
+        house = House(graph, node, directory)
+        yield house
+        house.end()
+
+
 @pytest.fixture
 async def house() -> AsyncIterator[House]:
-    """A node lives in one task, which a fixture is not."""
-    made: list[House] = []
-    is_made, is_over = anyio.Event(), anyio.Event()
-
-    async def live() -> None:
-        graph = Graph()
-        async with Node(graph, "app") as node, Node(graph, "discovery") as directory:
-            made.append(House(graph, node, directory))
-            is_made.set()
-            await is_over.wait()
-            made[0].end()
-
-    life = asyncio.create_task(live())
-    await is_made.wait()
-    yield made[0]
-    is_over.set()
-    await life
+    async with in_one_task(open_house()) as house:
+        yield house
