@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import anyio
 import pytest
+from tests.one_task import in_one_task
 from tests.patience import PATIENCE
 from websockets.asyncio.client import ClientConnection, connect
 
@@ -86,3 +87,17 @@ def open_house() -> Callable[..., AbstractAsyncContextManager[House]]:
             tasks.cancel_scope.cancel()
 
     return opened
+
+
+@pytest.fixture
+async def house(open_house: OpenHouse) -> AsyncIterator[House]:
+    """A house with a door on a free port."""
+    async with in_one_task(open_house()) as house:
+        yield house
+
+
+@pytest.fixture
+async def peer(house: House) -> AsyncIterator[Peer]:
+    """A client of the door."""
+    async with house.peer() as peer:
+        yield peer

@@ -10,6 +10,7 @@ from typing import Any
 import anyio.lowlevel
 import pytest
 from anyio.abc import SocketStream
+from tests.bridges.conftest import House
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
@@ -68,10 +69,9 @@ LAMP_ON = {"device": "lamp", "do": "on"}
         "Host: evil.example",
     ],
 )
-async def test_a_page_of_another_server_neither_reads_nor_commands(open_house: Any, header: str) -> None:
-    async with open_house() as house:
-        assert (await answer(house, f"{GET}{header}\r\n\r\n"))[0] == 403
-        assert (await answer(house, posted(LAMP_ON, header)))[0] in {400, 403}
+async def test_a_page_of_another_server_neither_reads_nor_commands(house: House, header: str) -> None:
+    assert (await answer(house, f"{GET}{header}\r\n\r\n"))[0] == 403
+    assert (await answer(house, posted(LAMP_ON, header)))[0] in {400, 403}
 
 
 @pytest.mark.parametrize(
@@ -94,9 +94,8 @@ async def test_a_page_of_another_server_neither_reads_nor_commands(open_house: A
         (f"{GET}\r\n", 503),
     ],
 )
-async def test_a_request_is_what_it_should_be_or_is_refused(open_house: Any, request_text: str, status: int) -> None:
-    async with open_house() as house:
-        assert (await answer(house, request_text))[0] == status
+async def test_a_request_is_what_it_should_be_or_is_refused(house: House, request_text: str, status: int) -> None:
+    assert (await answer(house, request_text))[0] == status
 
 
 async def test_another_method_is_answered_with_the_one_that_there_is(open_house: Any) -> None:
@@ -125,28 +124,27 @@ async def test_a_request_comes_in_time_or_not_at_all(open_house: Any) -> None:
         assert [await received(one) for one in streams] == [""] * len(begun)
 
 
-async def test_a_body_is_asked_for_where_the_client_waits_for_that(open_house: Any) -> None:
+async def test_a_body_is_asked_for_where_the_client_waits_for_that(house: House) -> None:
     head, _, body = posted(LAMP_ON, "Expect: 100-continue").partition("\r\n\r\n")
-    async with open_house() as house, sent(house, f"{head}\r\n\r\n") as stream:
+    async with sent(house, f"{head}\r\n\r\n") as stream:
         with anyio.fail_after(PATIENCE):
             assert (await stream.receive()).startswith(b"HTTP/1.1 100 ")
         await stream.send(body.encode())
         assert (await received(stream)).startswith("HTTP/1.1 503 ")
 
 
-async def test_a_thousand_connections_are_bounded_and_an_honest_client_comes_through(open_house: Any) -> None:
-    async with open_house() as house:
-        waiting: list[SocketStream] = []
-        for number in range(1000):
-            stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
-            await stream.send((POST, GET, "P")[number % 3].encode())
-            waiting.append(stream)
-            if len(waiting) > 200:
-                await waiting.pop(0).aclose()
-            assert len(house.door._arriving) <= 64
-        assert (await answer(house, f"{GET}\r\n"))[0] == 503
-        for stream in waiting:
-            await stream.aclose()
+async def test_a_thousand_connections_are_bounded_and_an_honest_client_comes_through(house: House) -> None:
+    waiting: list[SocketStream] = []
+    for number in range(1000):
+        stream = await anyio.connect_tcp("127.0.0.1", house.door.port)
+        await stream.send((POST, GET, "P")[number % 3].encode())
+        waiting.append(stream)
+        if len(waiting) > 200:
+            await waiting.pop(0).aclose()
+        assert len(house.door._arriving) <= 64
+    assert (await answer(house, f"{GET}\r\n"))[0] == 503
+    for stream in waiting:
+        await stream.aclose()
 
 
 async def test_requests_count_as_clients_until_they_are_answered_or_left(open_house: Any) -> None:

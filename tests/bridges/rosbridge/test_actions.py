@@ -7,7 +7,7 @@ from typing import Any
 
 import anyio
 import pytest
-from tests.bridges.conftest import OpenHouse
+from tests.bridges.conftest import House
 from tests.bridges.fibonacci import FIBONACCI, FibonacciFeedback, FibonacciGoal, FibonacciResult, server
 from tests.patience import PATIENCE
 
@@ -25,8 +25,8 @@ async def the_end(server: ActionServer[Any, Any, Any]) -> None:
     assert server.goals == ()
 
 
-async def test_a_goal_has_feedback_and_one_result_with_its_status(open_house: OpenHouse) -> None:
-    async with open_house() as house, server(house.graph), house.peer() as peer:
+async def test_a_goal_has_feedback_and_one_result_with_its_status(house: House) -> None:
+    async with server(house.graph), house.peer() as peer:
         await peer.send("send_action_goal", id="g:1", args={"order": 3}, **GOAL)
         about = {"action": "/fib", "id": "g:1"}
         for last in range(3):
@@ -42,9 +42,9 @@ async def test_a_goal_has_feedback_and_one_result_with_its_status(open_house: Op
         assert "rejected" in refused["values"]
 
 
-async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(open_house: OpenHouse) -> None:
+async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(house: House) -> None:
     """Both clients chose the same id, as roslibpy does; one goal is cancelled before it can be accepted."""
-    async with open_house() as house, server(house.graph) as fib, house.peer() as first, house.peer() as second:
+    async with server(house.graph) as fib, house.peer() as first, house.peer() as second:
         for peer in (first, second):
             await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
             await peer.settle()
@@ -67,17 +67,17 @@ async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(open_h
     ],
 )
 async def test_a_goal_that_cannot_be_sent_has_a_result_too(
-    open_house: OpenHouse, change: dict[str, object], problem: str
+    house: House, change: dict[str, object], problem: str
 ) -> None:
-    async with open_house() as house, server(house.graph), house.peer() as peer:
+    async with server(house.graph), house.peer() as peer:
         await peer.send("send_action_goal", **{"id": "g", "args": {"order": 3}, **GOAL, **change})
         refused = await peer.receive()
         assert (refused["op"], refused["id"], refused["status"], refused["result"]) == ("action_result", "g", 0, False)
         assert problem in refused["values"]
 
 
-async def test_the_goals_of_a_client_end_with_its_connection(open_house: OpenHouse) -> None:
-    async with open_house() as house, server(house.graph) as fib:
+async def test_the_goals_of_a_client_end_with_its_connection(house: House) -> None:
+    async with server(house.graph) as fib:
         async with house.peer() as peer:
             await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
             await peer.settle()
@@ -86,9 +86,9 @@ async def test_the_goals_of_a_client_end_with_its_connection(open_house: OpenHou
         assert house.entities() == set()
 
 
-async def test_the_goals_of_a_client_that_vanishes_end(open_house: OpenHouse) -> None:
+async def test_the_goals_of_a_client_that_vanishes_end(house: House) -> None:
     """It neither closes its connection nor answers; one without goals may be silent for longer."""
-    async with open_house() as house, server(house.graph) as fib, house.peer() as idle, house.peer() as peer:
+    async with server(house.graph) as fib, house.peer() as idle, house.peer() as peer:
         await idle.settle()
         await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
         await peer.settle()
@@ -103,8 +103,8 @@ async def test_the_goals_of_a_client_that_vanishes_end(open_house: OpenHouse) ->
         await idle.settle()
 
 
-async def test_a_client_executes_goals(open_house: OpenHouse) -> None:
-    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+async def test_a_client_executes_goals(house: House) -> None:
+    async with house.node("app") as app, house.peer() as robot:
         client = ActionClient(app, FIBONACCI, "/fib")
         await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         await robot.settle()
@@ -140,10 +140,8 @@ async def test_a_client_executes_goals(open_house: OpenHouse) -> None:
         assert await goal.result() == (GoalState.ABORTED, FibonacciResult(sequence=()))
 
 
-async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_cancellation(
-    open_house: OpenHouse,
-) -> None:
-    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_cancellation(house: House) -> None:
+    async with house.node("app") as app, house.peer() as robot:
         client = ActionClient(app, FIBONACCI, "/fib")
         await robot.send("advertise_action", action="/fib", type="example_interfaces/Fibonacci")
         await robot.settle()
@@ -151,8 +149,8 @@ async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_ca
         assert [(await robot.receive())["op"] for _ in range(2)] == ["send_action_goal", "cancel_action_goal"]
 
 
-async def test_the_goals_of_a_server_that_leaves_are_aborted(open_house: OpenHouse) -> None:
-    async with open_house() as house, house.node("app") as app:
+async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> None:
+    async with house.node("app") as app:
         client = ActionClient(app, FIBONACCI, "/fib")
         async with house.peer() as robot:
             await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
@@ -163,16 +161,16 @@ async def test_the_goals_of_a_server_that_leaves_are_aborted(open_house: OpenHou
             assert (await goal.result())[0] is GoalState.ABORTED
 
 
-async def test_roslib_cancels_all_goals_with_an_empty_call(open_house: OpenHouse) -> None:
-    async with open_house() as house, server(house.graph) as fib, house.peer() as peer:
+async def test_roslib_cancels_all_goals_with_an_empty_call(house: House) -> None:
+    async with server(house.graph) as fib, house.peer() as peer:
         for name in ("a", "b"):
             await peer.send("send_action_goal", id=name, args={"order": 50}, **GOAL)
         await peer.send("call_service", service="fib/_action/cancel_goal", args={})
         await the_end(fib)
 
 
-async def test_what_a_goal_and_its_end_lack_is_zero_or_empty(open_house: OpenHouse) -> None:
-    async with open_house() as house, house.peer() as robot, house.peer() as user:
+async def test_what_a_goal_and_its_end_lack_is_zero_or_empty(house: House) -> None:
+    async with house.peer() as robot, house.peer() as user:
         await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         await robot.settle()
         await user.send("send_action_goal", id="g", args={}, **GOAL)

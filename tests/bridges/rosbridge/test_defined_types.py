@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from tests.bridges.conftest import House
 
 from homebot.bridges.rosbridge.access import right_to_call
 from homebot.devices.client_rights import Right
@@ -19,8 +20,8 @@ async def defined(peer: Any, ros_type: str, definition: str) -> dict[str, Any]:
     return answer
 
 
-async def test_a_client_defines_a_type_that_others_use_too(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as robot, house.peer() as other:
+async def test_a_client_defines_a_type_that_others_use_too(house: House) -> None:
+    async with house.peer() as robot, house.peer() as other:
         answer = await defined(robot, "lab/msg/Arm", ARM)
         assert answer["success"]
         assert answer["type_hash"].startswith("RIHS01_")
@@ -43,9 +44,9 @@ async def test_a_client_defines_a_type_that_others_use_too(open_house: Any) -> N
     ],
 )
 async def test_a_wrong_definition_is_answered_with_the_reason(
-    open_house: Any, ros_type: str, definition: str, problem: str
+    house: House, ros_type: str, definition: str, problem: str
 ) -> None:
-    async with open_house() as house, house.peer() as robot:
+    async with house.peer() as robot:
         answer = await defined(robot, ros_type, definition)
         assert not answer["success"]
         assert problem in answer["message"]

@@ -11,6 +11,7 @@ import anyio
 import pytest
 from pydantic import SecretStr
 from structlog.testing import capture_logs
+from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -22,28 +23,27 @@ from homebot.graph import Graph, Node
 from homebot.messages import String
 
 
-async def test_everything_a_client_holds_goes_with_it(open_house: Any) -> None:
-    async with open_house() as house:
-        house.node("talker").create_publisher(String, "/chatter")
-        async with house.peer() as peer:
-            await peer.send("subscribe", topic="/chatter")
-            await peer.send("subscribe", topic="/early")
-            await peer.send("advertise", topic="/mine", type="std_msgs/String")
-            await peer.send("advertise_service", service="/serve", type="std_srvs/Trigger")
-            await peer.settle()
-            assert house.entities() == {
-                ("subscription", "/chatter"),
-                ("publisher", "/mine"),
-                ("service", "/serve"),
-            }
-            with house.graph.watch() as changes:
-                peer.connection.transport.abort()
-                with anyio.fail_after(PATIENCE):
-                    while house.entities():
-                        await changes.receive()
-        with anyio.fail_after(PATIENCE):
-            while house.door.client_count:
-                await anyio.lowlevel.checkpoint()
+async def test_everything_a_client_holds_goes_with_it(house: House) -> None:
+    house.node("talker").create_publisher(String, "/chatter")
+    async with house.peer() as peer:
+        await peer.send("subscribe", topic="/chatter")
+        await peer.send("subscribe", topic="/early")
+        await peer.send("advertise", topic="/mine", type="std_msgs/String")
+        await peer.send("advertise_service", service="/serve", type="std_srvs/Trigger")
+        await peer.settle()
+        assert house.entities() == {
+            ("subscription", "/chatter"),
+            ("publisher", "/mine"),
+            ("service", "/serve"),
+        }
+        with house.graph.watch() as changes:
+            peer.connection.transport.abort()
+            with anyio.fail_after(PATIENCE):
+                while house.entities():
+                    await changes.receive()
+    with anyio.fail_after(PATIENCE):
+        while house.door.client_count:
+            await anyio.lowlevel.checkpoint()
 
 
 async def test_a_stopped_door_says_goodbye(open_house: Any) -> None:
@@ -126,8 +126,8 @@ BAD_FRAMES = [
 
 
 @pytest.mark.parametrize("frame", BAD_FRAMES)
-async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(open_house: Any, frame: str) -> None:
-    async with open_house() as house, house.peer() as bad, house.peer() as good:
+async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(house: House, frame: str) -> None:
+    async with house.peer() as bad, house.peer() as good:
         publisher = house.node("talker").create_publisher(String, "/chatter")
         await good.send("subscribe", topic="/chatter")
         await good.settle()
@@ -174,15 +174,14 @@ async def test_a_refused_client_gets_the_reason_unasked(open_house: Any, frame: 
     assert said in answer["msg"]
 
 
-async def test_status_is_not_sent_to_a_client_that_asked_for_none(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("set_level", level="none")
-        with capture_logs() as logs:
-            for _ in range(20):
-                await peer.connection.send("not json")
-            await peer.send("call_service", id="call", service="/rosapi/get_time")
-            assert (await peer.receive())["op"] == "service_response"
-        assert [line["op"] for line in logs if line["event"] == "door.refused"] == ["frame"] * 20
+async def test_status_is_not_sent_to_a_client_that_asked_for_none(peer: Peer) -> None:
+    await peer.send("set_level", level="none")
+    with capture_logs() as logs:
+        for _ in range(20):
+            await peer.connection.send("not json")
+        await peer.send("call_service", id="call", service="/rosapi/get_time")
+        assert (await peer.receive())["op"] == "service_response"
+    assert [line["op"] for line in logs if line["event"] == "door.refused"] == ["frame"] * 20
 
 
 @pytest.mark.parametrize(
@@ -209,11 +208,10 @@ async def test_the_log_names_the_client_and_its_mistake(open_house: Any, frame: 
     assert len(line["message"]) <= 300
 
 
-async def test_json_may_come_in_a_binary_frame(open_house: Any) -> None:
+async def test_json_may_come_in_a_binary_frame(peer: Peer) -> None:
     """ROS# sends its frames so."""
-    async with open_house() as house, house.peer() as peer:
-        await peer.connection.send('\n{"op": "fly", "id": "Küche"}'.encode())
-        assert (await peer.receive())["id"] == "Küche"
+    await peer.connection.send('\n{"op": "fly", "id": "Küche"}'.encode())
+    assert (await peer.receive())["id"] == "Küche"
 
 
 @pytest.mark.parametrize(
@@ -346,17 +344,16 @@ async def test_a_plain_http_client_without_the_token_is_told_no_more_than_that(o
         assert (await get(house.door.port)).startswith("HTTP/1.1 401 ")
 
 
-async def test_a_rebound_name_is_turned_away(open_house: Any) -> None:
-    async with open_house() as house:
-        with socket.create_connection(("127.0.0.1", house.door.port)) as raw:
-            raw.setblocking(False)
-            raw.send(
-                b"GET / HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-                b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
-            )
-            with anyio.fail_after(PATIENCE):
-                await anyio.wait_readable(raw)
-            assert raw.recv(100).startswith(b"HTTP/1.1 403")
+async def test_a_rebound_name_is_turned_away(house: House) -> None:
+    with socket.create_connection(("127.0.0.1", house.door.port)) as raw:
+        raw.setblocking(False)
+        raw.send(
+            b"GET / HTTP/1.1\r\nHost: evil.example\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n\r\n"
+        )
+        with anyio.fail_after(PATIENCE):
+            await anyio.wait_readable(raw)
+        assert raw.recv(100).startswith(b"HTTP/1.1 403")
 
 
 async def test_invalid_web_socket_is_logged_and_harmless(open_house: Any) -> None:
@@ -380,11 +377,10 @@ def test_an_open_door_needs_a_token() -> None:
         anyio.run(make)
 
 
-async def test_a_taken_address_is_named(open_house: Any) -> None:
-    async with open_house() as house:
-        second = Door(house.node("second"), DoorSettings(port=house.door.port))
-        with pytest.raises(UsageError, match=f"127.0.0.1:{house.door.port} is in use, maybe by another homebot"):
-            await second.run()
+async def test_a_taken_address_is_named(house: House) -> None:
+    second = Door(house.node("second"), DoorSettings(port=house.door.port))
+    with pytest.raises(UsageError, match=f"127.0.0.1:{house.door.port} is in use, maybe by another homebot"):
+        await second.run()
 
 
 async def test_an_address_of_another_machine_is_named() -> None:
@@ -393,16 +389,15 @@ async def test_an_address_of_another_machine_is_named() -> None:
         await door.run()
 
 
-async def test_frames_are_ascii(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(String, "/chatter")
-        await peer.send("subscribe", topic="/chatter")
-        await peer.settle()
-        publisher.publish(String(data="Küche \ud800"))
-        text = await peer.connection.recv()
-        assert isinstance(text, str)
-        assert text.isascii()
-        assert json.loads(text)["msg"]["data"] == "Küche \ud800"
+async def test_frames_are_ascii(house: House, peer: Peer) -> None:
+    publisher = house.node("talker").create_publisher(String, "/chatter")
+    await peer.send("subscribe", topic="/chatter")
+    await peer.settle()
+    publisher.publish(String(data="Küche \ud800"))
+    text = await peer.connection.recv()
+    assert isinstance(text, str)
+    assert text.isascii()
+    assert json.loads(text)["msg"]["data"] == "Küche \ud800"
 
 
 async def test_the_door_says_where_it_listens_and_that_it_no_longer_does() -> None:

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.bridges.conftest import House, Peer
 from tests.bridges.frames import result_of
 
 from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
@@ -157,30 +158,29 @@ def test_of_too_many_frames_that_do_not_end_the_oldest_is_forgotten() -> None:
     assert isinstance(result_of(reader.read(fragment(1, 2, SET_LEVEL[20:], "10"))), SetLevel)
 
 
-async def test_a_client_gets_messages_and_responses_as_it_asked_for_them(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        node = house.node("lamp")
-        node.create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
-        node.create_service(SetBool, "/switch", lambda _: SetBoolResponse(success=True, message="x" * 300))
-        await peer.send("subscribe", topic="/state", compression="png")
-        expected: dict[str, Any] = {"op": "publish", "topic": "/state", "msg": {"data": "on"}}
-        assert json.loads(content(await peer.receive())) == expected
-        await peer.send("subscribe", id="b", topic="/state", fragment_size=100)
-        await peer.send("subscribe", id="c", topic="/state", fragment_size=1000)
-        for _ in range(2):
-            first = await peer.receive()
-            rest = [await peer.receive() for _ in range(first["total"] - 1)]
-            assert json.loads(content(json.loads(joined([first, *rest])))) == expected
-        await peer.send("call_service", id="1", service="/switch", args={"data": True}, fragment_size=200)
-        response = json.loads(joined([await peer.receive() for _ in range(3)]))
-        assert (response["id"], response["values"]["message"]) == ("1", "x" * 300)
-        await peer.send("call_service", id="2", service="/switch", args={"data": True}, compression="png")
-        assert json.loads(content(await peer.receive()))["id"] == "2"
+async def test_a_client_gets_messages_and_responses_as_it_asked_for_them(house: House, peer: Peer) -> None:
+    node = house.node("lamp")
+    node.create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
+    node.create_service(SetBool, "/switch", lambda _: SetBoolResponse(success=True, message="x" * 300))
+    await peer.send("subscribe", topic="/state", compression="png")
+    expected: dict[str, Any] = {"op": "publish", "topic": "/state", "msg": {"data": "on"}}
+    assert json.loads(content(await peer.receive())) == expected
+    await peer.send("subscribe", id="b", topic="/state", fragment_size=100)
+    await peer.send("subscribe", id="c", topic="/state", fragment_size=1000)
+    for _ in range(2):
+        first = await peer.receive()
+        rest = [await peer.receive() for _ in range(first["total"] - 1)]
+        assert json.loads(content(json.loads(joined([first, *rest])))) == expected
+    await peer.send("call_service", id="1", service="/switch", args={"data": True}, fragment_size=200)
+    response = json.loads(joined([await peer.receive() for _ in range(3)]))
+    assert (response["id"], response["values"]["message"]) == ("1", "x" * 300)
+    await peer.send("call_service", id="2", service="/switch", args={"data": True}, compression="png")
+    assert json.loads(content(await peer.receive()))["id"] == "2"
 
 
-async def test_roslibpy_is_sent_json_in_place_of_an_image(open_house: Any) -> None:
+async def test_roslibpy_is_sent_json_in_place_of_an_image(house: House) -> None:
     """It offers ``compression="png"``, and knows no frame of that kind."""
-    async with open_house() as house, house.peer(**{"User-Agent": "AutobahnPython/25.10.2"}) as peer:
+    async with house.peer(**{"User-Agent": "AutobahnPython/25.10.2"}) as peer:
         house.node("lamp").create_publisher(String, "/state", qos_profile_latched).publish(String(data="on"))
         await peer.send("subscribe", topic="/state", compression="png")
         assert (await peer.receive())["msg"] == {"data": "on"}
@@ -188,10 +188,9 @@ async def test_roslibpy_is_sent_json_in_place_of_an_image(open_house: Any) -> No
         assert (await peer.receive())["op"] == "service_response"
 
 
-async def test_a_client_may_send_fragments(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        subscription = house.node("lamp").create_subscription(String, "/say")
-        frame = json.dumps({"op": "publish", "topic": "/say", "msg": {"data": "a long word"}})
-        for part in Packing(fragment_size=10).pack(frame, "mine"):
-            await peer.connection.send(part)
-        assert (await subscription.receive()).data == "a long word"
+async def test_a_client_may_send_fragments(house: House, peer: Peer) -> None:
+    subscription = house.node("lamp").create_subscription(String, "/say")
+    frame = json.dumps({"op": "publish", "topic": "/say", "msg": {"data": "a long word"}})
+    for part in Packing(fragment_size=10).pack(frame, "mine"):
+        await peer.connection.send(part)
+    assert (await subscription.receive()).data == "a long word"

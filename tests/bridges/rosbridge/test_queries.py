@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 import pytest
+from tests.bridges.conftest import House, Peer
 
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, QueryDevices
 from homebot.devices.query import And, Query, parse_query, query_terms, read_terms
@@ -52,57 +52,52 @@ class FakeDirectory:
     ids=["text", "terms", "empty text", "nothing"],
 )
 async def test_a_query_is_sent_as_text_or_as_terms(
-    open_house: Any, service: str, sent: dict[str, object], meant: Query
+    house: House, peer: Peer, service: str, sent: dict[str, object], meant: Query
 ) -> None:
-    async with open_house() as house, house.peer() as peer:
-        directory = FakeDirectory(house.node("directory"))
-        assert (await peer.call(service, **sent))["result"] is True
-        assert directory.asked == [meant]
+    directory = FakeDirectory(house.node("directory"))
+    assert (await peer.call(service, **sent))["result"] is True
+    assert directory.asked == [meant]
 
 
 @pytest.mark.parametrize("sent", [{}, {"is_checked": False}])
 async def test_the_names_in_a_question_of_a_program_outside_are_checked(
-    open_house: Any, sent: dict[str, object]
+    house: House, peer: Peer, sent: dict[str, object]
 ) -> None:
-    async with open_house() as house, house.peer() as peer:
-        directory = FakeDirectory(house.node("directory"))
-        assert (await peer.call(FIND_DEVICES, service_type="lihgts", **sent))["result"] is True
-        assert directory.is_checked == sent.get("is_checked", True)
+    directory = FakeDirectory(house.node("directory"))
+    assert (await peer.call(FIND_DEVICES, service_type="lihgts", **sent))["result"] is True
+    assert directory.is_checked == sent.get("is_checked", True)
 
 
-async def test_a_list_of_arguments_may_have_a_text_query(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        directory = FakeDirectory(house.node("directory"))
-        await peer.send("call_service", service=QUERY_DEVICES, args=["on lights in kitchen", 0, 5])
-        assert (await peer.receive())["result"] is True
-        assert directory.asked == [ON_LIGHTS]
+async def test_a_list_of_arguments_may_have_a_text_query(house: House, peer: Peer) -> None:
+    directory = FakeDirectory(house.node("directory"))
+    await peer.send("call_service", service=QUERY_DEVICES, args=["on lights in kitchen", 0, 5])
+    assert (await peer.receive())["result"] is True
+    assert directory.asked == [ON_LIGHTS]
 
 
-async def test_a_search_by_an_invalid_text_answers_the_problem(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        FakeDirectory(house.node("directory"))
-        answer = await peer.call(QUERY_DEVICES, query="brightnes > 3")
-        assert answer["result"] is True
-        assert "did you mean brightness?" in answer["values"].pop("message")
-        assert answer["values"] == {
-            "success": False,
-            "results": [],
-            "total": 0,
-            "sequence": 7,
-            "is_mistake": True,
-            "left_out": [],
-            "pose_age": 0.0,
-        }
+async def test_a_search_by_an_invalid_text_answers_the_problem(house: House, peer: Peer) -> None:
+    FakeDirectory(house.node("directory"))
+    answer = await peer.call(QUERY_DEVICES, query="brightnes > 3")
+    assert answer["result"] is True
+    assert "did you mean brightness?" in answer["values"].pop("message")
+    assert answer["values"] == {
+        "success": False,
+        "results": [],
+        "total": 0,
+        "sequence": 7,
+        "is_mistake": True,
+        "left_out": [],
+        "pose_age": 0.0,
+    }
 
 
 async def test_a_call_with_a_text_that_is_no_query_fails_where_the_answer_has_no_place_for_the_reason(
-    open_house: Any,
+    house: House, peer: Peer
 ) -> None:
-    async with open_house() as house, house.peer() as peer:
-        FakeDirectory(house.node("directory"))
-        answer = await peer.call(FIND_DEVICES, query="(light")
-        assert answer["result"] is False
-        assert answer["values"] == "UsageError: the bracket at character 1 is never closed"
+    FakeDirectory(house.node("directory"))
+    answer = await peer.call(FIND_DEVICES, query="(light")
+    assert answer["result"] is False
+    assert answer["values"] == "UsageError: the bracket at character 1 is never closed"
 
 
 @pytest.mark.parametrize(
@@ -115,18 +110,16 @@ async def test_a_call_with_a_text_that_is_no_query_fails_where_the_answer_has_no
     ],
 )
 async def test_a_field_of_another_type_is_refused_before_anything_is_asked(
-    open_house: Any, args: dict[str, object], problem: str
+    house: House, peer: Peer, args: dict[str, object], problem: str
 ) -> None:
-    async with open_house() as house, house.peer() as peer:
-        directory = FakeDirectory(house.node("directory"))
-        answer = await peer.call(QUERY_DEVICES, **args)
-        assert answer["result"] is False
-        assert directory.asked == []
-        assert re.search(problem, answer["values"])
+    directory = FakeDirectory(house.node("directory"))
+    answer = await peer.call(QUERY_DEVICES, **args)
+    assert answer["result"] is False
+    assert directory.asked == []
+    assert re.search(problem, answer["values"])
 
 
-async def test_any_query_without_a_directory_fails_for_that_reason(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        answer = await peer.call(QUERY_DEVICES, query="(light")
-        assert answer["result"] is False
-        assert answer["values"].startswith(f"service {QUERY_DEVICES} has no server now")
+async def test_any_query_without_a_directory_fails_for_that_reason(peer: Peer) -> None:
+    answer = await peer.call(QUERY_DEVICES, query="(light")
+    assert answer["result"] is False
+    assert answer["values"].startswith(f"service {QUERY_DEVICES} has no server now")

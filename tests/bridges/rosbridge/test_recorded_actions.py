@@ -8,7 +8,7 @@ from typing import Any
 
 import anyio
 import pytest
-from tests.bridges.conftest import OpenHouse, Peer
+from tests.bridges.conftest import House, OpenHouse, Peer
 from tests.bridges.fibonacci import FIBONACCI, FibonacciFeedback, FibonacciGoal, FibonacciResult
 from tests.patience import PATIENCE
 
@@ -51,8 +51,8 @@ async def replay(peer: Peer, frames: list[tuple[str, dict[str, Any]]]) -> None:
 
 
 @pytest.mark.parametrize("library", LIBRARIES)
-async def test_a_recorded_client_of_an_action_gets_what_it_got(open_house: OpenHouse, library: str) -> None:
-    async with open_house() as house, house.node("counter") as node, house.peer() as peer:
+async def test_a_recorded_client_of_an_action_gets_what_it_got(house: House, library: str) -> None:
+    async with house.node("counter") as node, house.peer() as peer:
         on_goal, on_cancel = (lambda goal: goal.order >= 0), (lambda _goal: True)
         ActionServer(node, FIBONACCI, "/fib", count, on_goal=on_goal, on_cancel=on_cancel)
         await replay(peer, recorded(library, "client"))
@@ -79,9 +79,9 @@ async def test_a_recorded_server_of_an_action_is_asked_what_it_was_asked(open_ho
     assert seen == [(0,), (1,), (0,), (1,), (2,), (3,)]
 
 
-async def test_a_recorded_cancellation_of_all_goals_needs_no_id(open_house: OpenHouse) -> None:
+async def test_a_recorded_cancellation_of_all_goals_needs_no_id(house: House) -> None:
     (call,) = (one["frame"] for one in LINES if one["frame"]["op"] == "call_service")
-    async with open_house() as house, house.node("robot") as node, house.peer() as peer:
+    async with house.node("robot") as node, house.peer() as peer:
         ActionServer(node, FIBONACCI, "/spin", count, on_cancel=lambda _goal: True)
         goal = await ActionClient(node, FIBONACCI, "/spin").send_goal(FibonacciGoal(order=50))
         await peer.connection.send(json.dumps(call))

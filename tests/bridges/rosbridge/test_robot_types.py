@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from tests.bridges.conftest import OpenHouse
+from tests.bridges.conftest import House
 from tests.messages.test_ros_packages import sample
 
 from homebot.messages.definition import zero_message
@@ -55,9 +55,9 @@ TYPES = [
 ]
 
 
-async def test_38_types_pass_both_ways(open_house: OpenHouse) -> None:
+async def test_38_types_pass_both_ways(house: House) -> None:
     assert len(TYPES) == 38
-    async with open_house() as house, house.node("app") as app, house.peer() as robot, house.peer() as screen:
+    async with house.node("app") as app, house.peer() as robot, house.peer() as screen:
         for name in TYPES:
             message, topic = sample(find_message(name)), f"/{name.lower()}"
             heard = app.create_subscription(type(message), topic)
@@ -71,10 +71,10 @@ async def test_38_types_pass_both_ways(open_house: OpenHouse) -> None:
 
 @pytest.mark.parametrize("is_listed", [True, False], ids=["as numbers", "as base64"])
 @pytest.mark.parametrize("compression", ["none", "cbor"])
-async def test_maps_and_raw_images_pass_both_ways(open_house: OpenHouse, compression: str, *, is_listed: bool) -> None:
+async def test_maps_and_raw_images_pass_both_ways(house: House, compression: str, *, is_listed: bool) -> None:
     cells = [-1, 0, 100] * (128 * 384)
     pixels = bytes(range(256)) * (640 * 480 * 3 // 256)
-    async with open_house() as house, house.node("app") as app, house.peer() as robot, house.peer() as screen:
+    async with house.node("app") as app, house.peer() as robot, house.peer() as screen:
         samples: tuple[tuple[str, Any], ...] = (("nav_msgs/OccupancyGrid", cells), ("sensor_msgs/Image", pixels))
         for name, data in samples:
             empty, topic = zero_message(find_message(name)), f"/{name.lower()}"

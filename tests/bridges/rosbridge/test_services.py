@@ -8,7 +8,7 @@ from typing import Any
 import anyio
 import pytest
 from pydantic import SecretStr
-from tests.bridges.conftest import OpenHouse
+from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
@@ -23,27 +23,25 @@ def echo(request: SetBoolRequest) -> SetBoolResponse:
     return SetBoolResponse(success=request.data, message="done")
 
 
-async def test_a_client_calls_a_service(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        house.node("lamp").create_service(SetBool, "/switch", echo)
-        await peer.send("call_service", id="x:1", service="switch", args={"data": True})
-        assert await peer.receive() == {
-            "op": "service_response",
-            "id": "x:1",
-            "service": "switch",
-            "result": True,
-            "values": {"success": True, "message": "done"},
-        }
-        assert house.entities() == set()
+async def test_a_client_calls_a_service(house: House, peer: Peer) -> None:
+    house.node("lamp").create_service(SetBool, "/switch", echo)
+    await peer.send("call_service", id="x:1", service="switch", args={"data": True})
+    assert await peer.receive() == {
+        "op": "service_response",
+        "id": "x:1",
+        "service": "switch",
+        "result": True,
+        "values": {"success": True, "message": "done"},
+    }
+    assert house.entities() == set()
 
 
-async def test_a_list_of_arguments_fills_the_fields_in_order(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        house.node("lamp").create_service(SetBool, "/switch", echo)
-        await peer.send("call_service", service="/switch", args=[True])
-        assert (await peer.receive())["values"]["success"] is True
-        await peer.send("call_service", service="/switch", args=[True, 2])
-        assert "has 1 fields, got 2 values" in (await peer.receive())["values"]
+async def test_a_list_of_arguments_fills_the_fields_in_order(house: House, peer: Peer) -> None:
+    house.node("lamp").create_service(SetBool, "/switch", echo)
+    await peer.send("call_service", service="/switch", args=[True])
+    assert (await peer.receive())["values"]["success"] is True
+    await peer.send("call_service", service="/switch", args=[True, 2])
+    assert "has 1 fields, got 2 values" in (await peer.receive())["values"]
 
 
 @pytest.mark.parametrize(
@@ -58,29 +56,29 @@ async def test_a_list_of_arguments_fills_the_fields_in_order(open_house: Any) ->
         ("/raises", {}, "RuntimeError: the bulb is broken"),
     ],
 )
-async def test_a_failed_call_says_why(open_house: Any, service: str, args: dict[str, Any], problem: str) -> None:
+async def test_a_failed_call_says_why(
+    house: House, peer: Peer, service: str, args: dict[str, Any], problem: str
+) -> None:
     def broken(_request: TriggerRequest) -> SuccessResponse:
         raise RuntimeError("the bulb is broken")
 
-    async with open_house() as house, house.peer() as peer:
-        node = house.node("lamp")
-        node.create_service(SetBool, "/switch", echo)
-        node.create_service(Trigger, "/raises", broken)
-        await peer.send("call_service", id="7", service=service, args=args)
-        answer = await peer.receive()
-        assert (answer["op"], answer["id"], answer["result"]) == ("service_response", "7", False)
-        assert re.search(problem, answer["values"])
+    node = house.node("lamp")
+    node.create_service(SetBool, "/switch", echo)
+    node.create_service(Trigger, "/raises", broken)
+    await peer.send("call_service", id="7", service=service, args=args)
+    answer = await peer.receive()
+    assert (answer["op"], answer["id"], answer["result"]) == ("service_response", "7", False)
+    assert re.search(problem, answer["values"])
 
 
-async def test_a_slow_service_runs_into_the_clients_time_limit(open_house: Any) -> None:
+async def test_a_slow_service_runs_into_the_clients_time_limit(house: House, peer: Peer) -> None:
     async def never(_request: TriggerRequest) -> SuccessResponse:
         await anyio.sleep_forever()
         raise AssertionError
 
-    async with open_house() as house, house.peer() as peer:
-        house.node("lamp").create_service(Trigger, "/slow", never)
-        await peer.send("call_service", service="/slow", timeout=0.05)
-        assert "did not answer within 0.05 s" in (await peer.receive())["values"]
+    house.node("lamp").create_service(Trigger, "/slow", never)
+    await peer.send("call_service", service="/slow", timeout=0.05)
+    assert "did not answer within 0.05 s" in (await peer.receive())["values"]
 
 
 async def test_too_many_calls_at_a_time_fail_at_once(open_house: Any) -> None:
@@ -133,26 +131,25 @@ async def test_a_client_that_never_answers_owes_nothing_for_callers_that_gave_up
         assert node.graph.service_counts.late_answers == 0
 
 
-async def test_a_client_provides_a_service(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("advertise_service", service="mine", type="std_srvs/SetBool")
-        await peer.settle()
-        client = house.node("app").create_client(SetBool, "/mine")
-        async with anyio.create_task_group() as tasks:
-            answers: list[SetBoolResponse] = []
+async def test_a_client_provides_a_service(house: House, peer: Peer) -> None:
+    await peer.send("advertise_service", service="mine", type="std_srvs/SetBool")
+    await peer.settle()
+    client = house.node("app").create_client(SetBool, "/mine")
+    async with anyio.create_task_group() as tasks:
+        answers: list[SetBoolResponse] = []
 
-            async def call() -> None:
-                answers.append(await client.call(SetBoolRequest(data=True), timeout=PATIENCE))
+        async def call() -> None:
+            answers.append(await client.call(SetBoolRequest(data=True), timeout=PATIENCE))
 
-            tasks.start_soon(call)
-            request = await peer.receive()
-            assert (request["op"], request["service"], request["args"]) == ("call_service", "mine", {"data": True})
-            values = {"success": True, "message": "by you"}
-            await peer.send("service_response", id=request["id"], service="mine", values=values, result=True)
-        assert answers == [SetBoolResponse(success=True, message="by you")]
-        await peer.send("unadvertise_service", service="mine")
-        await peer.settle()
-        assert house.entities() == set()
+        tasks.start_soon(call)
+        request = await peer.receive()
+        assert (request["op"], request["service"], request["args"]) == ("call_service", "mine", {"data": True})
+        values = {"success": True, "message": "by you"}
+        await peer.send("service_response", id=request["id"], service="mine", values=values, result=True)
+    assert answers == [SetBoolResponse(success=True, message="by you")]
+    await peer.send("unadvertise_service", service="mine")
+    await peer.settle()
+    assert house.entities() == set()
 
 
 @pytest.mark.parametrize(
@@ -164,43 +161,41 @@ async def test_a_client_provides_a_service(open_house: Any) -> None:
     ],
 )
 async def test_a_bad_answer_of_a_client_fails_the_call(
-    open_house: Any, response: dict[str, object], problem: str
+    house: House, peer: Peer, response: dict[str, object], problem: str
 ) -> None:
-    async with open_house() as house, house.peer() as peer:
+    await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
+    await peer.settle()
+    client = house.node("app").create_client(Trigger, "/mine")
+    async with anyio.create_task_group() as tasks:
+
+        async def answer() -> None:
+            request = await peer.receive()
+            await peer.send("service_response", id=request["id"], service="/mine", **response)
+
+        tasks.start_soon(answer)
+        with pytest.raises(ServiceFailedError, match=problem):
+            await client.call(TriggerRequest())
+
+
+async def test_a_call_to_a_client_that_leaves_fails_at_once(house: House) -> None:
+    client = house.node("app").create_client(Trigger, "/mine")
+    async with house.peer() as peer, anyio.create_task_group() as tasks:
         await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
         await peer.settle()
-        client = house.node("app").create_client(Trigger, "/mine")
-        async with anyio.create_task_group() as tasks:
 
-            async def answer() -> None:
-                request = await peer.receive()
-                await peer.send("service_response", id=request["id"], service="/mine", **response)
+        async def leave() -> None:
+            await peer.receive()
+            await peer.connection.close()
 
-            tasks.start_soon(answer)
-            with pytest.raises(ServiceFailedError, match=problem):
-                await client.call(TriggerRequest())
-
-
-async def test_a_call_to_a_client_that_leaves_fails_at_once(open_house: Any) -> None:
-    async with open_house() as house:
-        client = house.node("app").create_client(Trigger, "/mine")
-        async with house.peer() as peer, anyio.create_task_group() as tasks:
-            await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-            await peer.settle()
-
-            async def leave() -> None:
-                await peer.receive()
-                await peer.connection.close()
-
-            tasks.start_soon(leave)
-            with anyio.fail_after(PATIENCE), pytest.raises(ServiceGoneError):
-                await client.call(TriggerRequest(), timeout=60)
-        assert not client.service_is_ready()
+        tasks.start_soon(leave)
+        with anyio.fail_after(PATIENCE), pytest.raises(ServiceGoneError):
+            await client.call(TriggerRequest(), timeout=60)
+    assert not client.service_is_ready()
 
 
-async def test_ids_of_two_clients_do_not_mix(open_house: Any) -> None:
+async def test_ids_of_two_clients_do_not_mix(house: House) -> None:
     """Roslibpy counts anew on every connection."""
-    async with open_house() as house, house.peer() as first, house.peer() as second:
+    async with house.peer() as first, house.peer() as second:
         house.node("lamp").create_service(SetBool, "/switch", echo)
         await first.send("call_service", id="call_service:/switch:1", service="/switch", args={"data": True})
         await second.send("call_service", id="call_service:/switch:1", service="/switch", args={"data": False})
@@ -227,17 +222,16 @@ async def test_a_client_that_owes_too_many_answers_is_asked_no_more(open_house: 
             await peer.send("unadvertise_service", service="/mine")
 
 
-async def test_a_second_server_is_refused(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        house.node("lamp").create_service(SetBool, "/switch", echo)
-        await peer.send("set_level", level="error")
-        await peer.send("advertise_service", id="a", service="/switch", type="std_srvs/SetBool")
-        assert "already served by /lamp" in (await peer.receive())["msg"]
+async def test_a_second_server_is_refused(house: House, peer: Peer) -> None:
+    house.node("lamp").create_service(SetBool, "/switch", echo)
+    await peer.send("set_level", level="error")
+    await peer.send("advertise_service", id="a", service="/switch", type="std_srvs/SetBool")
+    assert "already served by /lamp" in (await peer.receive())["msg"]
 
 
-async def test_a_client_that_comes_back_provides_its_service_again(open_house: Any) -> None:
+async def test_a_client_that_comes_back_provides_its_service_again(house: House) -> None:
     """Its old connection may be dead for long before that shows, and it offers the service once."""
-    async with open_house() as house, house.peer() as old, house.peer() as new:
+    async with house.peer() as old, house.peer() as new:
         await old.send("advertise_service", service="/mine", type="std_srvs/Trigger")
         await old.settle()
         await new.send("advertise_service", service="mine", type="std_srvs/Trigger")
@@ -274,8 +268,8 @@ async def test_the_service_of_another_client_is_not_taken_over(open_house: Any) 
         assert "already served by /rosbridge_websocket" in (await two.receive())["msg"]
 
 
-async def test_a_value_is_written_as_it_is_in_json(open_house: OpenHouse) -> None:
-    async with open_house() as house, house.node("control") as control, house.peer() as peer:
+async def test_a_value_is_written_as_it_is_in_json(house: House) -> None:
+    async with house.node("control") as control, house.peer() as peer:
         held: list[object] = []
 
         def hold(request: HoldRequest) -> LeaseState:
@@ -290,9 +284,9 @@ async def test_a_value_is_written_as_it_is_in_json(open_house: OpenHouse) -> Non
         assert held == [True, 40.0, "warm", (30.0, 0.5), None, 0.5]
 
 
-async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(open_house: OpenHouse) -> None:
+async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(house: House) -> None:
     """Then its leases end."""
-    async with open_house() as house, house.node("control") as control, house.peer() as peer:
+    async with house.node("control") as control, house.peer() as peer:
 
         async def hold(_request: HoldRequest) -> LeaseState:
             await anyio.sleep_forever()

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import pytest
+from tests.bridges.conftest import House, Peer
 
 from homebot.bridges.rosbridge.types import find_message_type, find_service_type
 from homebot.errors import PeerError
@@ -18,8 +17,8 @@ DRIVE = {"linear": {"x": 0.5, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.
 
 
 @pytest.mark.parametrize("spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist"])
-async def test_a_client_publishes_standard_messages_for_another(open_house: Any, spelling: str) -> None:
-    async with open_house() as house, house.peer() as robot, house.peer() as joystick:
+async def test_a_client_publishes_standard_messages_for_another(house: House, spelling: str) -> None:
+    async with house.peer() as robot, house.peer() as joystick:
         await robot.send("subscribe", topic="/cmd_vel", type=spelling)
         await robot.settle()
         await joystick.send("advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
@@ -27,9 +26,9 @@ async def test_a_client_publishes_standard_messages_for_another(open_house: Any,
         assert await robot.receive() == {"op": "publish", "topic": "/cmd_vel", "msg": DRIVE}
 
 
-async def test_an_app_hears_a_message_that_is_there_in_part(open_house: Any) -> None:
+async def test_an_app_hears_a_message_that_is_there_in_part(house: House) -> None:
     """JavaScript writes 1.0 as 1."""
-    async with open_house() as house, house.peer() as joystick:
+    async with house.peer() as joystick:
         heard = house.node("robot").create_subscription(Twist, "/cmd_vel")
         await joystick.send("advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
         await joystick.send("publish", topic="/cmd_vel", msg={"linear": {"x": 1}})
@@ -37,9 +36,9 @@ async def test_an_app_hears_a_message_that_is_there_in_part(open_house: Any) -> 
         assert await heard.receive() == Twist(linear=Vector3(x=1.0, y=0.0, z=0.0), angular=still)
 
 
-async def test_the_header_of_ros_1_is_taken_without_its_counter(open_house: Any) -> None:
+async def test_the_header_of_ros_1_is_taken_without_its_counter(house: House) -> None:
     stamped = {"header": {"seq": 7, "stamp": {"secs": 1, "nsecs": 2}, "frame_id": "map"}, "twist": DRIVE}
-    async with open_house() as house, house.peer() as robot, house.peer() as old:
+    async with house.peer() as robot, house.peer() as old:
         await robot.send("subscribe", topic="/drive", type="geometry_msgs/TwistStamped")
         await robot.send("subscribe", topic="/header", type="std_msgs/Header")
         await robot.settle()
@@ -50,15 +49,14 @@ async def test_the_header_of_ros_1_is_taken_without_its_counter(open_house: Any)
         assert (await robot.receive())["msg"] == header
 
 
-async def test_only_a_header_has_that_counter(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        house.node("robot").create_subscription(Twist, "/cmd_vel")
-        await peer.send("publish", topic="/cmd_vel", msg=DRIVE | {"seq": 7})
-        assert "field 'seq' is unknown" in (await peer.receive())["msg"]
+async def test_only_a_header_has_that_counter(house: House, peer: Peer) -> None:
+    house.node("robot").create_subscription(Twist, "/cmd_vel")
+    await peer.send("publish", topic="/cmd_vel", msg=DRIVE | {"seq": 7})
+    assert "field 'seq' is unknown" in (await peer.receive())["msg"]
 
 
-async def test_a_client_adds_for_another(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as server, house.peer() as caller:
+async def test_a_client_adds_for_another(house: House) -> None:
+    async with house.peer() as server, house.peer() as caller:
         await server.send("advertise_service", service="/add_two_ints", type="example_interfaces/AddTwoInts")
         await server.settle()
         await caller.send("call_service", service="/add_two_ints", args={"a": 1, "b": 2})

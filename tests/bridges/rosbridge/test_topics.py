@@ -6,7 +6,7 @@ from typing import Any
 
 import anyio
 from structlog.testing import capture_logs
-from tests.bridges.conftest import House, OpenHouse
+from tests.bridges.conftest import House, Peer
 from tests.patience import PATIENCE
 
 from homebot.bridges.rosbridge import DoorSettings
@@ -19,52 +19,47 @@ from homebot.messages.cdr import message_to_cdr
 from homebot.messages.json import message_from_json
 
 
-async def test_a_client_reads_the_messages_of_a_node(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(String, "/chatter")
-        await peer.send("subscribe", topic="/chatter", type="std_msgs/String")
-        await peer.settle()
-        publisher.publish(String(data="hi"))
-        assert await peer.receive() == {"op": "publish", "topic": "/chatter", "msg": {"data": "hi"}}
+async def test_a_client_reads_the_messages_of_a_node(house: House, peer: Peer) -> None:
+    publisher = house.node("talker").create_publisher(String, "/chatter")
+    await peer.send("subscribe", topic="/chatter", type="std_msgs/String")
+    await peer.settle()
+    publisher.publish(String(data="hi"))
+    assert await peer.receive() == {"op": "publish", "topic": "/chatter", "msg": {"data": "hi"}}
 
 
-async def test_a_topic_keeps_the_name_that_the_client_uses(open_house: Any) -> None:
+async def test_a_topic_keeps_the_name_that_the_client_uses(house: House, peer: Peer) -> None:
     """Roslib JS says `chatter`, and listens for exactly that."""
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(String, "/chatter")
-        await peer.send("subscribe", topic="chatter")
-        await peer.settle()
-        publisher.publish(String(data="hi"))
-        assert (await peer.receive())["topic"] == "chatter"
+    publisher = house.node("talker").create_publisher(String, "/chatter")
+    await peer.send("subscribe", topic="chatter")
+    await peer.settle()
+    publisher.publish(String(data="hi"))
+    assert (await peer.receive())["topic"] == "chatter"
 
 
-async def test_a_node_reads_the_messages_of_a_client(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        subscription = house.node("listener").create_subscription(String, "/chatter")
-        await peer.send("advertise", topic="chatter", type="std_msgs/msg/String")
-        await peer.send("publish", topic="chatter", msg={"data": "hi"})
-        assert await subscription.receive() == String(data="hi")
+async def test_a_node_reads_the_messages_of_a_client(house: House, peer: Peer) -> None:
+    subscription = house.node("listener").create_subscription(String, "/chatter")
+    await peer.send("advertise", topic="chatter", type="std_msgs/msg/String")
+    await peer.send("publish", topic="chatter", msg={"data": "hi"})
+    assert await subscription.receive() == String(data="hi")
 
 
-async def test_an_existing_topic_need_not_be_advertised(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        subscription = house.node("listener").create_subscription(String, "/chatter")
-        await peer.send("publish", topic="/chatter", msg={"data": "hi"})
-        assert await subscription.receive() == String(data="hi")
+async def test_an_existing_topic_need_not_be_advertised(house: House, peer: Peer) -> None:
+    subscription = house.node("listener").create_subscription(String, "/chatter")
+    await peer.send("publish", topic="/chatter", msg={"data": "hi"})
+    assert await subscription.receive() == String(data="hi")
 
 
-async def test_missing_fields_are_zero_or_empty_with_a_warning(open_house: Any) -> None:
+async def test_missing_fields_are_zero_or_empty_with_a_warning(house: House, peer: Peer) -> None:
     """As ROSBRIDGE_PROTOCOL.md has it, section 3.2.3."""
-    async with open_house() as house, house.peer() as peer:
-        subscription = house.node("listener").create_subscription(RawMessage, "/raw")
-        await peer.send("set_level", level="warning")
-        await peer.send("publish", id="p", topic="/raw", msg={"key": "k", "received_at": {"secs": 5}})
-        remark = await peer.receive()
-        assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "p")
-        assert "lacks gateway, address, payload, retained, received_at.nanosec, which" in remark["msg"]
-        assert await subscription.receive() == RawMessage(
-            gateway="", key="k", address="", payload=b"", retained=False, received_at=Time(sec=5, nanosec=0)
-        )
+    subscription = house.node("listener").create_subscription(RawMessage, "/raw")
+    await peer.send("set_level", level="warning")
+    await peer.send("publish", id="p", topic="/raw", msg={"key": "k", "received_at": {"secs": 5}})
+    remark = await peer.receive()
+    assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "p")
+    assert "lacks gateway, address, payload, retained, received_at.nanosec, which" in remark["msg"]
+    assert await subscription.receive() == RawMessage(
+        gateway="", key="k", address="", payload=b"", retained=False, received_at=Time(sec=5, nanosec=0)
+    )
 
 
 async def test_a_message_on_a_topic_of_homebot_must_be_whole(open_house: Any) -> None:
@@ -75,8 +70,8 @@ async def test_a_message_on_a_topic_of_homebot_must_be_whole(open_house: Any) ->
         assert "field 'data' is missing" in (await peer.receive())["msg"]
 
 
-async def test_a_latched_message_waits_for_a_late_client(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as early, house.peer() as late:
+async def test_a_latched_message_waits_for_a_late_client(house: House) -> None:
+    async with house.peer() as early, house.peer() as late:
         await early.send("advertise", topic="/state", type="std_msgs/String", latch=True)
         await early.send("publish", topic="/state", msg={"data": "on"}, latch=True)
         await early.settle()
@@ -84,121 +79,111 @@ async def test_a_latched_message_waits_for_a_late_client(open_house: Any) -> Non
         assert (await late.receive())["msg"] == {"data": "on"}
 
 
-async def test_a_second_request_of_one_client_gets_the_latched_message_too(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(String, "/state", qos_profile_latched)
-        publisher.publish(String(data="on"))
-        await peer.send("subscribe", id="a", topic="/state")
-        assert (await peer.receive())["msg"] == {"data": "on"}
-        await peer.send("subscribe", id="b", topic="/state")
-        assert (await peer.receive())["msg"] == {"data": "on"}
+async def test_a_second_request_of_one_client_gets_the_latched_message_too(house: House, peer: Peer) -> None:
+    publisher = house.node("talker").create_publisher(String, "/state", qos_profile_latched)
+    publisher.publish(String(data="on"))
+    await peer.send("subscribe", id="a", topic="/state")
+    assert (await peer.receive())["msg"] == {"data": "on"}
+    await peer.send("subscribe", id="b", topic="/state")
+    assert (await peer.receive())["msg"] == {"data": "on"}
 
 
-async def test_two_requests_for_one_topic_give_each_message_once(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("talker").create_publisher(Int32, "/n")
-        await peer.send("subscribe", id="a", topic="/n")
-        await peer.send("subscribe", id="b", topic="/n")
-        await peer.settle()
-        publisher.publish(Int32(data=1))
-        publisher.publish(Int32(data=2))
-        assert [(await peer.receive())["msg"]["data"] for _ in range(2)] == [1, 2]
-        await peer.send("unsubscribe", id="a", topic="/n")
-        await peer.settle()
-        publisher.publish(Int32(data=3))
-        assert (await peer.receive())["msg"] == {"data": 3}
-        await peer.send("unsubscribe", id="b", topic="/n")
-        await peer.settle()
-        assert house.entities() == set()
+async def test_two_requests_for_one_topic_give_each_message_once(house: House, peer: Peer) -> None:
+    publisher = house.node("talker").create_publisher(Int32, "/n")
+    await peer.send("subscribe", id="a", topic="/n")
+    await peer.send("subscribe", id="b", topic="/n")
+    await peer.settle()
+    publisher.publish(Int32(data=1))
+    publisher.publish(Int32(data=2))
+    assert [(await peer.receive())["msg"]["data"] for _ in range(2)] == [1, 2]
+    await peer.send("unsubscribe", id="a", topic="/n")
+    await peer.settle()
+    publisher.publish(Int32(data=3))
+    assert (await peer.receive())["msg"] == {"data": 3}
+    await peer.send("unsubscribe", id="b", topic="/n")
+    await peer.settle()
+    assert house.entities() == set()
 
 
-async def test_a_best_effort_publisher_reaches_a_client(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        publisher = house.node("sensor").create_publisher(Int32, "/lux", qos_profile_sensor_data)
-        await peer.send("subscribe", topic="/lux")
-        await peer.settle()
-        publisher.publish(Int32(data=7))
-        assert (await peer.receive())["msg"] == {"data": 7}
+async def test_a_best_effort_publisher_reaches_a_client(house: House, peer: Peer) -> None:
+    publisher = house.node("sensor").create_publisher(Int32, "/lux", qos_profile_sensor_data)
+    await peer.send("subscribe", topic="/lux")
+    await peer.settle()
+    publisher.publish(Int32(data=7))
+    assert (await peer.receive())["msg"] == {"data": 7}
 
 
-async def test_bytes_are_base64_both_ways(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        node = house.node("gateway")
-        subscription = node.create_subscription(RawMessage, "/raw")
-        await peer.send("subscribe", topic="/raw")
-        fields = {"gateway": "g", "key": "k", "address": "a", "payload": "b24=", "retained": False}
-        await peer.send("publish", topic="/raw", msg=fields | {"received_at": {"secs": 1, "nsecs": 2}})
-        message = await subscription.receive()
-        assert message.payload == b"on"
-        assert message.received_at == Time(sec=1, nanosec=2)
-        assert (await peer.receive())["msg"]["payload"] == "b24="
+async def test_bytes_are_base64_both_ways(house: House, peer: Peer) -> None:
+    node = house.node("gateway")
+    subscription = node.create_subscription(RawMessage, "/raw")
+    await peer.send("subscribe", topic="/raw")
+    fields = {"gateway": "g", "key": "k", "address": "a", "payload": "b24=", "retained": False}
+    await peer.send("publish", topic="/raw", msg=fields | {"received_at": {"secs": 1, "nsecs": 2}})
+    message = await subscription.receive()
+    assert message.payload == b"on"
+    assert message.received_at == Time(sec=1, nanosec=2)
+    assert (await peer.receive())["msg"]["payload"] == "b24="
 
 
-async def test_a_topic_of_a_known_type_may_be_read_before_anybody_publishes(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("subscribe", topic="/later", type="std_msgs/String")
-        await peer.settle()
-        house.node("talker").create_publisher(String, "/later").publish(String(data="now"))
-        assert (await peer.receive())["msg"] == {"data": "now"}
+async def test_a_topic_of_a_known_type_may_be_read_before_anybody_publishes(house: House, peer: Peer) -> None:
+    await peer.send("subscribe", topic="/later", type="std_msgs/String")
+    await peer.settle()
+    house.node("talker").create_publisher(String, "/later").publish(String(data="now"))
+    assert (await peer.receive())["msg"] == {"data": "now"}
 
 
-async def test_a_topic_without_a_type_is_read_once_it_appears(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("set_level", level="warning")
-        await peer.send("subscribe", id="s", topic="later")
-        remark = await peer.receive()
-        assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "s")
-        assert "there is no topic /later yet" in remark["msg"]
-        publisher = house.node("talker").create_publisher(String, "/later")
-        with anyio.fail_after(PATIENCE):
-            while not publisher.subscription_count:
-                await peer.settle()
-        publisher.publish(String(data="now"))
-        assert await peer.receive() == {"op": "publish", "topic": "later", "msg": {"data": "now"}}
-
-
-async def test_a_request_for_a_topic_to_come_can_be_taken_back(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("subscribe", id="a", topic="/later")
-        await peer.send("subscribe", id="b", topic="/later", type="who_msgs/Knows")
-        await peer.send("unsubscribe", id="a", topic="/later")
-        await peer.send("unsubscribe", topic="/later")
-        await peer.settle()
-        publisher = house.node("talker").create_publisher(String, "/later")
-        await peer.settle()
-        assert publisher.subscription_count == 0
-
-
-async def test_a_topic_that_comes_with_another_type_than_expected_is_logged(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("subscribe", id="a", topic="/later", type="who_msgs/Knows")
-        await peer.settle()
-        with capture_logs() as logs:
-            house.node("talker").create_publisher(String, "/later")
+async def test_a_topic_without_a_type_is_read_once_it_appears(house: House, peer: Peer) -> None:
+    await peer.send("set_level", level="warning")
+    await peer.send("subscribe", id="s", topic="later")
+    remark = await peer.receive()
+    assert (remark["op"], remark["level"], remark["id"]) == ("status", "warning", "s")
+    assert "there is no topic /later yet" in remark["msg"]
+    publisher = house.node("talker").create_publisher(String, "/later")
+    with anyio.fail_after(PATIENCE):
+        while not publisher.subscription_count:
             await peer.settle()
-        assert [line["event"] for line in logs] == ["door.late_topic_unfit"]
-        assert "carries std_msgs/msg/String, not who_msgs/Knows" in logs[0]["problem"]
+    publisher.publish(String(data="now"))
+    assert await peer.receive() == {"op": "publish", "topic": "later", "msg": {"data": "now"}}
 
 
-async def test_advertising_twice_needs_unadvertising_twice(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        for identifier in ("a", "b"):
-            await peer.send("advertise", id=identifier, topic="/t", type="std_msgs/String")
-        await peer.send("unadvertise", id="a", topic="/t")
+async def test_a_request_for_a_topic_to_come_can_be_taken_back(house: House, peer: Peer) -> None:
+    await peer.send("subscribe", id="a", topic="/later")
+    await peer.send("subscribe", id="b", topic="/later", type="who_msgs/Knows")
+    await peer.send("unsubscribe", id="a", topic="/later")
+    await peer.send("unsubscribe", topic="/later")
+    await peer.settle()
+    publisher = house.node("talker").create_publisher(String, "/later")
+    await peer.settle()
+    assert publisher.subscription_count == 0
+
+
+async def test_a_topic_that_comes_with_another_type_than_expected_is_logged(house: House, peer: Peer) -> None:
+    await peer.send("subscribe", id="a", topic="/later", type="who_msgs/Knows")
+    await peer.settle()
+    with capture_logs() as logs:
+        house.node("talker").create_publisher(String, "/later")
         await peer.settle()
-        assert house.entities() == {("publisher", "/t")}
-        await peer.send("unadvertise", id="b", topic="/t")
-        await peer.settle()
-        assert house.entities() == set()
+    assert [line["event"] for line in logs] == ["door.late_topic_unfit"]
+    assert "carries std_msgs/msg/String, not who_msgs/Knows" in logs[0]["problem"]
 
 
-async def test_a_topic_advertised_again_as_latched_becomes_latched(open_house: Any) -> None:
-    async with open_house() as house, house.peer() as peer:
-        await peer.send("advertise", id="a", topic="/t", type="std_msgs/String")
-        await peer.send("advertise", id="b", topic="/t", type="std_msgs/String", latch=True)
-        await peer.settle()
-        (info,) = house.graph.get_endpoints(name="/t")
-        assert info.qos == qos_profile_latched
+async def test_advertising_twice_needs_unadvertising_twice(house: House, peer: Peer) -> None:
+    for identifier in ("a", "b"):
+        await peer.send("advertise", id=identifier, topic="/t", type="std_msgs/String")
+    await peer.send("unadvertise", id="a", topic="/t")
+    await peer.settle()
+    assert house.entities() == {("publisher", "/t")}
+    await peer.send("unadvertise", id="b", topic="/t")
+    await peer.settle()
+    assert house.entities() == set()
+
+
+async def test_a_topic_advertised_again_as_latched_becomes_latched(house: House, peer: Peer) -> None:
+    await peer.send("advertise", id="a", topic="/t", type="std_msgs/String")
+    await peer.send("advertise", id="b", topic="/t", type="std_msgs/String", latch=True)
+    await peer.settle()
+    (info,) = house.graph.get_endpoints(name="/t")
+    assert info.qos == qos_profile_latched
 
 
 async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_house: Any) -> None:
@@ -227,9 +212,9 @@ def _refused(house: House) -> int:
     return {one.name: one.count for one in house.door.health(HealthRequest()).counts}["requests_refused"]
 
 
-async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(open_house: OpenHouse) -> None:
+async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(house: House) -> None:
     """Nothing that was delivered expires; a reader that comes later gets the messages of the last second alone."""
-    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+    async with house.node("app") as app, house.peer() as robot:
         await robot.send("advertise", topic="/goals", type="std_msgs/String")
         await robot.settle()
         busy = app.create_subscription(String, "/goals")
@@ -241,9 +226,9 @@ async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(open_ho
         assert (busy.expired, late.take()) == (0, None)
 
 
-async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(open_house: OpenHouse) -> None:
+async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(house: House) -> None:
     """One message a second is checked at once, so that a client learns of its mistakes."""
-    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+    async with house.node("app") as app, house.peer() as robot:
         await robot.send("advertise", topic="/count", type="std_msgs/Int32")
         for number in ("at once", *range(20), "no number"):
             await robot.send("publish", id="p", topic="/count", msg={"data": number})
@@ -260,8 +245,8 @@ async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(open_hou
         assert late.take() == Int32(data=21)
 
 
-async def test_a_frame_that_nobody_reads_is_not_parsed_before_somebody_does(open_house: OpenHouse) -> None:
-    async with open_house() as house, house.node("app") as app, house.peer() as robot:
+async def test_a_frame_that_nobody_reads_is_not_parsed_before_somebody_does(house: House) -> None:
+    async with house.node("app") as app, house.peer() as robot:
         await robot.send("advertise", topic="/count", type="std_msgs/Int32")
         await robot.send("publish", topic="/count", msg={"data": 1})
         for text in ("no JSON", '{"data": 2}}', '{"data": 3}, "topic": "/other"}'):
@@ -275,10 +260,10 @@ async def test_a_frame_that_nobody_reads_is_not_parsed_before_somebody_does(open
         assert "'topic' occurs twice" in problems[1]
 
 
-async def test_values_of_devices_are_plain_in_json_and_messages_in_cbor(open_house: OpenHouse) -> None:
+async def test_values_of_devices_are_plain_in_json_and_messages_in_cbor(house: House) -> None:
     values: tuple[PlainValue, ...] = (True, 40.0, "warm", (30.0, 0.5), None)
     readings = [Reading(part="", capability="x", value=Value.of(value)) for value in values]
-    async with open_house() as house, house.peer() as screen, house.peer() as typed:
+    async with house.peer() as screen, house.peer() as typed:
         publisher = house.node("app").create_publisher(Reading, "/readings")
         await screen.send("subscribe", topic="/readings")
         await typed.send("subscribe", topic="/readings", compression="cbor-raw")
