@@ -59,15 +59,15 @@ def test_a_patch_of_homebot_is_found(patch: str) -> None:
 
 def _patched(text: str) -> Iterator[int]:
     """Yield the lines of a test that patch something of homebot."""
-    tree = ast.parse(text)
-    found = [one for one in ast.walk(tree) if isinstance(one, ast.Import | ast.ImportFrom)]
+    nodes = list(ast.walk(ast.parse(text)))
+    found = [one for one in nodes if isinstance(one, ast.Import | ast.ImportFrom)]
     ours = {
         (alias.asname or alias.name).partition(".")[0]
         for one in found
         for alias in one.names
         if ((one.module or "") if isinstance(one, ast.ImportFrom) else alias.name).partition(".")[0] == "homebot"
     }
-    for node in ast.walk(tree):
+    for node in nodes:
         if isinstance(node, ast.Call) and node.args and _name(node.func) in _PATCHES and _is_ours(node.args[0], ours):
             yield node.lineno
         if isinstance(node, ast.Assign) and any(

@@ -10,7 +10,7 @@ from pathlib import Path
 
 PACKAGES = Path(__file__).parent
 HOMEBOT = PACKAGES.parent.parent
-OFFLINE = ("--no-deps", "--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet")
+OFFLINE = ("--no-deps", "--no-index", "--no-build-isolation", "--disable-pip-version-check", "--quiet", "--no-compile")
 
 
 def test_the_tests_of_packages_pass_where_they_are_installed(tmp_path: Path) -> None:
