@@ -15,45 +15,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final
 
 from homebot.bridges.client_error_log import short_text
-from homebot.bridges.rosbridge.protocol import (
-    Advertise,
-    AdvertiseAction,
-    AdvertiseService,
-    CallService,
-    Operation,
-    PublishOperation,
-    SendActionGoal,
-    SubscribeOperation,
-)
+from homebot.bridges.rosbridge import protocol
+from homebot.devices import names
 from homebot.devices.client_rights import ALL_ROBOTS, LOCAL_CLIENT, ClientRights, Right, issuer_of_client
-from homebot.devices.names import (
-    COMMAND_DEVICES,
-    DEFINE_TYPE,
-    EXPLAIN_DEVICE,
-    EXPLAIN_MISSING_STATE,
-    EXPORT_PLACES,
-    FIND_DEVICES,
-    GATEWAY_READING,
-    GET_CHANGES,
-    GET_INDEX_DATA,
-    GET_LEASES,
-    GET_PLACES,
-    GET_UNAPPROVED,
-    HOLD_DEVICE,
-    HOLD_PART,
-    LIST_APPS,
-    LIST_DEVICES,
-    PERFORM_COMMAND,
-    PERFORM_COMMANDS,
-    QUERY_DEVICES,
-    READ_ENERGY,
-    READ_HISTORY,
-    READ_JOURNAL,
-    RELEASE_LEASE,
-    RENEW_LEASE,
-    SEND_TEXT,
-    WHERE_IS_ROBOT,
-)
 from homebot.errors import PeerError
 from homebot.messages.definition import fields_of
 from homebot.messages.message import Message
@@ -88,36 +52,36 @@ _OWN: Final = frozenset(
 
 _READING: Final = frozenset(
     {
-        EXPLAIN_DEVICE,
-        EXPLAIN_MISSING_STATE,
-        EXPORT_PLACES,
-        FIND_DEVICES,
-        GET_CHANGES,
-        GET_INDEX_DATA,
-        GET_LEASES,
-        GET_PLACES,
-        GET_UNAPPROVED,
-        LIST_APPS,
-        LIST_DEVICES,
-        QUERY_DEVICES,
-        READ_ENERGY,
-        READ_HISTORY,
-        READ_JOURNAL,
-        WHERE_IS_ROBOT,
+        names.EXPLAIN_DEVICE,
+        names.EXPLAIN_MISSING_STATE,
+        names.EXPORT_PLACES,
+        names.FIND_DEVICES,
+        names.GET_CHANGES,
+        names.GET_INDEX_DATA,
+        names.GET_LEASES,
+        names.GET_PLACES,
+        names.GET_UNAPPROVED,
+        names.LIST_APPS,
+        names.LIST_DEVICES,
+        names.QUERY_DEVICES,
+        names.READ_ENERGY,
+        names.READ_HISTORY,
+        names.READ_JOURNAL,
+        names.WHERE_IS_ROBOT,
         "/subscribe_to_mqtt_topic",
     }
 )
 _ACTING: Final = frozenset(
     {
-        COMMAND_DEVICES,
-        DEFINE_TYPE,
-        HOLD_DEVICE,
-        HOLD_PART,
-        PERFORM_COMMAND,
-        PERFORM_COMMANDS,
-        RELEASE_LEASE,
-        RENEW_LEASE,
-        SEND_TEXT,
+        names.COMMAND_DEVICES,
+        names.DEFINE_TYPE,
+        names.HOLD_DEVICE,
+        names.HOLD_PART,
+        names.PERFORM_COMMAND,
+        names.PERFORM_COMMANDS,
+        names.RELEASE_LEASE,
+        names.RENEW_LEASE,
+        names.SEND_TEXT,
     }
 )
 _SEVERAL: Final = "?"
@@ -135,7 +99,7 @@ _PARAMETER_SERVICES: Final = {
 }
 """Services that a node offers for its parameters, by the ends of their names."""
 
-_GATEWAY_RIGHTS: Final = {**dict.fromkeys(GATEWAY_READING, Right.READ), "send_command": Right.RAW}
+_GATEWAY_RIGHTS: Final = {**dict.fromkeys(names.GATEWAY_READING, Right.READ), "send_command": Right.RAW}
 """Services of gateways, by the ends of their names; the others manage them."""
 
 
@@ -179,9 +143,9 @@ class ClientAccess:
 
         It is no node, so it is none that listens.
         """
-        names = _stamped_fields(message_type)
+        fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
-        return {**values, **{name: own[name] for name in names}} if names else values
+        return {**values, **{name: own[name] for name in fields}} if fields else values
 
     def wishes(self, name: str) -> bool:
         """Return whether a call of the service or action *name* makes its app act for a person.
@@ -191,16 +155,16 @@ class ClientAccess:
         return not _is_own(name) and self.rights.acts_on_harmless
 
     @staticmethod
-    def command_in(op: Operation) -> tuple[str, str]:
+    def command_in(op: protocol.Operation) -> tuple[str, str]:
         """Return the target and content of a command in *op*, if it is in words."""
         match op:
-            case PublishOperation():
+            case protocol.PublishOperation():
                 return _text(op.msg, "address"), _word(op.msg, "payload")
-            case CallService(args=dict() as args):
+            case protocol.CallService(args=dict() as args):
                 return _text(args, "device") or _text(args, "target"), _word(args, "command")
         return "", ""
 
-    def check(self, op: Operation, resolve: Callable[[str], str]) -> None:
+    def check(self, op: protocol.Operation, resolve: Callable[[str], str]) -> None:
         """Refuse *op* where the client has no right to it; *resolve* makes full names of names.
 
         Raises:
@@ -208,17 +172,17 @@ class ClientAccess:
             InvalidNameError: The name is illegal.
         """
         match op:
-            case PublishOperation() | Advertise():
+            case protocol.PublishOperation() | protocol.Advertise():
                 right = self._right_to_publish(resolve(op.topic))
-            case AdvertiseService():
+            case protocol.AdvertiseService():
                 right = self._right_to_publish(resolve(op.service))
-            case AdvertiseAction():
+            case protocol.AdvertiseAction():
                 right = self._right_to_publish(resolve(op.action))
-            case CallService():
+            case protocol.CallService():
                 right = right_to_call(resolve(op.service))
-            case SendActionGoal():
+            case protocol.SendActionGoal():
                 right = right_to_call(resolve(op.action))
-            case SubscribeOperation():
+            case protocol.SubscribeOperation():
                 right = Right.READ
             case _:  # ends earlier operations, or concerns the client alone
                 return
@@ -270,8 +234,8 @@ class ClientAccess:
 
 @lru_cache(maxsize=256)
 def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
-    names = {field.name for field in fields_of(message_type)}
-    return tuple(sorted(names & {"issuer", "scope", "listener"})) if names & {"issuer", "listener"} else ()
+    fields = {field.name for field in fields_of(message_type)}
+    return tuple(sorted(fields & {"issuer", "scope", "listener"})) if fields & {"issuer", "listener"} else ()
 
 
 @lru_cache(maxsize=1024)

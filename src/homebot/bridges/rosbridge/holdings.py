@@ -7,26 +7,10 @@ from typing import TYPE_CHECKING, Protocol
 
 from anyio.abc import TaskGroup
 
+from homebot.bridges.rosbridge import protocol
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.backlog import Backlog
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import (
-    ActionFeedback,
-    ActionOperation,
-    ActionResult,
-    Advertise,
-    AdvertiseAction,
-    AdvertiseService,
-    CancelActionGoal,
-    Identifier,
-    Operation,
-    SendActionGoal,
-    ServiceResponse,
-    Unadvertise,
-    UnadvertiseAction,
-    UnadvertiseService,
-    UnsubscribeOperation,
-)
 from homebot.bridges.rosbridge.provided_services import ProvidedServices, Provisions
 from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.shared_state import SharedState
@@ -69,7 +53,7 @@ class Holdings:
         access: ClientAccess,
         outbox: Outbox,
         tasks: TaskGroup,
-        on_unfit: Callable[[str, str, str, Identifier], None],
+        on_unfit: Callable[[str, str, str, protocol.Identifier], None],
         on_taken: Callable[[str], None],
     ) -> None:
         node, settings = shared.node, shared.settings
@@ -92,26 +76,26 @@ class Holdings:
         """True while the client has a goal or a lease, which ends soon after the client."""
         return bool(self._actions and self._actions[0]) or self._shared.leases.has(self)
 
-    def handle(self, op: Operation) -> None:
+    def handle(self, op: protocol.Operation) -> None:
         """Carry out *op* if it is about what the client provides or publishes, or about actions.
 
         Raises:
             HomebotError: It is refused.
         """
         match op:
-            case Advertise():
+            case protocol.Advertise():
                 self.publications.advertise(op)
-            case Unadvertise():
+            case protocol.Unadvertise():
                 self.publications.unadvertise(op)
-            case UnsubscribeOperation():
+            case protocol.UnsubscribeOperation():
                 self.subscriptions.unsubscribe(op)
-            case AdvertiseService():
+            case protocol.AdvertiseService():
                 self._services.advertise(op)
-            case UnadvertiseService():
+            case protocol.UnadvertiseService():
                 self._services.unadvertise(op)
-            case ServiceResponse():
+            case protocol.ServiceResponse():
                 self._services.answer(op)
-            case ActionOperation():
+            case protocol.ActionOperation():
                 self._act(op)
 
     async def close(self) -> None:
@@ -123,20 +107,20 @@ class Holdings:
                 await self._shared.turns.turn()
         self._shared.leases.release(self)
 
-    def _act(self, op: ActionOperation) -> None:
+    def _act(self, op: protocol.ActionOperation) -> None:
         sent, provided = self._actions = self._actions or self._load_actions()
         match op:
-            case SendActionGoal():
+            case protocol.SendActionGoal():
                 sent.send(op)
-            case CancelActionGoal():
+            case protocol.CancelActionGoal():
                 sent.cancel(op)
-            case ActionFeedback():
+            case protocol.ActionFeedback():
                 provided.publish_feedback(op)
-            case ActionResult():
+            case protocol.ActionResult():
                 provided.end(op)
-            case AdvertiseAction():
+            case protocol.AdvertiseAction():
                 provided.advertise(op)
-            case UnadvertiseAction():
+            case protocol.UnadvertiseAction():
                 provided.unadvertise(op)
 
     def _load_actions(self) -> tuple[SentGoals, ProvidedActions]:

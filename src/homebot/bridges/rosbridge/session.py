@@ -13,28 +13,13 @@ from typing import Any, NamedTuple
 import anyio
 from anyio.abc import TaskGroup
 
+from homebot.bridges.rosbridge import protocol
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
 from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.holdings import Holdings
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
-from homebot.bridges.rosbridge.protocol import (
-    Advertise,
-    AdvertiseAction,
-    AdvertiseService,
-    CallService,
-    FrameError,
-    Identifier,
-    Level,
-    Operation,
-    PublishOperation,
-    SendActionGoal,
-    SetLevel,
-    SubscribeOperation,
-    failure_frame,
-    frame_text,
-)
 from homebot.bridges.rosbridge.refusals import operation_text
 from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState
@@ -47,8 +32,8 @@ from homebot.support.rate_limit import RateLimit
 
 __all__ = ["ClientSession", "DoorLink"]
 
-_SEVERITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-_OPENING = (Advertise, AdvertiseAction, AdvertiseService, SubscribeOperation)
+_SEVERITY: dict[protocol.Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
+_OPENING = (protocol.Advertise, protocol.AdvertiseAction, protocol.AdvertiseService, protocol.SubscribeOperation)
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
 
@@ -108,7 +93,7 @@ class ClientSession:
         settings = shared.settings
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
         self._assembler = FrameAssembler(shared.settings.max_frame_bytes)
-        self._level: Level = "none" if is_roslibpy else "error"
+        self._level: protocol.Level = "none" if is_roslibpy else "error"
         self._calls = 0
         self._slowness = LogLimit(shared.node.graph.clock)
 
@@ -157,7 +142,7 @@ class ClientSession:
             return
         try:
             op = await self._turns.run(self._assembler.read(frame))
-        except FrameError as exc:
+        except protocol.FrameError as exc:
             refusal = _refusal(exc.op, exc.name, exc.problem)
             self._log_error(
                 f": {refusal}" if exc.op else f" sent a frame that {exc.problem}", exc.op or "frame", exc.problem
@@ -179,7 +164,7 @@ class ClientSession:
             self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
             self._answer(op, str(exc))
 
-    def _check(self, op: Operation) -> None:
+    def _check(self, op: protocol.Operation) -> None:
         """Refuse *op* where the client has no right to it.
 
         Raises:
@@ -190,47 +175,47 @@ class ClientSession:
             self._access.check(op, self._node.resolve_name)
         except MissingRightError:
             may_list = self._access.rights.has(Right.READ)
-            if may_list and isinstance(op, CallService) and (problem := missing_service(self._node, op)):
+            if may_list and isinstance(op, protocol.CallService) and (problem := missing_service(self._node, op)):
                 raise PeerError(problem) from None
             raise
 
-    def _do(self, op: Operation, holdings: Holdings, tasks: TaskGroup, size: int) -> None:
+    def _do(self, op: protocol.Operation, holdings: Holdings, tasks: TaskGroup, size: int) -> None:
         if isinstance(op, _OPENING):
             self._check_room(holdings)
         match op:
-            case PublishOperation():
+            case protocol.PublishOperation():
                 self._publish(op, holdings, size)
-            case SubscribeOperation():
+            case protocol.SubscribeOperation():
                 self._subscribe(op, holdings)
-            case CallService():
+            case protocol.CallService():
                 self._start_call(op, holdings, tasks)
-            case SetLevel():
+            case protocol.SetLevel():
                 self._level = op.level
             case _:
                 holdings.handle(op)
-                if isinstance(op, SendActionGoal):
+                if isinstance(op, protocol.SendActionGoal):
                     self._watch_over(holdings)
 
-    def _publish(self, op: PublishOperation, holdings: Holdings, size: int) -> None:
+    def _publish(self, op: protocol.PublishOperation, holdings: Holdings, size: int) -> None:
         if op.topic not in holdings.publications:
             self._check_room(holdings)
         if missing := holdings.publications.publish(op, size):
             text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
             self._remark("warning", text, op.id)
 
-    def _subscribe(self, op: SubscribeOperation, holdings: Holdings) -> None:
+    def _subscribe(self, op: protocol.SubscribeOperation, holdings: Holdings) -> None:
         if op.compression == "png" and not self._reads_png:
             op = op.model_copy(update={"compression": "none"})
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
 
-    def _start_call(self, op: CallService, holdings: Holdings, tasks: TaskGroup) -> None:
+    def _start_call(self, op: protocol.CallService, holdings: Holdings, tasks: TaskGroup) -> None:
         if self._calls >= self._settings.max_calls:
             raise PeerError(f"{self._calls} calls of this client are waiting already")
         self._calls += 1
         tasks.start_soon(self._call, op, holdings)
 
-    async def _call(self, op: CallService, holdings: Holdings) -> None:
+    async def _call(self, op: protocol.CallService, holdings: Holdings) -> None:
         try:
             await self._outbox.room()
             await self._turns.turn()
@@ -267,7 +252,7 @@ class ClientSession:
         self._log("taken over", "door.service_taken_over", f": {problem}", service=service)
         self._remark("error", problem, None)
 
-    def _report_unfit(self, op: str, topic: str, problem: str, identifier: Identifier = None) -> None:
+    def _report_unfit(self, op: str, topic: str, problem: str, identifier: protocol.Identifier = None) -> None:
         """Report that *op* is refused after all: the topic it waited for is of another type, or its message unfit."""
         error_text = f": {_refusal(op, topic, problem)}, now that it is used"
         self._log_error(error_text, op, problem, event="door.late_topic_unfit")
@@ -284,16 +269,16 @@ class ClientSession:
         log, client = self._shared.error_log.log, self._client
         log(f"{kind} {host}", event, f"{client}{text}", level="warning", error=None, client=client, **facts)
 
-    def _answer(self, op: Operation | FrameError, problem: str) -> None:
+    def _answer(self, op: protocol.Operation | protocol.FrameError, problem: str) -> None:
         if op.op in {"call_service", "send_action_goal"}:
-            self._outbox.answer(failure_frame(op, problem))
+            self._outbox.answer(protocol.failure_frame(op, problem))
         else:
             self._remark("error", problem, op.id)
 
-    def _remark(self, level: Level, text: str, identifier: Identifier) -> None:
+    def _remark(self, level: protocol.Level, text: str, identifier: protocol.Identifier) -> None:
         """Send the client a remark, if it asked for those of this *level*."""
         if _SEVERITY[self._level] >= _SEVERITY[level]:
-            self._outbox.answer(frame_text("status", identifier, {"level": level, "msg": text}))
+            self._outbox.answer(protocol.frame_text("status", identifier, {"level": level, "msg": text}))
 
 
 def _refusal(op: str, name: str, problem: str) -> str:
