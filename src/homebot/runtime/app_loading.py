@@ -17,19 +17,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, Final, final
 
+from homebot import plugins
 from homebot.apps import App
 from homebot.errors import PluginError
-from homebot.plugins import (
-    check_file,
-    class_in,
-    error_text,
-    file_and_class,
-    is_file,
-    load_plugin,
-    look_in,
-    module_name_of,
-    plugin_path,
-)
 
 __all__ = ["FreshCode", "source_of"]
 
@@ -54,18 +44,18 @@ class FreshCode:
         Raises:
             PluginError: Likewise; the old modules are back then.
         """
-        path = plugin_path(group, name)
+        path = plugins.plugin_path(group, name)
         module_name, _, class_name = path.partition(":")
-        if is_file(path):
-            return self._load_file(name, *file_and_class(path))
+        if plugins.is_file(path):
+            return self._load_file(name, *plugins.file_and_class(path))
         if module_name not in sys.modules or module_name.partition(".")[0] == _OWN:
-            return load_plugin(group, name)
+            return plugins.load_plugin(group, name)
         return self._load(name, module_name, class_name, lambda: _import(module_name))
 
     def _load_file(self, name: str, file: Path, class_name: str | None) -> type[Any]:
-        check_file(file, name)
-        module_name = module_name_of(file.resolve())
-        look_in(file.resolve().parent)
+        plugins.check_file(file, name)
+        module_name = plugins.module_name_of(file.resolve())
+        plugins.look_in(file.resolve().parent)
         return self._load(name, module_name, class_name, lambda: _run_file(module_name, file.resolve()))
 
     def _load(self, name: str, module_name: str, class_name: str | None, run: Callable[[], ModuleType]) -> type[Any]:
@@ -73,7 +63,7 @@ class FreshCode:
         try:
             with _without_cache():
                 module = run()
-            kind = getattr(module, class_name or class_in(module, name, App), None)
+            kind = getattr(module, class_name or plugins.class_in(module, name, App), None)
             if not isinstance(kind, type):
                 raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - one way back for all
         except Exception as exc:
@@ -114,7 +104,7 @@ def _modules_of(prefix: str) -> tuple[str, ...]:
 
 
 def _problem(error: Exception) -> str:
-    return f"cannot be loaded: {error_text(error)}"
+    return f"cannot be loaded: {plugins.error_text(error)}"
 
 
 def _import(name: str) -> ModuleType:

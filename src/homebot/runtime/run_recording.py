@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import Self, final
+from typing import final
 
 import anyio
-from anyio.abc import TaskStatus
 
 from homebot.apps import App
 from homebot.clock import zone_name
@@ -16,18 +15,17 @@ from homebot.config import HomeSettings
 from homebot.control import ControlSettings
 from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
-from homebot.messages.std_srvs import SuccessResponse, Trigger
+from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.places import HousePlan, places_text
 from homebot.recording.lines import RecordedApp
 from homebot.recording.recorder import RunFacts
-from homebot.recording.recording_file import LineSink
 from homebot.recording.secrets import public_settings
-from homebot.recording.session import record_for_client, record_into
+from homebot.recording.session import record_for_client
 from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
-__all__ = ["RecorderStarter", "RunRecording"]
+__all__ = ["RecorderStarter", "facts_of_run"]
 
 BUSY = "another client records; homebot makes one recording at a time for a client"
 
@@ -35,53 +33,27 @@ _READY_WITHIN = 10.0
 _SCOPE = "act: "
 
 
-@final
-class RunRecording:
-    """The recorders of one run."""
-
-    def __init__(self, facts: RunFacts) -> None:
-        self._facts = facts
-
-    @classmethod
-    def of(cls, plan: Plan, *, trusts_apps: bool, approves_all: bool, detected: tuple[str, ...]) -> Self:
-        """Return the recording of a run of *plan*, with the settings that it has in truth, without secrets."""
-        control = plan.control or ControlSettings()
-        if approves_all:
-            control = control.model_copy(update={"approvals": False})
-        table = json.dumps(public_settings(control))
-        apps = tuple(_recorded(app, plan) for app in plan.apps)
-        facts = RunFacts(plan.home, apps, table, trusts_apps, _places(plan), detected, _home_table(plan.home_settings))
-        return cls(facts)
-
-    async def write_into(
-        self, sink: LineSink, node: Node, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
-    ) -> None:
-        """Record into *sink*, see :func:`record_into`."""
-        await record_into(node, self._facts, sink, task_status=task_status)
-
-    async def serve_client(self, node: Node, ready: anyio.Event) -> None:
-        """Record for a client, see :func:`record_for_client`."""
-        await record_for_client(node, self._facts, ready)
+def facts_of_run(plan: Plan, *, trusts_apps: bool, approves_all: bool, detected: tuple[str, ...]) -> RunFacts:
+    """Return the facts of a run of *plan*, with the settings that it has in truth, without secrets."""
+    control = plan.control or ControlSettings()
+    if approves_all:
+        control = control.model_copy(update={"approvals": False})
+    table = json.dumps(public_settings(control))
+    apps = tuple(_recorded(app, plan) for app in plan.apps)
+    return RunFacts(plan.home, apps, table, trusts_apps, _places(plan), detected, _home_table(plan.home_settings))
 
 
 @final
 class RecorderStarter:
-    """Starts one recorder at a time.
+    """Starts recorders for clients, one at a time, by a service of the node of the runtime, which runs their tasks."""
 
-    Args:
-        node: The node of the runtime, which runs the recorder's tasks.
-    """
-
-    def __init__(self, node: Node, recording: Callable[[], Awaitable[RunRecording]]) -> None:
+    def __init__(self, node: Node, facts: Callable[[], Awaitable[RunFacts]]) -> None:
         self._node = node
-        self._recording = recording
+        self._facts = facts
         self._is_busy = False
+        node.create_service(Trigger, START_RECORDER, self._start)
 
-    def offer(self) -> None:
-        """Offer the service on the node."""
-        self._node.create_service(Trigger, START_RECORDER, lambda _: self.start())
-
-    async def start(self) -> SuccessResponse:
+    async def _start(self, _: TriggerRequest) -> SuccessResponse:
         """Start a recorder; the answer says why there is none."""
         if self._is_busy:
             return SuccessResponse(success=False, message=BUSY)
@@ -94,9 +66,9 @@ class RecorderStarter:
 
     async def _record(self, ready: anyio.Event) -> None:
         try:
-            recording = await self._recording()
+            facts = await self._facts()
             async with Node(self._node.graph, "recorder", namespace=self._node.full_name) as node:
-                await run_as(node.full_name, partial(recording.serve_client, node, ready))
+                await run_as(node.full_name, partial(record_for_client, node, facts, ready))
         finally:
             self._is_busy = False
 

@@ -46,9 +46,9 @@ if TYPE_CHECKING:
     from homebot.control.rehearsal import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
+    from homebot.recording.recorder import RunFacts
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.app_planner import AppPlanner
-    from homebot.runtime.run_recording import RunRecording
     from homebot.runtime.simulated_house import HouseOfRun
 
 __all__ = ["Runtime"]
@@ -344,20 +344,22 @@ class Runtime:
     def _serve_recorder(self, main: Node) -> None:
         from homebot.runtime.run_recording import RecorderStarter  # noqa: PLC0415 - few runs are recorded
 
-        RecorderStarter(main, self._recording).offer()
+        RecorderStarter(main, self._facts)
 
-    async def _recording(self) -> RunRecording:
-        from homebot.runtime.run_recording import RunRecording  # noqa: PLC0415 - few runs are recorded
+    async def _facts(self) -> RunFacts:
+        from homebot.runtime.run_recording import facts_of_run  # noqa: PLC0415 - few runs are recorded
 
         detected = () if self._controller is None else await self._controller.detected()
-        return RunRecording.of(
+        return facts_of_run(
             self._plan, trusts_apps=self.trusts_apps, approves_all=self._approves_all, detected=detected
         )
 
     async def _record(self, sink: LineSink, *, task_status: TaskStatus[None]) -> None:
-        recording = await self._recording()
+        from homebot.recording.session import record_into  # noqa: PLC0415 - few runs are recorded
+
+        facts = await self._facts()
         async with Node(self.graph, "file_recorder", namespace="/homebot") as node:
-            await run_as(node.full_name, partial(recording.write_into, sink, node, task_status=task_status))
+            await run_as(node.full_name, partial(record_into, node, facts, sink, task_status=task_status))
 
     async def _rosapi(self, *, task_status: TaskStatus[None]) -> None:
         from homebot.bridges.rosapi import RosApi  # noqa: PLC0415 - see where it is started
