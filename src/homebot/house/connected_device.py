@@ -16,6 +16,10 @@ __all__ = ["ConnectedDevice", "ServedDevice"]
 class ConnectedDevice(ABC):
     """A simulated device on the wire; it does not know homebot."""
 
+    def __init__(self) -> None:
+        self._has_power = True
+        self._switched = anyio.Event()
+
     @abstractmethod
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
         """Begin in *state*; before :meth:`live`."""
@@ -28,9 +32,12 @@ class ConnectedDevice(ABC):
     def repeat(self) -> None:
         """Report the last state again, where devices of the protocol do that."""
 
-    @abstractmethod
     def power(self, *, on: bool) -> None:
         """Give or take the power: without it the device vanishes from the network without a word."""
+        if on is not self._has_power:
+            self._has_power = on
+            self._switched.set()
+            self._switched = anyio.Event()
 
     @abstractmethod
     async def live(self) -> None:
@@ -45,11 +52,10 @@ class ServedDevice(ConnectedDevice):
     """
 
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None]) -> None:
+        super().__init__()
         self.device = device
         self.on_command = on_command
         self.state = DeviceState(text="")
-        self._has_power = True
-        self._switched = anyio.Event()
 
     @abstractmethod
     async def serve(self) -> None:
@@ -71,13 +77,6 @@ class ServedDevice(ConnectedDevice):
 
     def repeat(self) -> None:
         """Do nothing: a server is asked."""
-
-    def power(self, *, on: bool) -> None:
-        """Give or take the power."""
-        if on is not self._has_power:
-            self._has_power = on
-            self._switched.set()
-            self._switched = anyio.Event()
 
     async def live(self) -> None:
         """Serve while there is power, until cancelled."""

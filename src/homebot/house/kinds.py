@@ -6,10 +6,11 @@ A setting that is left out has the default of the device or fault, which is writ
 from __future__ import annotations
 
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Final
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from homebot.house import faults
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
@@ -28,6 +29,8 @@ NotNegative = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
 Moment = Annotated[Seconds, Field(ge=0.1)]
 """Seconds, above 0: an immediate answer would stop virtual time."""
 _Since = Annotated[float, DURATION, Field(ge=0.0, allow_inf_nan=False)]
+_Text = Annotated[str, Field(min_length=1, max_length=200)]
+_Times = Annotated[int, Field(ge=1, le=1000)]
 Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 
@@ -50,12 +53,11 @@ class KindSettings(BaseModel):
 
     def build(self, at: Surroundings) -> SimulatedDevice:
         """Return the device."""
-        return self.makes(at.name, **self._place(at), **self.model_dump(exclude_unset=True))
-
-    def _place(self, at: Surroundings) -> dict[str, Any]:
-        """Return the surroundings for a device of this kind."""
-        del at
-        return {}
+        surroundings: dict[type[SimulatedDevice], dict[str, Any]] = {
+            SimulatedDoorLock: {"rng": at.rng},
+            Robot: {"rooms": at.rooms, "room": at.room},
+        }
+        return self.makes(at.name, **surroundings.get(self.makes, {}), **self.model_dump(exclude_unset=True))
 
 
 class FaultSettings(BaseModel):
@@ -70,185 +72,63 @@ class FaultSettings(BaseModel):
         return self.makes(device, rng, **self.model_dump(exclude_unset=True))
 
 
-class _LampKind(KindSettings):
-    makes = SimulatedLamp
-
-    is_on: bool | None = None
-    brightness: Fraction | None = None
-    kelvin: Positive | None = None
-    rated_watts: Positive | None = None
-    rated_lux: NotNegative | None = None
-
-
-class _Window(KindSettings):
-    makes = WindowMotor
-
-    is_open: bool | None = None
-    travel_time: Seconds | None = None
-
-
-class _Cover(_Window):
-    makes = CoverMotor
-
-
-class _Lock(KindSettings):
-    makes = SimulatedDoorLock
-
-    is_locked: bool | None = None
-    travel_time: Seconds | None = None
-    jams: Fraction | None = None
-
-    def _place(self, at: Surroundings) -> dict[str, Any]:
-        return {"rng": at.rng}
-
-
-class _Contact(KindSettings):
-    makes = SimulatedContactSensor
-
-
-class _Motion(KindSettings):
-    makes = MotionSensor
-
-    hold: _Since | None = None
-
-
-class _Lux(KindSettings):
-    makes = LuxSensor
-
-    share: Fraction | None = None
-
-
-class _Meter(KindSettings):
-    makes = PowerMeter
-
-    step: Positive | None = None
-    of: str | None = None
-
-
-class _Thermostat(KindSettings):
-    makes = SimulatedThermostat
-
-    celsius: Celsius | None = None
-    target: Celsius | None = None
-    gain: NotNegative | None = None
-    inertia: Seconds | None = None
-    rated_watts: NotNegative | None = None
-
-
-class _Tag(KindSettings):
-    makes = SimulatedTag
-
-    text: Annotated[str, Field(min_length=1, max_length=200)] | None = None
-    hold: Moment | None = None
-    every: _Since | None = None
-
-
-class _Robot(KindSettings):
-    makes = Robot
-
-    speed: Positive | None = None
-
-    def _place(self, at: Surroundings) -> dict[str, Any]:
-        return {"rooms": at.rooms, "room": at.room}
-
-
-class _Lossy(FaultSettings):
-    makes = faults.Lossy
-
-    share: Fraction | None = None
-
-
-class _Slow(FaultSettings):
-    makes = faults.Slow
-
-    delay: _Since | None = None
-
-
-class _Deaf(FaultSettings):
-    makes = faults.Deaf
-
-
-class _Liar(FaultSettings):
-    makes = faults.Liar
-
-    since: _Since | None = None
-
-
-class _EchoingBridge(FaultSettings):
-    makes = faults.EchoingBridge
-
-
-class _Stuck(FaultSettings):
-    makes = faults.Stuck
-
-    after: Moment | None = None
-
-
-class _Reverter(FaultSettings):
-    makes = faults.Reverter
-
-    after: Moment | None = None
-
-
-class _Chatterbox(FaultSettings):
-    makes = faults.Chatterbox
-
-    times: Annotated[int, Field(ge=1, le=1000)] | None = None
-    every: Seconds | None = None
-
-
-class _Flapper(FaultSettings):
-    makes = faults.Flapper
-
-    every: Moment | None = None
-
-
-class _Late(FaultSettings):
-    makes = faults.Late
-
-    delay: Moment | None = None
-
-
-class _Silent(FaultSettings):
-    makes = faults.Silent
-
-    since: _Since | None = None
-
-
-class _Unplugged(FaultSettings):
-    makes = faults.Unplugged
-
-    since: _Since | None = None
-    until: Seconds | None = None
-
-
-KINDS: dict[str, type[KindSettings]] = {
-    "lamp": _LampKind,
-    "window": _Window,
-    "cover": _Cover,
-    "lock": _Lock,
-    "contact": _Contact,
-    "motion": _Motion,
-    "lux": _Lux,
-    "power_meter": _Meter,
-    "thermostat": _Thermostat,
-    "robot": _Robot,
-    "tag": _Tag,
+def _kind(makes: type[SimulatedDevice], **settings: Any) -> type[KindSettings]:
+    model = create_model(makes.__name__, __base__=KindSettings, **_optional(settings))
+    model.makes = makes
+    return model
+
+
+def _fault(makes: type[faults.DeviceFault], **settings: Any) -> type[FaultSettings]:
+    model = create_model(makes.__name__, __base__=FaultSettings, **_optional(settings))
+    model.makes = makes
+    return model
+
+
+def _optional(settings: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: (kind | None, None) for name, kind in settings.items()}
+
+
+KINDS: Final[dict[str, type[KindSettings]]] = {
+    "lamp": _kind(
+        SimulatedLamp,
+        is_on=bool,
+        brightness=Fraction,
+        kelvin=Positive,
+        rated_watts=Positive,
+        rated_lux=NotNegative,
+    ),
+    "window": _kind(WindowMotor, is_open=bool, travel_time=Seconds),
+    "cover": _kind(CoverMotor, is_open=bool, travel_time=Seconds),
+    "lock": _kind(SimulatedDoorLock, is_locked=bool, travel_time=Seconds, jams=Fraction),
+    "contact": _kind(SimulatedContactSensor),
+    "motion": _kind(MotionSensor, hold=_Since),
+    "lux": _kind(LuxSensor, share=Fraction),
+    "power_meter": _kind(PowerMeter, step=Positive, of=str),
+    "thermostat": _kind(
+        SimulatedThermostat,
+        celsius=Celsius,
+        target=Celsius,
+        gain=NotNegative,
+        inertia=Seconds,
+        rated_watts=NotNegative,
+    ),
+    "robot": _kind(Robot, speed=Positive),
+    "tag": _kind(SimulatedTag, text=_Text, hold=Moment, every=_Since),
 }
-"""Kinds of devices."""
+"""Kinds of devices, each with the settings that it takes."""
 
-FAULTS: dict[str, type[FaultSettings]] = {
-    "lossy": _Lossy,
-    "slow": _Slow,
-    "deaf": _Deaf,
-    "liar": _Liar,
-    "echoing_bridge": _EchoingBridge,
-    "stuck": _Stuck,
-    "reverter": _Reverter,
-    "chatterbox": _Chatterbox,
-    "flapper": _Flapper,
-    "late": _Late,
-    "silent": _Silent,
-    "unplugged": _Unplugged,
+FAULTS: Final[dict[str, type[FaultSettings]]] = {
+    "lossy": _fault(faults.Lossy, share=Fraction),
+    "slow": _fault(faults.Slow, delay=_Since),
+    "deaf": _fault(faults.Deaf),
+    "liar": _fault(faults.Liar, since=_Since),
+    "echoing_bridge": _fault(faults.EchoingBridge),
+    "stuck": _fault(faults.Stuck, after=Moment),
+    "reverter": _fault(faults.Reverter, after=Moment),
+    "chatterbox": _fault(faults.Chatterbox, times=_Times, every=Seconds),
+    "flapper": _fault(faults.Flapper, every=Moment),
+    "late": _fault(faults.Late, delay=Moment),
+    "silent": _fault(faults.Silent, since=_Since),
+    "unplugged": _fault(faults.Unplugged, since=_Since, until=Seconds),
 }
-"""Kinds of faults."""
+"""Kinds of faults, each with the settings that it takes."""

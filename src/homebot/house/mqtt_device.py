@@ -71,6 +71,7 @@ class MqttDevice(ConnectedDevice):
         counters: HouseCounters,
         lines: LogLimit,
     ) -> None:
+        super().__init__()
         self._device = device
         self._dialect = dialect
         self._connection = connection
@@ -80,8 +81,6 @@ class MqttDevice(ConnectedDevice):
         self._on_command = on_command
         self._counters = counters
         self._lines = lines
-        self._has_power = True
-        self._switched = anyio.Event()
         self._queue: deque[OutgoingMessage] = deque()
         self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
@@ -102,13 +101,6 @@ class MqttDevice(ConnectedDevice):
         """Publish the last state again if there is a link; a lost message comes with the next."""
         if self._is_online:
             self._enqueue(self._again)
-
-    def power(self, *, on: bool) -> None:
-        """Give or take the power: without it there is no link."""
-        if on is not self._has_power:
-            self._has_power = on
-            self._switched.set()
-            self._switched = anyio.Event()
 
     async def live(self) -> None:
         """Be there whenever there is power, until cancelled."""
