@@ -14,7 +14,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, cast
 from urllib.parse import unquote
 
 from websockets.client import ClientProtocol
@@ -27,6 +27,7 @@ from websockets.uri import parse_uri
 from homebot.cli.arguments import DEFAULT_CONFIG
 from homebot.cli.door_address import DoorAddress, door_of
 from homebot.devices.names import HOME_HEADER
+from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, UsageError, WireError
 from homebot.support.connect_errors import connect_problem
 
@@ -148,6 +149,17 @@ class DoorClient:
             LinkError: The connection broke.
         """
         return self.begin_call(service, request, timeout)()
+
+    def ask(self, service: str, request: Mapping[str, object], timeout: float = 5.0) -> JsonMessage:
+        """Return the response of *service*, which says by ``success`` whether it worked.
+
+        Raises:
+            PeerError: It did not work, the message says why; further errors as those of :meth:`call`.
+        """
+        answer = JsonMessage(self.call(service, request, timeout))
+        if not answer.success:
+            raise PeerError(cast("str", answer.message))
+        return answer
 
     def begin_call(
         self, service: str, request: Mapping[str, object] | None = None, timeout: float = 5.0

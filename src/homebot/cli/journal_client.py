@@ -10,7 +10,6 @@ from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, READ_JO
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import from_seconds, iso
 from homebot.devices.wording.values import plain_value
-from homebot.errors import PeerError
 
 if TYPE_CHECKING:
     from homebot.devices import KeyValue
@@ -80,9 +79,7 @@ class JournalClient:
         return cast("ExplainMissingStateResponse", self._ask(EXPLAIN_MISSING_STATE, {"device": device, "state": state}))
 
     def _ask(self, service: str, request: Mapping[str, object]) -> JsonMessage:
-        found = JsonMessage(self._door.call(service, request))
-        if not found.success:
-            raise PeerError(cast("str", found.message))
+        found = self._door.ask(service, request)
         names = cast("list[KeyValue]", found.names)
         self.names.update({one.key: one.value for one in names})
         return found

@@ -9,8 +9,6 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.devices.names import ALIAS_DEVICE
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -41,9 +39,7 @@ def _alias(door: DoorClient, options: argparse.Namespace) -> int:
     """Give a device a further name, or take it back."""
     device = named_device(door, options.device).id
     request = {"device": device, "alias": options.name, "remove": options.undo}
-    answer = cast("AliasDeviceResponse", JsonMessage(door.call(ALIAS_DEVICE, request)))
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("AliasDeviceResponse", door.ask(ALIAS_DEVICE, request))
     aliases = ", ".join(map(printable, answer.aliases)) or "none"
     print(f"aliases of {printable(device)}: {aliases}")
     return 0

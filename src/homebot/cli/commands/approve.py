@@ -9,8 +9,6 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device, unapproved
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.devices.names import APPROVE_DEVICE
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -45,9 +43,7 @@ def _approve(door: DoorClient, options: argparse.Namespace) -> int:
     device = named_device(door, options.device).id
     waited = device in unapproved(door, device)
     request = {"device": device, "remove": options.undo, "is_preview": options.show}
-    answer = cast("ApproveDeviceResponse", JsonMessage(door.call(APPROVE_DEVICE, request)))
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("ApproveDeviceResponse", door.ask(APPROVE_DEVICE, request))
     if options.show:
         print(f"{printable(device)} {'waits for approval' if waited else 'does not wait for approval'}; its commands:")
     else:

@@ -10,8 +10,6 @@ from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.publishing import GatewayPublisher
 from homebot.devices.names import FORGET_DEVICE
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -47,9 +45,7 @@ def _forget(door: DoorClient, options: argparse.Namespace) -> int:
     if options.purge:  # before anything is done, so that nothing is done by halves
         for gateway in sorted({one.gateway for one in device.endpoints}):
             publisher.check(gateway)
-    answer = cast("ForgetDeviceResponse", JsonMessage(door.call(FORGET_DEVICE, {"device": device.id})))
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("ForgetDeviceResponse", door.ask(FORGET_DEVICE, {"device": device.id}))
     returns = "" if options.purge else "; it comes back when it sends a message or is announced again"
     print(f"forgot {printable(device.id)}{returns}")
     for one in answer.announced_on:

@@ -124,10 +124,7 @@ def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonM
                 "this homebot keeps no history; `enabled = true` in [history] of its configuration begins one"
             )
         time.sleep(_PAUSE)
-    found = JsonMessage(door.call(service, request, 30.0))
-    if not found.success:
-        raise PeerError(cast("str", found.message))
-    return found
+    return door.ask(service, request, 30.0)
 
 
 def _print_series(found: ReadHistoryResponse, since: float, until: float, *, is_plot: bool) -> None:

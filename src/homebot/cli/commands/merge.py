@@ -9,8 +9,6 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.devices.names import MERGE_DEVICES
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -42,9 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _merge(door: DoorClient, options: argparse.Namespace) -> int:
     """Make several devices one."""
     ids = [named_device(door, one).id for one in options.devices]
-    answer = cast("MergeDevicesResponse", JsonMessage(door.call(MERGE_DEVICES, {"devices": ids})))
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("MergeDevicesResponse", door.ask(MERGE_DEVICES, {"devices": ids}))
     if len(ids) == 1:
         print(f"all endpoints of {printable(answer.device)} may have its commands now")
     else:

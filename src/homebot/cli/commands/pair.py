@@ -46,10 +46,8 @@ def _pair(door: DoorClient, options: argparse.Namespace) -> int:
         raise PeerError(f"{printable(device.id)} needs no pairing: no running gateway that knows it pairs devices")
     names, request = PairingNames(endpoint.gateway), {"device": endpoint.key}
     if options.remove:
-        answer = door.call(names.unpair, request, _WITHIN)
+        answer = door.ask(names.unpair, request, _WITHIN)
     else:
-        answer = door.call(names.pair, request | {"code": options.code}, _WITHIN)
-    if not answer["success"]:
-        raise PeerError(str(answer["message"]))
-    print(f"{printable(str(answer['name']))} is {'not paired any more' if options.remove else 'paired'}")
+        answer = door.ask(names.pair, request | {"code": options.code}, _WITHIN)
+    print(f"{printable(str(answer.name))} is {'not paired any more' if options.remove else 'paired'}")
     return 0

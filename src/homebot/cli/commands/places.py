@@ -173,11 +173,7 @@ def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
 @door_command
 def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     """Rename or remove a room."""
-    answer = cast(
-        "ChangeRoomResponse", JsonMessage(door.call(CHANGE_ROOM, {"room": options.room, "name": options.name}))
-    )
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("ChangeRoomResponse", door.ask(CHANGE_ROOM, {"room": options.room, "name": options.name}))
     became = f"called {printable(answer.name)} now" if answer.name else "removed"
     print(f"{printable(options.room)} is {became}")
     if answer.name and fold(answer.name) != fold(options.room) and (left := _devices_in(door, options.room)):

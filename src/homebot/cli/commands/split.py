@@ -9,8 +9,6 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.devices.names import SPLIT_DEVICE
-from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -41,9 +39,7 @@ def _split(door: DoorClient, options: argparse.Namespace) -> int:
     """Make several devices of one."""
     device = named_device(door, options.device).id
     request = {"device": device, "gateway": options.gateway, "key": options.key}
-    answer = cast("SplitDeviceResponse", JsonMessage(door.call(SPLIT_DEVICE, request)))
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("SplitDeviceResponse", door.ask(SPLIT_DEVICE, request))
     ids = [printable(one) for one in answer.devices]
     print(f"{ids[0]} is {len(ids)} devices now: {', '.join(ids)}")
     return 0

@@ -90,9 +90,7 @@ def _tag(options: argparse.Namespace, *, remove: bool) -> int:
     def run(door: DoorClient) -> int:
         device = named_device(door, options.device).id
         request = {"device": device, "tag": options.tag, "remove": remove}
-        answer = cast("TagDeviceResponse", JsonMessage(door.call(TAG_DEVICE, request)))
-        if not answer.success:
-            raise PeerError(answer.message)
+        answer = cast("TagDeviceResponse", door.ask(TAG_DEVICE, request))
         print(f"tags of {printable(device)}: {', '.join(map(printable, answer.tags)) or 'none'}")
         return 0
 
@@ -134,9 +132,7 @@ def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
     if not (found.device and found.area):
         raise PeerError("the code does not say which device is in which room")
     request = {"device": found.device, "gateway": gateway, "room": found.area}
-    answer = cast("TeachPlaceResponse", JsonMessage(door.call(TEACH_PLACE, request)))
-    if not answer.success:
-        raise PeerError(answer.message)
+    answer = cast("TeachPlaceResponse", door.ask(TEACH_PLACE, request))
     print(f"{printable(found.device)} is in {printable(answer.room)} now")
 
 
