@@ -28,7 +28,6 @@ class Reaction(Generic[ItemT]):
     A command that makes no sense to its device ends the call; it is logged and no failure of the handler.
 
     Args:
-        start_task: Starts a task of the app.
         mode: What a call does while an earlier one with the same key runs; see :class:`HandlerRuns`.
         most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
         key: Returns what runs by itself, such as the room of an item; None for all items together. Beyond 1,000 keys

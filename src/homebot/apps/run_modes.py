@@ -37,7 +37,6 @@ class HandlerRuns:
     five in a row the handler is given up.
 
     Args:
-        start_task: Starts a task of the app.
         title: Name of the handler in the log and in health reports, such as ``job evening``.
         mode: What a call does while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier one,
             ``queued`` waits for its turn, ``parallel`` runs beside it.

@@ -31,7 +31,6 @@ class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
     """The values that one app keeps. Keys that begin with ``_`` are homebot's own, and are not listed.
 
     Args:
-        app: The name of the app.
         texts: The JSON text of each key, which this changes.
         on_change: Called with each key that changes.
     """

@@ -16,11 +16,7 @@ _LONGEST = 300  # a client may send a text of a megabyte
 
 
 class ClientErrorLog:
-    """Logs mistakes of clients.
-
-    Args:
-        node: Name in the log.
-    """
+    """Logs mistakes of clients."""
 
     def __init__(self, node: Node) -> None:
         self._log = node.log
@@ -42,11 +38,7 @@ class ClientErrorLog:
 
         Args:
             kind: Group for the rate limit, such as one client's mistakes.
-            event: The constant name.
             message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
-            level: How bad it is.
-            error: Shown with its traceback.
-            facts: Further facts.
         """
         if (held_back := self._limit.allows(kind)) is None:
             return None

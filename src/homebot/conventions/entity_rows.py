@@ -60,7 +60,6 @@ class EntityRow:
         read: The reader; None if it is not readable.
         write: The writer; None if it is not settable.
         needs: The boolean field of the description that an entity with it has; empty for none.
-        when: A further condition.
     """
 
     capability: str | Callable[[Fields], str]

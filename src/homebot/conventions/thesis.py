@@ -84,13 +84,7 @@ _CLEARED: Mapping[frozenset[str], tuple[str, str]] = {
 
 
 def thesis_part(service_type: str, address: str, command_address: str) -> Part:
-    """Return the part of a device by its *service_type*, for example ``lights``; an unknown one has no type.
-
-    Args:
-        service_type: The level of the topic.
-        address: The state topic.
-        command_address: The command topic.
-    """
+    """Return the part of a device by its *service_type*, for example ``lights``; an unknown one has no type."""
     name, tag, capabilities = _meaning(service_type)
     takes_commands = any(capability.settable for capability in capabilities)
     return Part(

@@ -54,7 +54,6 @@ class VacuumMap(NamedTuple):
         vendor_id: The vacuum's own number of the map; empty without one.
         pixel: Metres of a pixel.
         height: Metres of the map.
-        segments: Its rooms.
         robot: Where the robot is; None where that is not stated.
     """
 

@@ -21,7 +21,6 @@ class ServerEvent:
 
     Attributes:
         kind: Its type; ``message`` where the server names none.
-        data: Its data; lines are joined by line feeds.
     """
 
     kind: str

@@ -20,7 +20,6 @@ class Bucket(NamedTuple):
 
     Attributes:
         mean: The mean, in which each value counts for as long as it lasted.
-        last: The newest value.
         seconds: The time for which a value was known.
         rise: Of a counter the sum of its positive steps; 0 of other numbers.
     """

@@ -54,7 +54,6 @@ class StoredSeries(NamedTuple):
     """The series of a file.
 
     Attributes:
-        series: By device, part and capability.
         last: The last value of each counter in the last days, by the number of its series.
     """
 

@@ -80,7 +80,6 @@ class MqttConnection:
     level only: the level that they deserve is for the owner to choose.
 
     Args:
-        options: Broker, login and limits.
         make_client: Makes the client, for example ``NativeClient``.
         status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this
             client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None

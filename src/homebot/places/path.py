@@ -50,7 +50,6 @@ class Way(NamedTuple):
     Attributes:
         path: Metres to go.
         extra: Metres that are counted for doors on the way which are not open.
-        doors: The names of the doors on the way.
     """
 
     target: str

@@ -101,7 +101,6 @@ class HousePlan:
     Args:
         rooms: Its rooms. Of several entries for one room, a later floor or area replaces an earlier one, and doors
             add up.
-        source: Where they are from, for messages.
         doors: The doors of which more is stated; a later one replaces an earlier one of the same name.
 
     Attributes:

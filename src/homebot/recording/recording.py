@@ -147,7 +147,6 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
 
     Args:
         lines: Its lines, with or without their ends.
-        source: The file, for error messages.
 
     Raises:
         UsageError: A line is wrong; the message names *source*, the line and the field.

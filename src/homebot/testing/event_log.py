@@ -69,7 +69,6 @@ class EventLog:
     """A log of the last 100,000 events of a house; older ones are dropped.
 
     Attributes:
-        events: The events, oldest first.
         lost: The number of events dropped.
     """
 

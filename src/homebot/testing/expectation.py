@@ -36,7 +36,6 @@ class Expectation:
     """The values that one device is to have, such as ``on=False``.
 
     Args:
-        view: The devices of the house.
         name: The id of the device, or one of its names.
         values: The expected values, by the names of the properties of its handles.
     """

@@ -158,7 +158,6 @@ class Thing:
         types: Its semantic types, without prefix.
         description: Its description in words.
         affordances: Properties, then actions, then events, each in their order.
-        facts: Further facts, by name.
         area: Its room; empty if that is not known.
         identifiers: Its identifiers; see :func:`homebot.devices.identity.identifiers`.
         forms: The ways to use several affordances at once, such as ``readallproperties``.

@@ -138,7 +138,6 @@ class FeedQueue:
     Args:
         depth: Messages that may wait, on a keyed topic of each key.
         key: Reads the key of a message; None where the topic is not keyed.
-        backlog: All that waits for the client.
         on_arrival: Called for each message that comes.
 
     Attributes:

@@ -42,7 +42,6 @@ class DoorConnection(ServerConnection):
     """A connection that does not hold up the event loop.
 
     Args:
-        turns: When work may be done.
         arriving: The connections without a session, oldest first; this one adds itself.
         open_timeout: Seconds within which a whole request must come.
         arguments: As the library makes connections.

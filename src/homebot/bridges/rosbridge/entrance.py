@@ -42,14 +42,11 @@ class Entrance:
     """Checks Host, Origin and token of each request, and sends browsers the files of the page.
 
     Args:
-        settings: Address and access rules.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
-        site: The files that browsers are sent.
         open_timeout: Seconds that a page has to log in.
 
     Attributes:
         rights: The rights of each client, by the name of its token.
-        tokens: The check of tokens.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.

@@ -27,14 +27,7 @@ class Feed:
     """Sends the messages of one topic to one client, once each, however often the client asked for the topic.
 
     Args:
-        node: The node that subscribes in the client's stead.
-        topic: The name that the client uses.
         depth: Messages that may wait.
-        backlog: All that waits for the client.
-        outbox: Takes frames to the client.
-
-    Attributes:
-        requests: The client's requests by their ids.
     """
 
     def __init__(

@@ -35,16 +35,9 @@ class Holdings:
     """Everything that goes when the client goes.
 
     Args:
-        shared: State shared with other clients.
         access: The client's identity.
-        outbox: Takes frames to the client.
-        tasks: Where goals are waited for.
         on_unfit: Called with operation, topic, problem and id where a message or a request turns out wrong later.
         on_taken: Called with the name of a service or action that a newer connection took over.
-
-    Attributes:
-        publications: The topics that it publishes.
-        subscriptions: The topics that it reads.
     """
 
     def __init__(

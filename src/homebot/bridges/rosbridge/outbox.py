@@ -39,8 +39,6 @@ class Outbox:
 
     Args:
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
-        cut: Ends the connection at once.
-        turns: When work may be done.
         limit: Bytes of answers that may wait; with more the client is not read from, with four times as much it is
             cut off.
     """

@@ -36,10 +36,7 @@ class ProvidedActions:
     """The actions that one connection of a client serves; the goals of a connection that ends are aborted.
 
     Args:
-        node: The node that serves in the client's stead.
         limit: Goals that the client may execute at a time; one more is rejected.
-        outbox: Takes frames to the client.
-        provisions: The servers of the client.
     """
 
     def __init__(self, node: Node, limit: int, outbox: Outbox, provisions: Provisions) -> None:

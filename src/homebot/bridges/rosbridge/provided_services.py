@@ -73,10 +73,7 @@ class ProvidedServices:
     """The services that one connection of a client provides.
 
     Args:
-        node: The node that serves in the client's stead.
         limit: Calls that the client may owe an answer to; one more fails at once.
-        outbox: Takes frames to the client.
-        provisions: The servers of the client.
     """
 
     def __init__(self, node: Node, limit: int, outbox: Outbox, provisions: Provisions) -> None:

@@ -72,7 +72,6 @@ class Publications:
     """The topics that one client publishes, under the names that the client uses.
 
     Args:
-        node: The node that publishes in the client's stead.
         access: The client's identity, used as the issuer of messages.
         on_unfit: Called with the operation, topic, problem and id where a message turns out wrong for a late reader.
     """

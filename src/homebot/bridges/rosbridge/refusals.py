@@ -40,11 +40,7 @@ _DEEDS: Final = {
 
 @final
 class Refusals:
-    """Record of each refusal for want of a right. Of one client 20 in ten seconds are logged and published.
-
-    Args:
-        error_log: Where they are logged.
-    """
+    """Record of each refusal for want of a right. Of one client 20 in ten seconds are logged and published."""
 
     def __init__(self, node: Node, error_log: ClientErrorLog) -> None:
         self._node = node

@@ -44,10 +44,7 @@ class SentGoals:
     Each goal is answered with one result, in any case. Feedback is dropped where the client does not read.
 
     Args:
-        shared: State shared with other clients.
         access: The client's identity, used as the issuer of goals.
-        outbox: Takes frames to the client.
-        tasks: Where goals are waited for.
     """
 
     def __init__(self, shared: SharedState, access: ClientAccess, outbox: Outbox, tasks: TaskGroup) -> None:

@@ -70,13 +70,11 @@ class Door:
 
     Args:
         node: The node that acts in the clients' stead; it must outlive the door.
-        settings: Address and access rules.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
         local_rights: The rights of clients without a token, where the settings have no scope for them.
         owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
         home: The name of the home, for clients; empty for none.
         open_timeout: Seconds that a client has for its request, on however slow a computer.
-        site: The files that browsers are sent.
 
     Raises:
         ConfigError: The host is not a loopback one and there is no token.

@@ -43,7 +43,6 @@ class DoorLink(NamedTuple):
 
     Attributes:
         send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
-        cut: Ends the connection at once.
         ping: Returns when the client has answered a ping.
         is_excused: Returns whether the client was heard since the last call, or is not being read from.
     """
@@ -58,10 +57,8 @@ class ClientSession:
     """All that one client does through the door.
 
     Args:
-        shared: State shared with other clients.
         name: The name of its token, see :class:`ClientAccess`.
         is_page: Whether the client is homebot's own page without a token.
-        client: Name of the client in the log.
         is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
             unless it asks for them with ``set_level``: it raises an exception for each.
 

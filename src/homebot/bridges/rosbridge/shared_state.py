@@ -58,11 +58,7 @@ class DoorCounters:
 
 @final
 class ExpectedTopics:
-    """Calls back when a topic appears; :meth:`run` has to run for that.
-
-    Args:
-        graph: Where to look.
-    """
+    """Calls back when a topic appears; :meth:`run` has to run for that."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -94,12 +90,7 @@ class SharedState:
     """The state that all clients of a door share.
 
     Attributes:
-        node: The node that acts in the clients' stead.
-        settings: The limits.
-        turns: When work may be done.
-        backlog: The backlog of all clients.
         expected: Topics to come.
-        error_log: Logs mistakes of clients.
         owners: Returns the robots of the house, with their topics and frames.
         providers: The connection that provides each service and action, by its full name.
     """

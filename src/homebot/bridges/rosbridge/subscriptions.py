@@ -23,10 +23,7 @@ class Subscriptions:
     A request for a topic of unknown type is remembered and served when the topic is first used.
 
     Args:
-        node: The node that subscribes in the client's stead.
         depth: Messages of a topic that may wait for the client.
-        backlog: All that waits for the client.
-        outbox: Takes frames to the client.
         expected: Calls back when a topic appears.
         on_unfit: Called with the operation, topic, reason and id where a remembered one cannot be served after all.
     """

@@ -64,7 +64,6 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
     """Return the current or future type of the topic with the full name *topic*.
 
     Args:
-        topic: Full name.
         ros_type: The type that the client expects; may be empty where the topic exists.
 
     Raises:

@@ -57,7 +57,6 @@ class ThingDirectoryBridge:
 
     Args:
         node: The node that acts in the clients' stead; it must outlive the directory.
-        settings: Address and access rules.
         owner: The id of this homebot, which the ids of its things begin with.
         announce: Told of it as a service of the network, when it listens and when it no longer does.
 

@@ -29,8 +29,6 @@ class ListedDescription:
     """A description in the list.
 
     Attributes:
-        id: The thing's.
-        text: The description in JSON.
         etag: Another one for each other text.
     """
 
@@ -45,7 +43,6 @@ class CatalogChange:
 
     Attributes:
         number: Its place among the changes; the first is 1.
-        id: The thing's.
         detail: The JSON of a new thing, or a merge patch (RFC 7396) of a known one; empty for a removed one.
     """
 
@@ -87,7 +84,6 @@ class ThingCatalog:
         """List a description, replacing an older one of the same thing; an equal one changes nothing.
 
         Args:
-            fields: The description.
             now: The time, as it is written in a description.
         """
         before = self._listed.get(thing_id)

@@ -65,7 +65,6 @@ class DirectoryAnswer:
 
     Attributes:
         content_type: Its media type; empty where there is none.
-        headers: Further header fields.
     """
 
     body: bytes = b""

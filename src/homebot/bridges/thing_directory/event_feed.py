@@ -58,7 +58,6 @@ class EventFeed:
     """The events of one run.
 
     Args:
-        catalog: The list.
         version: Identifies the catalog of this run.
 
     Attributes:

@@ -46,7 +46,6 @@ class ServerCounters:
     """Numbers that only grow.
 
     Attributes:
-        requests: Requests that were read.
         turned_away: Connections and requests that were not let in.
         clients_cut: Clients cut off because they sent no request, or took no bytes.
     """
@@ -145,8 +144,6 @@ class BoundedServer:
 
     Args:
         settings: Where it listens, and the number of its clients.
-        handle: Answers a request.
-        error_log: Logs mistakes of clients.
 
     Attributes:
         port: Its port; the real one once it listens.

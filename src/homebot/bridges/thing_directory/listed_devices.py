@@ -38,7 +38,6 @@ class ListedProperty:
     """One property of a listed device.
 
     Attributes:
-        handle: The part of the device.
         is_writable: Whether it can be set here.
     """
 
@@ -48,12 +47,7 @@ class ListedProperty:
 
 
 class HttpForms:
-    """The directory's own addresses of properties, at which devices of all gateways are read and commanded.
-
-    Args:
-        path: The address of the thing.
-        allows_commands: Whether properties can be set.
-    """
+    """The directory's own addresses of properties, at which devices of all gateways are read and commanded."""
 
     def __init__(self, path: str, *, allows_commands: bool) -> None:
         self._path = path
@@ -84,15 +78,11 @@ class ListedDevices:
     describe it back and forth.
 
     Args:
-        node: The node that follows the directory.
         owner: The id of this homebot.
         needs_token: Whether reading and setting properties needs a token.
-        allows_commands: Whether properties can be set.
         max_devices: Devices that are listed.
-        on_change: Called after each change of the catalog.
 
     Attributes:
-        catalog: The descriptions.
         refused: Number of times that a device was left out because there were too many.
     """
 

@@ -51,7 +51,6 @@ class DirectoryRequest:
     Attributes:
         method: ``GET``, ``PUT``, …
         path: The parts of its path, decoded.
-        query: The query, by name.
         headers: The header fields, names in lower case.
         base: The address of the directory, as the client calls it.
     """
@@ -68,7 +67,6 @@ class DirectoryRequests:
     """The answers to requests.
 
     Args:
-        description: The description of the directory, in JSON.
         version: Identifies the catalog of this run.
     """
 

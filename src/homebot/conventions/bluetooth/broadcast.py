@@ -79,10 +79,8 @@ class Broadcast:
     Attributes:
         key: The key of the device if it is not its address, which beacons may change.
         name: The name that it advertises; empty for none.
-        parts: All parts known so far.
         values: New values; empty if the advertisement repeats an earlier one.
         expiries: Values that end by themselves, by part.
-        metadata: Further facts.
         identifiers: Identifiers that other gateways may see too, beside its address.
         rssi_at_1m: Signal strength at one metre, in dBm, if it states that.
         silence: Seconds for which it may be silent at least; 0 for no particular time.

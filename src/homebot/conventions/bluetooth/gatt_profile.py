@@ -91,7 +91,6 @@ class GattProfile(BaseModel):
 
     Attributes:
         service: The advertised service that identifies its devices.
-        type: The type of their part.
         command: The characteristic for commands.
         on: The frame that turns it on.
         off: The frame that turns it off.

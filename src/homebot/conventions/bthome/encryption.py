@@ -65,7 +65,6 @@ class BindKey:
         """Return the objects in an encrypted packet; None for the last packet again, which devices send several times.
 
         Args:
-            frame: The packet.
             now: Seconds of a monotonic clock.
 
         Raises:

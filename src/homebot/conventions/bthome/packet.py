@@ -49,7 +49,6 @@ class Measured(NamedTuple):
 
     Attributes:
         part: Its part: the name of its object, with ``_2`` and so on from the second of that name.
-        object: Its row in the table.
         value: In the unit of the vocabulary, or that of the object; of an event, its word.
     """
 
@@ -89,7 +88,6 @@ class BTHomePacket:
 
     Attributes:
         packet_id: The number of the packet, 0 to 255; None if it has none.
-        values: Its values, in their order.
         firmware: The version of the firmware; empty if it says none.
         device_type: The number of the model, a manufacturer's own; None if it says none.
         unread: Bytes at the end that begin with an object id which is not known.

@@ -39,7 +39,6 @@ class EsphomeDevice:
 
     Args:
         info: Its ``DeviceInfoResponse``.
-        listed: Its entities, as it lists them.
 
     Attributes:
         sleeps: Whether it sleeps most of the time, out of reach.

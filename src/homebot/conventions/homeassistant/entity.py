@@ -37,7 +37,6 @@ class Entity(PartBuilder[StateMessage]):
     """Builder of the part of one component.
 
     Args:
-        config: The component's config.
         service_type: A type of :data:`homebot.devices.device_types.DEVICE_TYPES`.
         tag: Its kind within the type; by default its ``device_class``.
     """

@@ -92,7 +92,6 @@ class PublishedEntity:
 
     Args:
         base: The level above the topics of its part.
-        component: Home Assistant's component.
         name: Distinguishes it from the part's other entities; empty for the main one.
         config: The fields that name no topic.
 

@@ -51,7 +51,6 @@ class ServiceRow:
         write: Returns what sets a value; by default the value itself in *target*.
         options: Returns the texts that it has, if *values* are not all.
         bounds: Returns the bounds of its value; by default those of *target* or the vocabulary.
-        when: A further condition.
     """
 
     services: str

@@ -85,7 +85,6 @@ class Template:
 
         Args:
             payload: The message; one :class:`PayloadContext` for all templates parses its JSON at most once.
-            variables: Further names.
 
         Raises:
             NotDefinedError: See :meth:`render`.

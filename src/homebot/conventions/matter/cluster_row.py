@@ -64,7 +64,6 @@ class ClusterRow:
         read: The reader; None if it is never reported.
         write: The encoder; None if it cannot be set.
         feature: Bits of the cluster's feature map, one of which is needed; 0 for none.
-        when: A further condition.
         accepts: The number of the command that it needs to be settable.
         also_read: A further cluster of its value.
         part_suffix: The part of the endpoint with it, such as ``battery``; empty for the main part.

@@ -116,7 +116,6 @@ class ClusterInvocation:
 
     Attributes:
         command: The name of the command: ``MoveToLevel``.
-        payload: Its fields.
         is_timed: Whether the specification requires a timed interaction.
         is_secret: Whether it contains a code.
     """

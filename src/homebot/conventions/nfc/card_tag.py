@@ -30,9 +30,6 @@ _NULL, _MESSAGE, _END = 0x00, 0x03, 0xFE
 class CardTag:
     """A tag behind a PC/SC reader.
 
-    Args:
-        transmit: Sends an APDU.
-
     Raises:
         TagError: It has no number, or was taken away.
     """

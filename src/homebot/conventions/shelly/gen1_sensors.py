@@ -28,7 +28,6 @@ class Gen1Sensor:
 
     Attributes:
         suffix: Its topic below the device's; without the number of a channel.
-        values: Values by payload.
         is_number: Whether other payloads are numbers; outside of *least* and *most* they are *unknown*.
         unit: The unit, if the capability has none.
         service_type: The service type, if it differs from the usual one of the capability.

@@ -55,7 +55,6 @@ class LampState:
         """Return the largest change of a channel, as a fraction of the way from dark to full.
 
         Args:
-            kind: The light type.
             mireds: Coldest and warmest white.
         """
         level = self._level if self._is_on else 0.0

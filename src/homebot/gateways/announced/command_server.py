@@ -74,7 +74,6 @@ class CommandServer:
 
     Args:
         find_part: Finds the part that a text is for.
-        raw: The raw messages of the protocol.
         log: Warns of a text that cannot be sent: by an event, in words, about an address.
         keeps_states: See :meth:`homebot.gateways.announced.engine.GatewayEngine.serve`.
     """

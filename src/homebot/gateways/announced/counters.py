@@ -12,7 +12,6 @@ class GatewayCounters:
     """The counters of one gateway since its start; counters that its protocol lacks stay 0.
 
     Attributes:
-        received: Messages of devices.
         rejected: Messages that no device can have sent.
         commands: Commands that the network took.
         commands_refused: Commands that were refused, by us or by the network.
@@ -26,7 +25,6 @@ class GatewayCounters:
         topics_reserved: Addresses of commands that were announced and belong to no device.
         types_refused: Times that a service type was announced and not looked for, because there were too many.
         addresses_refused: Network addresses that were dropped because their host announces too many.
-        reports: Reports from devices.
         readings_refused: Values that no described part can have reported.
         oversize: Messages that were too long to be looked at.
         failures: Times that a convention raised an unexpected exception.

@@ -17,8 +17,6 @@ class CachedMessage(NamedTuple):
     """The last message on a topic.
 
     Attributes:
-        retained: Whether the broker had kept it from before.
-        at: When it came.
         heard_at: The same on the monotonic clock.
     """
 

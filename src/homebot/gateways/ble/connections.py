@@ -88,7 +88,6 @@ class Connections:
     """The connections to devices with a profile.
 
     Args:
-        tasks: The task group of the gateway.
         most: Connections that may exist at once.
         on_described: Called when the description of a device has changed.
         on_unavailable: Called when the adapter is gone.

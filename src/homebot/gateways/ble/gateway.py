@@ -57,9 +57,6 @@ class BleGateway(Gateway):
 
     Args:
         context: Services of the host; a :class:`BleBackend` replaces the Bluetooth stack of the operating system.
-
-    Attributes:
-        intake: The advertisements that it received.
     """
 
     Settings: ClassVar[type[BaseModel]] = BleGatewaySettings

@@ -70,7 +70,6 @@ class HomeAssistantEntities:
         max_entities: Entities that are known at once; a further one is left out and counted.
 
     Attributes:
-        registries: The registries.
         celsius: Whether Home Assistant counts in °C.
         triggers: The parts of devices with triggers, by the ids of the devices.
         left_out: Entities beyond the limit.

@@ -37,7 +37,6 @@ class AccessoryDevice:
 
     Attributes:
         aid: Its accessory ID.
-        parts: By their IDs.
     """
 
     aid: int
@@ -56,7 +55,6 @@ def describe(
     """Return an accessory as a device.
 
     Args:
-        found: Its server.
         accessory: Its description; None if it is not known, because it is not paired.
         all_of: All accessories of the server.
     """

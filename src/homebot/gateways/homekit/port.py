@@ -99,11 +99,7 @@ class FoundAccessory:
 
 
 class HomekitLink(ABC):
-    """An encrypted connection to an accessory. Its methods raise LinkError or PeerError.
-
-    Attributes:
-        lost: Set when it is lost.
-    """
+    """An encrypted connection to an accessory. Its methods raise LinkError or PeerError."""
 
     lost: anyio.Event
 

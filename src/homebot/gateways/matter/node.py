@@ -59,11 +59,7 @@ class NodeDevice:
 
 
 class MatterNode:
-    """A commissioned node.
-
-    Attributes:
-        is_available: Whether the server reaches it.
-    """
+    """A commissioned node."""
 
     def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id

@@ -68,7 +68,6 @@ class OwnService:
         host: The label of its host name.
         port: Its port; 0 if there is nothing to connect to.
         addresses: The addresses that it listens on; empty for all of this computer.
-        properties: Its TXT record.
     """
 
     service_type: str

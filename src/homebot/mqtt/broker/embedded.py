@@ -31,7 +31,6 @@ class EmbeddedBroker(ABC):
 
     Args:
         clock: The time to go by; the loop's by default.
-        limits: All bounds.
         credentials: Passwords by user name; None lets everybody in.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
             is replaced.

@@ -45,7 +45,6 @@ class BrokerSession:
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
 
     Args:
-        limits: Bounds of the queue and of messages in flight.
         crowded: Receives the session when its queue is three quarters full and its client connected; its reader
             removes it.
     """

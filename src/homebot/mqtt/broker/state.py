@@ -37,7 +37,6 @@ class BrokerState:
     """The state that all connections of one broker share.
 
     Args:
-        limits: All bounds.
         authentication: The check of logins; by default everybody may log in.
         policy: Rights to publish and subscribe; by default all.
         keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.

@@ -51,9 +51,6 @@ _log = get_logger()
 class BaseClient(ABC):
     """The `MqttClient` port over links of some kind.
 
-    Args:
-        options: Broker, login and limits.
-
     Attributes:
         receive: Returns all messages that are there; see `MqttClient.receive`.
     """
@@ -192,9 +189,6 @@ class ClientLink(ABC):
     """One link from login to end: incoming bytes are cut into packets, and messages go to the receiver.
 
     The subclass gets all other packets. Implements :class:`homebot.mqtt.client.transport.TransportUser`.
-
-    Args:
-        options: Login and limits.
 
     Attributes:
         transport: Carries the bytes; None before there is a connection.

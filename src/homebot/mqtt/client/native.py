@@ -60,11 +60,7 @@ _V3_CONNACK: Final = 2  # bytes of its body
 
 @final
 class NativeClient(BaseClient):
-    """The `MqttClient` port on our own codec; make it inside a running event loop.
-
-    Args:
-        options: Broker, login and limits.
-    """
+    """The `MqttClient` port on our own codec; make it inside a running event loop."""
 
     def __init__(
         self,
@@ -87,11 +83,7 @@ class NativeClient(BaseClient):
 
 @final
 class ClientProtocol(ClientLink):
-    """A link that speaks by our own codec.
-
-    Args:
-        options: Login and limits.
-    """
+    """A link that speaks by our own codec."""
 
     def __init__(self, options: MqttOptions, version: MqttVersion, receiver: Receiver, requests: Requests) -> None:
         super().__init__(options, version, receiver, requests)

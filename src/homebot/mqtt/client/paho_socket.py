@@ -33,7 +33,6 @@ class PahoSocket:
 
     Args:
         client: The client; it may connect in a thread.
-        options: Broker and limits.
         tls: How to shake hands; None without TLS.
         link: Receives the transport, and passes paho's bytes to `feed`.
     """

@@ -30,7 +30,6 @@ class Receiver:
     """The receiving half of a client, over all its links.
 
     Args:
-        options: The limits.
         clock: Limits the log lines about dropped messages.
 
     Attributes:

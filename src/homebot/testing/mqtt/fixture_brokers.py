@@ -28,7 +28,6 @@ class FixtureBrokers:
     """The maker of the brokers of a session.
 
     Args:
-        thread: Their thread.
         make_folder: Makes a folder for the certificate that they show where a test asks for TLS.
     """
 

@@ -36,11 +36,7 @@ _STATES: Mapping[type, str] = {state: _COMPONENTS[info] for state, info in STATE
 
 
 class EsphomeConnection:
-    """An open connection; see :func:`connected`.
-
-    Attributes:
-        lost: Set when the connection is lost.
-    """
+    """An open connection; see :func:`connected`."""
 
     def __init__(self, name: str, client: APIClient) -> None:
         self.name = name

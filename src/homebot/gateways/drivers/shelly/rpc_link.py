@@ -44,7 +44,6 @@ class RpcLink:
 
     Args:
         login: Signs calls; None without a password.
-        on_notification: Takes notifications.
         on_invalid: Called with each invalid frame and the reason.
 
     Attributes:
