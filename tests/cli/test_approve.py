@@ -65,7 +65,7 @@ def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
     waits = "approval waits for it: it can hurt, and is not driven before `homebot approve DEVICE`"
     note = "note on control: 1 device waits for approval, and nothing is sent before"
     _, listed = run("devices")
-    assert "front_door door_lock Hall unknown mqtt door/set fresh, unapproved now" in listed
+    assert "front_door Front door door_lock Hall unknown mqtt door/set fresh, unapproved now" in listed
     assert listed.count("unapproved") == 1
     assert waits in run("show", "Front door")[1]
     assert "always asks its type is door_lock" in run("show", "Front door")[1]
