@@ -318,6 +318,17 @@ def test_a_closed_pipe_ends_quietly(homebot: Any) -> None:
         assert process.wait(40) == 0
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a disk that is always full")
+def test_a_full_disk_is_one_clear_sentence(homebot: Any) -> None:
+    command, environment = (
+        [sys.executable, "-m", "homebot", "topic", "list"],
+        os.environ | {"HOMEBOT_DOOR": homebot.door},
+    )
+    with Path("/dev/full").open("w") as full:
+        ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=environment, check=False)
+    assert (ended.returncode, ended.stderr) == (1, "homebot: [Errno 28] No space left on device\n")
+
+
 def test_hz_measures_the_rate(homebot: Any) -> None:
     with _process(homebot, "topic", "hz", "/ticks") as process:
         assert process.stdout is not None

@@ -155,16 +155,24 @@ def _run(argv: Sequence[str]) -> int:
             print(f"homebot: {problem}", file=sys.stderr)
             return _WRONG_COMMAND_LINE
         command: Callable[[argparse.Namespace], int] = options.command
-        return command(options)
+        return _flushed(command(options))
     except HomebotError as exc:
         print(f"homebot: {exc}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:
-        # The reader of our output has enough. Python would complain once more when it flushes at exit.
+    except OSError as exc:  # such as a full disk
+        # Python would complain once more when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
+        if isinstance(exc, BrokenPipeError):  # the reader of our output has enough
+            return 0
+        print(f"homebot: {exc}", file=sys.stderr)
+        return 1
+
+
+def _flushed(code: int) -> int:
+    sys.stdout.flush()
+    return code
 
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:

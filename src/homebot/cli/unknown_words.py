@@ -11,13 +11,13 @@ from homebot.devices.query.terms import And, InArea, Or, Query
 from homebot.devices.query.tokens import quoted
 from homebot.support.similar import did_you_mean
 
-__all__ = ["unknown_area"]
+__all__ = ["why_none"]
 
 _SOME = 12
 
 
-def unknown_area(door: DoorClient, query: str) -> str:
-    """Return which area of *query*, which found nothing, no device is in; empty if there is none."""
+def why_none(door: DoorClient, query: str) -> str:
+    """Return why *query* finds nothing: the area that no device is in, if there is one."""
     for area in _areas(parse_query(query)):
         if not find_devices(door, f"in {quoted(area)}", 1).total:
             areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
@@ -28,7 +28,7 @@ def unknown_area(door: DoorClient, query: str) -> str:
                 else "`homebot place DEVICE ROOM` says which room a device is in"
             )
             return f"no device is in {area!r}; {did_you_mean(area, known, some)}"
-    return ""
+    return f"no device matches {query!r}; `homebot devices` lists all"
 
 
 def _areas(query: Query) -> Iterator[str]:

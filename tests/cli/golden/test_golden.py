@@ -64,6 +64,18 @@ def test_commands_print_what_they_should(
     check(name, out)
 
 
+@pytest.mark.parametrize(("query", "problem"), [("light in kichen", "'kichen'"), ("light and", "a term is missing")])
+def test_a_history_of_nothing_says_why_as_a_search_does(
+    still_homebot: Homebot, capsys: Text, query: str, problem: str
+) -> None:
+    door = ["--door", still_homebot.door]
+    assert main([*door, "find", query]) == 1
+    found = "".join(capsys.readouterr()).removeprefix("homebot: ")
+    assert problem in found
+    assert main([*door, "history", query]) == 1
+    assert capsys.readouterr().err == f"homebot: {found}"
+
+
 def test_a_route_through_a_gateway_that_the_owner_prefers_is_marked(
     still: StillHouse, still_homebot: Homebot, capsys: Text
 ) -> None:

@@ -63,7 +63,9 @@ def _find(options: argparse.Namespace) -> int:
             ]
             print(list_text([json_text(one) for one in results]))
         elif not found.results:
-            print(_why_none(door, query))
+            from homebot.cli.unknown_words import why_none  # noqa: PLC0415 - there is time where nothing is found
+
+            print(why_none(door, query))
             _show_left_out(found)
         else:
             _note_near_matches(found)
@@ -72,12 +74,6 @@ def _find(options: argparse.Namespace) -> int:
         return 0 if found.results else 1
 
     return with_client(options, run)
-
-
-def _why_none(door: DoorClient, query: str) -> str:
-    from homebot.cli.unknown_words import unknown_area  # noqa: PLC0415 - there is time where nothing is found
-
-    return unknown_area(door, query) or f"no device matches {query!r}; `homebot devices` lists all"
 
 
 def _show_left_out(found: QueryDevicesResponse) -> None:

@@ -13,11 +13,12 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command, whole
-from homebot.cli.device_queries import device_or_similar, house_time
+from homebot.cli.device_queries import device_or_similar, find_devices, house_time
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.history_plot import plot_lines
 from homebot.cli.terminal import print_table
+from homebot.cli.unknown_words import why_none
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import from_seconds
@@ -113,7 +114,11 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
     if not text:
         return {}
     device = device_or_similar(door, text)
-    return {"query": text} if isinstance(device, list) else {"device": device.id}
+    if not isinstance(device, list):
+        return {"device": device.id}
+    if not find_devices(door, text, 1).total:
+        raise PeerError(why_none(door, text))
+    return {"query": text}
 
 
 def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonMessage:
