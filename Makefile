@@ -96,6 +96,7 @@ wheel: $(VENV)/.docs
 bench: $(BENCH)/.ready $(BENCH)-ha/.tried $(BENCH)-zigbee/.tried
 	@$(BENCH)/bin/python benchmarks/run.py --home-assistant $(BENCH)-ha/bin/python $(ARGS)
 
+# Run it with the Python of Debian 12, 3.11.2: some packages refuse that by now, and a newer Python would lock them.
 ## Updates the versions that CI installs to the newest.
 lock:
 	rm -rf .venv-lock && $(PYTHON) -m venv .venv-lock

@@ -1,12 +1,18 @@
-"""``make help`` lists what can be made."""
+"""``make help`` lists what can be made, and its packages can be installed."""
 
 from __future__ import annotations
 
 import re
 import subprocess
+from importlib.metadata import distributions
 from pathlib import Path
 
+from packaging.specifiers import SpecifierSet
+
 ROOT = Path(__file__).parent.parent
+
+_DEBIAN_12 = "3.11.2"
+"""The Python that comes with it."""
 
 
 def test_help_has_a_line_for_every_target() -> None:
@@ -14,3 +20,11 @@ def test_help_has_a_line_for_every_target() -> None:
     assert phony is not None
     shown = subprocess.run(["make", "help"], cwd=ROOT, capture_output=True, text=True, check=True, timeout=120).stdout
     assert re.findall(r"^  make (\S+) +[A-Zh].*\.$", shown, re.MULTILINE) == phony[1].split()
+
+
+def test_each_locked_package_can_be_installed_with_the_python_of_debian_12() -> None:
+    locked = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text().splitlines())
+    needs = {(one.name, one.version): one.metadata["Requires-Python"] or "" for one in distributions()}
+    found = {package: needs[package] for package in locked.items() if package in needs}
+    assert len(found) > len(locked) / 2
+    assert [package for package, need in found.items() if not SpecifierSet(need).contains(_DEBIAN_12)] == []
