@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.cli.table import to_lines, to_table, without_empty
+from homebot.cli.terminal import to_lines, to_table, without_empty
 
 
 def test_columns_are_as_wide_as_they_need_to_be() -> None:

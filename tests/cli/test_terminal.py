@@ -20,8 +20,7 @@ from rich.cells import cell_len
 from tests.cli.conftest import _lamp
 
 from homebot.cli import main
-from homebot.cli.table import to_lines, to_table
-from homebot.cli.terminal import print_line, print_rows, print_table, progress
+from homebot.cli.terminal import print_line, print_rows, print_table, progress, to_lines, to_table
 from homebot.clock import Clock, ManualClock
 from homebot.devices import QUERY_DEVICES, Found, QueryDevices
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse

@@ -41,9 +41,7 @@ class HousePicture(NamedTuple):
     """All that is shown of a house at one moment.
 
     Attributes:
-        beings: The people and robots in each room.
         story: What happened, oldest first.
-        plan: The shape of the house.
     """
 
     title: str

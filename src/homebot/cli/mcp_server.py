@@ -1,22 +1,29 @@
 """The tools of ``homebot mcp``: the HTTP API, as an agent calls it. The one file that imports the MCP SDK.
 
+Each request has a connection of its own, so that homebot may restart in between.
+
 Names of devices come from strangers, so they stand in answers alone and in no description. Annotations are not
 postponed here: the SDK reads those of functions that know the client.
 """
 
 import json
+from collections.abc import Mapping
+from http.client import HTTPConnection, HTTPException
 from typing import Annotated, Final
+from urllib.parse import quote, unquote, urlencode
 
+from anyio import to_thread
 from mcp.server.elicitation import AcceptedElicitation, ElicitationResult
 from mcp.server.mcpserver import Context, MCPServer
 from mcp.server.mcpserver.resolve import Elicit, Resolve
 from mcp.types import ToolAnnotations
 from pydantic import BaseModel, Field
 
-from homebot.cli.api_client import ApiClient
+from homebot.cli.door_address import DoorAddress
+from homebot.devices.names import HOME_HEADER
 from homebot.version import __version__
 
-__all__ = ["house_server"]
+__all__ = ["ApiClient", "house_server"]
 
 _GUIDE: Final = (
     "Devices of a house. Find a device first, then use its id. Every command returns its proven outcome: confirmed, "
@@ -30,6 +37,12 @@ _UNCONFIRMED: Final = {
 }
 
 
+_LONGEST: Final = 900.0
+"""Seconds; homebot answers sooner, when the time is over in which the slowest device usually does."""
+
+_MOST: Final = 4 * 1024 * 1024
+
+
 class Sure(BaseModel):
     """The word of a person."""
 
@@ -37,14 +50,47 @@ class Sure(BaseModel):
 
 
 class _Unknown(Sure):
-    """The device cannot be looked up, so that it is not known whether it asks.
-
-    Attributes:
-        problem: The answer to the look-up.
-    """
+    """The device cannot be looked up, so that it is not known whether it asks."""
 
     confirm: bool = False
     problem: str
+
+
+class ApiClient:
+    """Asks the homebot at an address.
+
+    Args:
+        address: Where it is, and the token to show.
+    """
+
+    def __init__(self, address: DoorAddress) -> None:
+        self._address = address
+
+    async def read(self, path: str, last: str = "", **query: object) -> str:
+        """Return the answer of the route *path* and *last*, as JSON; of a problem its ``outcome`` and ``reason``."""
+        asked = urlencode({name: value for name, value in query.items() if value != ""})
+        return await to_thread.run_sync(self._ask, "GET", f"{path}{quote(last)}?{asked}", None)
+
+    async def post(self, path: str, body: Mapping[str, str]) -> str:
+        """Return the answer to *body*, likewise."""
+        return await to_thread.run_sync(self._ask, "POST", path, json.dumps(body).encode())
+
+    def _ask(self, method: str, target: str, body: bytes | None) -> str:
+        host, port, token, _, home = self._address
+        connection = HTTPConnection(host, port, timeout=_LONGEST)
+        headers = {"Content-Type": "application/json", **({"Authorization": f"Bearer {token}"} if token else {})}
+        try:
+            connection.request(method, target, body, headers)
+            response = connection.getresponse()
+            text = response.read(_MOST).decode(errors="replace")
+        except (OSError, HTTPException) as exc:
+            return _problem("failed", f"no homebot answers on {host}:{port} ({exc}); start one with `homebot run`")
+        finally:
+            connection.close()
+        served = unquote(response.headers.get(HOME_HEADER, ""))
+        if home and served and served != home:
+            return _problem("failed", f"the homebot on {host}:{port} is of the home {served!r}, not {home!r}")
+        return text.rstrip() if response.status == 200 else _refusal(text)
 
 
 def house_server(api: ApiClient) -> MCPServer:
@@ -94,3 +140,15 @@ def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
     if can is None or can.elicitation is None:
         return Sure(confirm=False)
     return Elicit(f"{device['id']}: {do}? It always asks: {reason}.", Sure)
+
+
+def _refusal(text: str) -> str:
+    try:
+        found = json.loads(text)
+        return _problem(found["outcome"], found["detail"])
+    except (ValueError, KeyError, TypeError):
+        return _problem("failed", f"the answer is not that of a homebot: {text[:100]!r}")
+
+
+def _problem(outcome: str, reason: str) -> str:
+    return json.dumps({"outcome": outcome, "reason": reason}, ensure_ascii=False)

@@ -77,8 +77,6 @@ class PlanPicture(NamedTuple):
 
     Attributes:
         rooms: The west, south, east and north walls of each room whose extent is known.
-        doors: The middle of each door.
-        door_width: The width of all of them.
     """
 
     rooms: Mapping[str, tuple[float, float, float, float]]

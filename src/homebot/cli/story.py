@@ -39,9 +39,7 @@ class StoryLine(NamedTuple):
 
     Attributes:
         sign: One character for its kind, in the *style* of rich's.
-        devices: The names of the devices it is about.
         words: The rest; the device is the subject of its sentence.
-        style: See above.
         at: When, in seconds.
         time: The same for people.
         key: Equal for lines that say the same of different devices.

@@ -6,18 +6,30 @@ rich is loaded for a terminal alone: it costs a command that is piped nothing.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, TextIO
 
-from homebot.cli.table import to_lines, to_table, without_empty
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.cli.rich_terminal import RichTerminal
 
-__all__ = ["is_terminal", "print_line", "print_rows", "print_table", "progress", "show_live"]
+__all__ = [
+    "is_terminal",
+    "print_line",
+    "print_rows",
+    "print_table",
+    "progress",
+    "show_live",
+    "to_lines",
+    "to_table",
+    "without_empty",
+]
 
 _INDENT: Final = "  "
+_WIDEST: Final = 48
+_WIDEST_ALONE: Final = 200
 
 
 def is_terminal(stream: TextIO | None = None) -> bool:
@@ -87,6 +99,40 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
 def show_live(head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]]) -> None:
     """Show each of *frames*, a title and rows, on the whole terminal as it comes; then give the terminal back."""
     _terminal(sys.stdout).show_live(head, frames)
+
+
+def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Return *rows* below *head* in columns, two spaces apart.
+
+    Control characters are shown as escapes; a cell of more than 48 characters is cut.
+    """
+    shown = [[printable(cell, _WIDEST) for cell in row] for row in (head, *rows)]
+    widths = [max(len(row[column]) for row in shown) for column in range(len(head))]
+    return "\n".join(_line(row, widths) for row in shown)
+
+
+def without_empty(
+    columns: Collection[str], head: Sequence[str], rows: Sequence[Sequence[str]]
+) -> tuple[list[str], list[list[str]]]:
+    """Return *head* and *rows* without those of the *columns* in which no row has anything."""
+    kept = [place for place, name in enumerate(head) if name not in columns or any(row[place] for row in rows)]
+    return [head[place] for place in kept], [[row[place] for place in kept] for row in rows]
+
+
+def to_lines(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return *rows*, which may be of different lengths, in columns, two spaces apart.
+
+    The last cell of a row makes no column wider. Control characters are shown as escapes; a cell of more than 200
+    characters is cut.
+    """
+    shown = [[printable(cell, _WIDEST_ALONE) for cell in row] for row in rows]
+    longest = max((len(row) for row in shown), default=0)
+    widths = [max((len(row[column]) for row in shown if column < len(row) - 1), default=0) for column in range(longest)]
+    return [_line(row, widths[: len(row)]) for row in shown]
+
+
+def _line(row: Sequence[str], widths: Sequence[int]) -> str:
+    return "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
 
 
 def _terminal(stream: TextIO) -> RichTerminal:

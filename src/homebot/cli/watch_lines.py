@@ -54,7 +54,6 @@ class WatchLine:
         kind: ``change``, ``command``, or ``outcome`` of a command that no change shows.
         part: The id of the part; empty for a device with one.
         values: The values as text, by capability.
-        value: The values in words.
         why: The cause of a change or command, or the outcome, in words.
         issuer: The issuer of the command, in words; empty for none.
     """

@@ -60,11 +60,8 @@ class IssuedCommand:
         trigger: The report, message or timer that led to it.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
-        code: The code of an alarm or a lock.
         scope: The rights of a client of the door, by its token.
-        is_client: Whether a client of the door gave it.
         is_momentary: Whether a second sending would act twice: a press.
-        place: The ids of the device and of the part.
         states: The states of the part at the time of the command, by capability.
         why_it_asks: Why the part is of those that always ask; empty if it is not.
         moves: Whether it starts a motor.
@@ -237,7 +234,6 @@ class KnownState(NamedTuple):
     """Certain values of a part.
 
     Attributes:
-        values: The values by capability.
         is_recent: Whether all of them were reported live within a minute, and since the connection was lost.
     """
 

@@ -73,14 +73,12 @@ class Lease:
     """A held value of a part.
 
     Attributes:
-        part: The ids of the device and of the part.
         holders: The holders, the first one first.
         rounded: The value to which the device rounds; None if that is not known.
         is_so: Whether the device is known to have the held value.
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
         hand_until: The time until which a hand, or a stop command, outranks the lease.
         stop_watch: Ends the watch of the part; None before it begins.
-        outcome: The outcome of the newest command.
     """
 
     part: _Part

@@ -62,11 +62,7 @@ _SHARE: Final = 0.1
 
 
 class Measurement(NamedTuple):
-    """Values of one sensor around one command.
-
-    Attributes:
-        newest: The newest value.
-    """
+    """Values of one sensor around one command."""
 
     capability: str
     before: PlainValue

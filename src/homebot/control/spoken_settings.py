@@ -56,7 +56,6 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
         command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``, or a capability
             and its value, such as ``level 40``; :data:`SET` for none. Capitals make no difference.
         values: Further values by capability, as text: ``level`` is ``40``.
-        target: The name of the part, for errors.
 
     Raises:
         RefusedError: It takes no such word, capability or value, or there is none; the message names those that it
@@ -77,13 +76,9 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
     if not found:
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
     if not _agree({"on_off": True, **found} if is_light_on else found, part):
-        told = _told(values)
+        told = ", ".join(f"{one.key} {one.value}" for one in values)
         raise RefusedError(f"{word} with {told}", "these cannot be so together; give one of them")
     return found
-
-
-def _told(values: Sequence[KeyValue]) -> str:
-    return ", ".join(f"{one.key} {one.value}" for one in values)
 
 
 def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:

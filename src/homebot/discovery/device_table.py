@@ -41,8 +41,6 @@ class DeviceTable:
     """The tables of the index, shared by merging, liveness, states and search, which each change their part of them.
 
     Attributes:
-        sources: Announcements by gateway and key.
-        owners: The device of each announcement.
         entries: Devices by id.
         outdated: Ids of the devices with outdated postings.
         unsaved: Ids of the devices with an outdated record in the index file.

@@ -52,8 +52,6 @@ class Entry:
     """The index's record of a device.
 
     Attributes:
-        id: Its id, for as long as the entry lives.
-        sources: Its announcements by gateway and key.
         freshness: See :class:`Device`.
         deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
         expires: The same in seconds since the Unix epoch.

@@ -27,7 +27,6 @@ class CallbackFailure:
     """The failures of one callback.
 
     Attributes:
-        count: Number of failures since the graph was created.
         at: Time of the last error, in seconds since the Unix epoch.
     """
 

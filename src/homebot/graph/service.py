@@ -37,11 +37,7 @@ MAX_WAITING = 1000  # callers in line
 
 
 class ServiceSlot:
-    """A service name with its type, its server and its number of users; it exists while it is used.
-
-    Attributes:
-        users: Number of clients and servers.
-    """
+    """A service name with its type, its server and its number of users; it exists while it is used."""
 
     def __init__(self, name: str, service_type: ServiceType[Any, Any]) -> None:
         self.name = name

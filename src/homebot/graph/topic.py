@@ -65,7 +65,7 @@ class Topic:
         for publisher in self.publishers:
             if not _is_wanted(publisher, subscription) or self._report_mismatch(publisher, subscription):
                 continue
-            if _is_transient_local(subscription):
+            if subscription.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL:
                 publisher.replay(subscription)
             self._connect(publisher)
 
@@ -117,7 +117,3 @@ def _fit(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
 def _is_wanted(publisher: Publisher[Any], subscription: Subscription[Any]) -> bool:
     node, wanted = publisher.info.node, subscription.from_node
     return node != subscription.info.node if wanted == OTHERS else wanted in {"", node}
-
-
-def _is_transient_local(subscription: Subscription[Any]) -> bool:
-    return subscription.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL

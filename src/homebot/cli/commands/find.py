@@ -10,8 +10,7 @@ from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, unapproved
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.table import to_table, without_empty
-from homebot.cli.terminal import is_terminal, print_table
+from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.wording.values import life, state_text, types
 from homebot.support.printable import printable
 

@@ -29,8 +29,7 @@ def _serve(options: argparse.Namespace) -> int:
     """Serve an agent until it leaves."""
     check_extra("homebot mcp", "mcp", "mcp")
     address = door_of(options)
-    from homebot.cli.api_client import ApiClient  # noqa: PLC0415 - not before the extra is known to be there
-    from homebot.cli.mcp_server import house_server  # noqa: PLC0415 - likewise
+    from homebot.cli.mcp_server import ApiClient, house_server  # noqa: PLC0415 - not before the extra is known to be there
 
     with redirect_stdout(sys.__stdout__):  # the protocol needs its bytes
         house_server(ApiClient(address)).run("stdio")

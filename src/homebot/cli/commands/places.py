@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from homebot.devices import Device, KeyValue
     from homebot.devices.places_messages import (
         ChangeRoomResponse,
-        DoorInfo,
         ExportPlacesResponse,
         GetPlacesResponse,
         ImportPlacesResponse,
@@ -241,7 +240,7 @@ def _room_point(text: str) -> tuple[str, tuple[float, float]]:
 def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, float]]) -> str:
     """Return the rooms around *points* in a map, as the text of a places file."""
     doors = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).doors
-    rooms = [*_map(door, file).rooms(points, [_points(one) for one in doors if len(one.x) > 1])]
+    rooms = [*_map(door, file).rooms(points, [[*zip(one.x, one.y, strict=True)] for one in doors if len(one.x) > 1])]
     for room in rooms:
         print(f"{printable(room.name)} has {Polygon(room.polygons[0][0]).area:.1f} m²")
     return places_text(HousePlan("a map", rooms))
@@ -265,10 +264,6 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     width, height = robot_map.cells.size
     print(f"the map has {width} x {height} cells of {robot_map.resolution:g} m")
     return robot_map
-
-
-def _points(line: DoorInfo) -> list[tuple[float, float]]:
-    return [*zip(line.x, line.y, strict=True)]
 
 
 def _read(file: str) -> str:

@@ -309,12 +309,9 @@ def _thesis_config(options: argparse.Namespace) -> Config:
 
 
 def _is_watched(options: argparse.Namespace) -> bool:
-    return not options.plain and options.log_format == "console" and _has_screen()
-
-
-def _has_screen() -> bool:
-    """Return whether standard output is a terminal that can show a view."""
-    return sys.stdout.isatty() and os.environ.get("TERM", "dumb") not in {"", "dumb", "unknown"}
+    """Return whether standard output is a terminal that can show a view, and may."""
+    has_screen = sys.stdout.isatty() and os.environ.get("TERM", "dumb") not in {"", "dumb", "unknown"}
+    return has_screen and not options.plain and options.log_format == "console"
 
 
 def _is_simulated(options: argparse.Namespace) -> bool:

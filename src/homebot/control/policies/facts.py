@@ -31,7 +31,6 @@ class Facts(NamedTuple):
         now: Seconds since the Unix epoch.
         monotonic: Seconds of a clock that is never set.
         zone: The time zone of the home; None for that of the computer.
-        timeline_of: The timeline of each part.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 

@@ -50,7 +50,8 @@ class Interlock(PolicyTable):
     @cached_property
     def _rule(self) -> _Rule:
         query = parse_lasting_query(self.condition)
-        return _Rule(self.condition, query, without_states(query), _capabilities(query))
+        capabilities = frozenset([one.capability for one in leaves(query) if isinstance(one, StateIs)])
+        return _Rule(self.condition, query, without_states(query), capabilities)
 
     @property
     def needs(self) -> Query:
@@ -118,10 +119,6 @@ def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
     if device.freshness == "stale":
         return "it has been silent for too long"
     return "it has reported nothing yet since homebot started" if device.freshness != "fresh" or is_silent else ""
-
-
-def _capabilities(query: Query) -> frozenset[str]:
-    return frozenset([one.capability for one in leaves(query) if isinstance(one, StateIs)])
 
 
 def _facts(device: Device, part: str, capabilities: frozenset[str]) -> Iterator[FactUsed]:

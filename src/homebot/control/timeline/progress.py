@@ -53,7 +53,6 @@ class CommandProgress:
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure teaches how long the device takes.
         is_witnessed: Whether a second device observed the effect.
-        is_learnt: Whether the profile knows how the confirmed value ended.
         suspected: The capabilities with fast reports that were taken back before, as a bridge's echoes are.
         usual_returns: The seconds after which the device goes back by itself, where it is known to.
     """

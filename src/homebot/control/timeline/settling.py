@@ -42,7 +42,6 @@ class Settling:
         known: The values that were certain before the command.
         last: The values that the part reported last before, certain or not.
         roles: The roles of the reports, by number; a step that leads nowhere gets another one.
-        at: When it was confirmed.
         seconds: For how long the values have to hold.
 
     Attributes:

@@ -35,9 +35,6 @@ class DeviceMerger:
 
     Args:
         pending: Where the announcements of devices that were forgotten are kept.
-
-    Attributes:
-        identities: The announcements about each device.
     """
 
     __slots__ = ("_liveness", "_pending", "_table", "decisions", "identities")

@@ -24,7 +24,6 @@ class Named(NamedTuple):
     """A part that needs an id.
 
     Attributes:
-        name: Its name in its best announcement.
         places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
     """
 

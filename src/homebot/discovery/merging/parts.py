@@ -96,7 +96,6 @@ class MergedParts(NamedTuple):
     """The parts of a device.
 
     Attributes:
-        parts: The parts, in the order of the preferred announcements.
         conflicts: The parts that were left out, and why, in words.
         places: The part of the device for each part of a source, by gateway, key and part.
         claimed: The numbers of those that only claimed announcements describe, beside others.
