@@ -85,7 +85,8 @@ def test_a_message_with_no_reader_is_acknowledged_as_such(join: Join) -> None:
     assert older.take() == [Puback(1)]
 
 
-def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_an_older(join: Join) -> None:
+@pytest.mark.parametrize("qos", [0, 1, 2])
+def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_an_older(join: Join, qos: int) -> None:
     properties = Properties(
         payload_format_indicator=1,
         content_type="text",
@@ -96,9 +97,10 @@ def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_
     client, older = join("a"), join("b", version=ProtocolVersion.V311)
     client.subscribe("t")
     older.subscribe("t")
-    client.publish("t", properties=properties)
-    assert client.messages() == [Publish("t", b"x", properties=properties)]
-    assert older.messages() == [Publish("t", b"x")]
+    packet_id = 1 if qos else None
+    client.publish("t", b"x", qos, packet_id, properties=properties)
+    assert client.messages() == [Publish("t", b"x", qos, packet_id=packet_id, properties=properties)]
+    assert older.messages() == [Publish("t", b"x", qos, packet_id=packet_id)]
 
 
 def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Join) -> None:

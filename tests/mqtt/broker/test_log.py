@@ -59,6 +59,7 @@ async def test_a_socket_too_many_is_named(dial: Dial) -> None:
                 await dial(broker, None)
             third = await dial(broker, None)
             assert await third.rest() == []
+            assert broker.stats.connections_refused == 1
     (line,) = [line for line in lines if line["event"] == "broker.too_many_sockets"]
     host, port = third.writer.get_extra_info("sockname")
     assert line["message"] == f"the broker refused {host}:{port}: 2 connections are already open"

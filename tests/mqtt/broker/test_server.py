@@ -17,7 +17,6 @@ from tests.ports import reserve_port
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
-from homebot.mqtt.broker.connection import BrokerConnection
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
@@ -123,16 +122,6 @@ async def test_clients_that_do_not_read_do_not_hold_up_a_stop(dial: Dial) -> Non
             await broker.stop()
 
 
-async def test_nagle_is_off(dial: Dial) -> None:
-    async with Broker() as broker:
-        await dial(broker)
-        (connection,) = broker._sockets
-        assert isinstance(connection, BrokerConnection)
-        assert connection._transport is not None
-        sock = connection._transport.get_extra_info("socket")
-        assert sock.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
-
-
 async def test_a_client_that_is_still_sending_reads_why_it_was_closed(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(linger=0.2)) as broker:
         client = await dial(broker)
@@ -152,15 +141,6 @@ async def test_one_bad_client_does_not_disturb_the_others(dial: Dial) -> None:
             assert await bad.rest() == []
         assert await good.call(Pingreq()) == Pingresp()
         assert broker.stats.connections_failed == 4
-
-
-async def test_a_lost_socket_publishes_the_will(dial: Dial) -> None:
-    async with Broker() as broker:
-        watcher = await dial(broker, "w")
-        await watcher.call(Subscribe(1, (FilterRequest("gone", 1),)))
-        client = await dial(broker, "c", will=Will("gone", b"c", 1))
-        client.writer.transport.abort()
-        assert await watcher.take() == Publish("gone", b"c", 1, packet_id=1)
 
 
 async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(dial: Dial) -> None:
@@ -188,15 +168,6 @@ async def test_one_message_that_fills_the_socket_does_not_cost_those_behind_it(d
         sizes = [len(message.payload) for message in messages if isinstance(message, Publish)]
         assert sizes == [12_000_000, *[5_000] * 10, 4]
         assert broker.stats.dropped_qos0 == 0
-
-
-async def test_too_many_sockets_are_cut(dial: Dial) -> None:
-    async with Broker(limits=BrokerLimits(max_connections=1)) as broker:
-        await dial(broker, None)
-        await dial(broker, None)
-        with pytest.raises((EOFError, ConnectionError)):
-            await (await dial(broker, None)).take()
-        assert broker.stats.connections_refused == 1
 
 
 async def test_a_clock_moved_by_hand_needs_a_tick(dial: Dial) -> None:
