@@ -6,23 +6,19 @@ The devices here are random, in the conventions that have bounds: each is told i
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.conventions.announced_parts import homeassistant_part, homie_part, thing_part, zigbee2mqtt_part
 from tests.sizes import examples
 
-from homebot.conventions.convention import Convention
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.homie import Homie, HomieSettings
-from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.conventions.description import DescribedPart
 from homebot.devices.part import Capability
 from homebot.errors import RefusedError
-from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
 pytestmark = pytest.mark.slow
 
@@ -64,57 +60,6 @@ class Bounded:
         return value
 
 
-def only(convention: Convention, capability: str, *announced: tuple[str, object]) -> DescribedPart:
-    heard = [
-        one
-        for topic, payload in announced
-        for one in convention.read_message(
-            topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
-        )
-    ]
-    parts = [part for one in heard if isinstance(one, DeviceAnnounced) for part in one.parts]
-    (found,) = [one for one in parts if capability in {each.name for each in one.part.capabilities}]
-    return found
-
-
-def homeassistant(component: str, capability: str, config: Mapping[str, object]) -> DescribedPart:
-    convention = HomeAssistantDiscovery(HomeAssistantSettings())
-    return only(convention, capability, (f"homeassistant/{component}/x/config", config))
-
-
-def zigbee2mqtt(capability: str, expose: Mapping[str, object]) -> DescribedPart:
-    entry = {
-        "ieee_address": "0x00158d0001abcdef",
-        "friendly_name": "a",
-        "type": "Router",
-        "supported": True,
-        "interview_completed": True,
-        "definition": {"model": "m", "vendor": "v", "description": "d", "exposes": [expose]},
-    }
-    return only(Zigbee2Mqtt(Zigbee2MqttSettings()), capability, ("zigbee2mqtt/bridge/devices", [entry]))
-
-
-def homie(capability: str, node_type: str, properties: Mapping[str, object]) -> DescribedPart:
-    description = {"homie": "5.0", "version": 1, "nodes": {"n": {"type": node_type, "properties": properties}}}
-    announced = (("homie/5/x/$description", description), ("homie/5/x/$state", "ready"))
-    return only(Homie(HomieSettings()), capability, *announced)
-
-
-def thing(capability: str, types: str, schema: Mapping[str, object]) -> DescribedPart:
-    forms = [
-        {"href": "mqtt://b", "op": "observeproperty", "mqv:filter": "t"},
-        {"href": "mqtt://b", "op": "writeproperty", "mqv:topic": "t/set"},
-    ]
-    description = {
-        "@context": "https://www.w3.org/2022/wot/td/v1.1",
-        "title": "T",
-        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-        "security": "nosec_sc",
-        "properties": {"p": {"@type": types, "forms": forms, **schema}},
-    }
-    return only(ThingDescriptions(ThingSettings()), capability, ("homebot/things/x/td", description))
-
-
 def spread(low: float, high: float, *, whole: bool = False) -> st.SearchStrategy[tuple[float, float]]:
     numbers: st.SearchStrategy[float] = st.integers(math.ceil(low), math.floor(high)).map(float)
     if not whole:
@@ -147,7 +92,7 @@ def homeassistant_lamps(draw: st.DrawFn) -> Bounded:
         return "t", json.dumps({"state": "ON", "color_mode": "color_temp", "color_temp": number})
 
     outside = kelvins_of(mireds, as_told=math.floor)
-    return Bounded(homeassistant("light", "color_temperature", config), "color_temperature", outside, says)
+    return Bounded(homeassistant_part("color_temperature", "light", config), "color_temperature", outside, says)
 
 
 @st.composite
@@ -162,7 +107,7 @@ def zigbee2mqtt_lamps(draw: st.DrawFn) -> Bounded:
         "value_min": mireds[0],
         "value_max": mireds[1],
     }
-    part = zigbee2mqtt("color_temperature", {"type": "light", "features": [state, white]})
+    part = zigbee2mqtt_part("color_temperature", {"type": "light", "features": [state, white]})
     return Bounded(
         part,
         "color_temperature",
@@ -186,10 +131,8 @@ def homie_lamps(draw: st.DrawFn) -> Bounded:
         ends = draw(spread(1500, 9000, whole=True) if is_kelvin else spread(100, 700, whole=True))
         white["format"] = f"{ends[0]:g}:{ends[1]:g}"
         outside = ends if is_kelvin else tuple(float(round(1_000_000 / one)) for one in reversed(ends))
-    part = homie(
-        "color_temperature",
-        "light",
-        {"on": {"datatype": "boolean", "settable": True}, "color-temperature": white},
+    part = homie_part(
+        "color_temperature", {"on": {"datatype": "boolean", "settable": True}, "color-temperature": white}, "light"
     )
     return Bounded(
         part, "color_temperature", outside, lambda number: ("homie/5/x/n/color-temperature", _spelled(number))
@@ -200,7 +143,7 @@ def homie_lamps(draw: st.DrawFn) -> Bounded:
 def things_of_white(draw: st.DrawFn) -> Bounded:
     mireds = draw(spread(100, 700, whole=True))
     schema = {"type": "integer", "unit": "mired", "minimum": mireds[0], "maximum": mireds[1]}
-    part = thing("color_temperature", "ColorTemperatureProperty", schema)
+    part = thing_part("color_temperature", "ColorTemperatureProperty", schema)
     outside = tuple(float(round(1_000_000 / one)) for one in reversed(mireds))
     return Bounded(part, "color_temperature", outside, lambda number: ("t", json.dumps(number)))
 
@@ -217,7 +160,7 @@ def thermostats(draw: st.DrawFn) -> Bounded:
         "max_temp": ends[1],
         "temperature_unit": "F" if is_fahrenheit else "C",
     }
-    part = homeassistant(draw(st.sampled_from(["climate", "water_heater"])), "heating_setpoint", config)
+    part = homeassistant_part("heating_setpoint", draw(st.sampled_from(["climate", "water_heater"])), config)
     return Bounded(part, "heating_setpoint", outside_of(ends, is_fahrenheit), lambda number: ("t", str(number)))
 
 
@@ -233,7 +176,7 @@ def homie_thermostats(draw: st.DrawFn) -> Bounded:
         "settable": True,
     }
     measured = {"datatype": "float", "unit": target["unit"]}
-    part = homie("heating_setpoint", "thermostat", {"set-temperature": target, "temperature": measured})
+    part = homie_part("heating_setpoint", {"set-temperature": target, "temperature": measured}, "thermostat")
     says = ("homie/5/x/n/set-temperature", "{:f}")
     return Bounded(
         part, "heating_setpoint", outside_of(ends, is_fahrenheit), lambda number: (says[0], says[1].format(number))
@@ -246,7 +189,7 @@ def things_of_temperature(draw: st.DrawFn) -> Bounded:
     ends = draw(spread(40, 100) if is_fahrenheit else spread(5, 35))
     unit = "fahrenheit" if is_fahrenheit else "celsius"
     schema = {"type": "number", "unit": unit, "minimum": ends[0], "maximum": ends[1]}
-    part = thing("heating_setpoint", "TargetTemperatureProperty", schema)
+    part = thing_part("heating_setpoint", "TargetTemperatureProperty", schema)
     return Bounded(part, "heating_setpoint", outside_of(ends, is_fahrenheit), lambda number: ("t", json.dumps(number)))
 
 
@@ -256,17 +199,19 @@ def plain_numbers(draw: st.DrawFn) -> Bounded:
     kind = draw(st.sampled_from(["homeassistant", "zigbee2mqtt", "homie", "thing"]))
     if kind == "homeassistant":
         config = {"command_topic": "t/set", "state_topic": "t", "min": ends[0], "max": ends[1]}
-        return Bounded(homeassistant("number", "number", config), "number", ends, lambda number: ("t", str(number)))
+        return Bounded(
+            homeassistant_part("number", "number", config), "number", ends, lambda number: ("t", str(number))
+        )
     if kind == "zigbee2mqtt":
         expose = {"type": "numeric", "name": "x", "property": "x", "access": 7, "value_min": ends[0]}
-        part = zigbee2mqtt("number", {**expose, "value_max": ends[1]})
+        part = zigbee2mqtt_part("number", {**expose, "value_max": ends[1]})
         return Bounded(part, "number", ends, lambda number: ("zigbee2mqtt/a", json.dumps({"x": number})))
     if kind == "homie":
         prop = {"datatype": "float", "format": f"{ends[0]!r}:{ends[1]!r}", "settable": True}
-        part = homie("number", "", {"x": prop})
+        part = homie_part("number", {"x": prop})
         return Bounded(part, "number", ends, lambda number: ("homie/5/x/n/x", f"{number:f}"))
     schema = {"type": "number", "minimum": ends[0], "maximum": ends[1]}
-    return Bounded(thing("number", "", schema), "number", ends, lambda number: ("t", json.dumps(number)))
+    return Bounded(thing_part("number", "", schema), "number", ends, lambda number: ("t", json.dumps(number)))
 
 
 def _spelled(number: float) -> str:
@@ -327,7 +272,7 @@ README_LAMP: dict[str, Any] = {
 
 @pytest.mark.parametrize(("kelvin", "mired"), [(2700.0, 370), (6500.0, 153)])
 def test_a_lamp_of_2700_to_6500_kelvin_takes_both(kelvin: float, mired: int) -> None:
-    part = homeassistant("light", "color_temperature", README_LAMP)
+    part = homeassistant_part("color_temperature", "light", README_LAMP)
     (white,) = [one for one in part.part.capabilities if one.name == "color_temperature"]
     assert white.bounds[0] <= kelvin <= white.bounds[1]
     (told,) = part.codec.write("color_temperature", kelvin)
@@ -338,4 +283,4 @@ def test_a_lamp_of_2700_to_6500_kelvin_takes_both(kelvin: float, mired: int) -> 
 def test_a_temperature_beyond_a_bound_is_refused(celsius: float) -> None:
     config = {"temperature_command_topic": "t/set", "temperature_unit": "F", "min_temp": 45, "max_temp": 95}
     with pytest.raises(RefusedError, match=r"7\.2 to 35 °C"):
-        homeassistant("climate", "heating_setpoint", config).codec.write("heating_setpoint", celsius)
+        homeassistant_part("heating_setpoint", "climate", config).codec.write("heating_setpoint", celsius)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 
 import pytest
+from tests.conventions.announced_parts import homeassistant_parts
 
-from homebot.conventions.description import DescribedPart, DeviceAnnounced, DeviceWithdrawn
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.description import DescribedPart
 
 STATE = "zigbee2mqtt/door"
 MESSAGE = b'{"state": "LOCK", "battery": 80, "user_code": 4711, "pin_code": "4711", "x": "4711"}'
@@ -18,12 +17,7 @@ def parts(component: str, fields: Mapping[str, object]) -> tuple[DescribedPart, 
     config = {"state_topic": STATE, "unique_id": "0x1_x", **fields}
     if component != "sensor":
         config["command_topic"] = f"{STATE}/set"
-    taken = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(
-        f"homeassistant/{component}/0x1/x/config", json.dumps(config).encode(), retained=True
-    )
-    (heard,) = taken
-    assert isinstance(heard, (DeviceAnnounced, DeviceWithdrawn))
-    return heard.parts if isinstance(heard, DeviceAnnounced) else ()
+    return homeassistant_parts(component, config)
 
 
 @pytest.mark.parametrize(

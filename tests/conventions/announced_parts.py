@@ -1,0 +1,80 @@
+"""Parts that a convention describes, of devices that are announced with a few fields."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+from homebot.conventions.convention import Convention
+from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.homie import Homie, HomieSettings
+from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.wot.mqtt import ThingDescriptions, ThingSettings
+
+
+def announced(convention: Convention, *messages: tuple[str, object]) -> list[DeviceAnnounced]:
+    """The devices that *messages* announce; a payload that is no text is spelled in JSON."""
+    heard = [
+        one
+        for topic, payload in messages
+        for one in convention.read_message(
+            topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
+        )
+    ]
+    return [one for one in heard if isinstance(one, DeviceAnnounced)]
+
+
+def part_with(capability: str, convention: Convention, *messages: tuple[str, object]) -> DescribedPart:
+    """The only part with *capability*."""
+    parts = [part for one in announced(convention, *messages) for part in one.parts]
+    (found,) = [one for one in parts if capability in {each.name for each in one.part.capabilities}]
+    return found
+
+
+def homeassistant_parts(component: str, config: Mapping[str, object]) -> tuple[DescribedPart, ...]:
+    """The parts of one config of Home Assistant's discovery."""
+    message = (f"homeassistant/{component}/x/config", config)
+    return tuple(
+        part for one in announced(HomeAssistantDiscovery(HomeAssistantSettings()), message) for part in one.parts
+    )
+
+
+def homeassistant_part(capability: str, component: str, config: Mapping[str, object]) -> DescribedPart:
+    convention = HomeAssistantDiscovery(HomeAssistantSettings())
+    return part_with(capability, convention, (f"homeassistant/{component}/x/config", config))
+
+
+def zigbee2mqtt_part(capability: str, expose: Mapping[str, object]) -> DescribedPart:
+    entry = {
+        "ieee_address": "0x00158d0001abcdef",
+        "friendly_name": "a",
+        "type": "Router",
+        "supported": True,
+        "interview_completed": True,
+        "definition": {"model": "m", "vendor": "v", "description": "d", "exposes": [expose]},
+    }
+    return part_with(capability, Zigbee2Mqtt(Zigbee2MqttSettings()), ("zigbee2mqtt/bridge/devices", [entry]))
+
+
+def homie_part(capability: str, properties: Mapping[str, object], node_type: str = "") -> DescribedPart:
+    """Of the node ``homie/5/x/n``."""
+    description = {"homie": "5.0", "version": 1, "nodes": {"n": {"type": node_type, "properties": properties}}}
+    messages = (("homie/5/x/$description", description), ("homie/5/x/$state", "ready"))
+    return part_with(capability, Homie(HomieSettings()), *messages)
+
+
+def thing_part(capability: str, types: str, schema: Mapping[str, object]) -> DescribedPart:
+    """Of a thing with one property, reported on ``t`` and written on ``t/set``."""
+    forms = [
+        {"href": "mqtt://b", "op": "observeproperty", "mqv:filter": "t"},
+        {"href": "mqtt://b", "op": "writeproperty", "mqv:topic": "t/set"},
+    ]
+    description = {
+        "@context": "https://www.w3.org/2022/wot/td/v1.1",
+        "title": "T",
+        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
+        "security": "nosec_sc",
+        "properties": {"p": {"@type": types, "forms": forms, **schema}},
+    }
+    return part_with(capability, ThingDescriptions(ThingSettings()), ("homebot/things/x/td", description))
