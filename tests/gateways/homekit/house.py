@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import anyio
-from tests.gateways.homekit.fake_accessories import FakeMdns, FakePort, FakeServer
+from tests.gateways.homekit.fake_accessories import CODE, FakeMdns, FakePort, FakeServer
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
@@ -89,3 +89,15 @@ async def house(*servers: FakeServer, pairings: Path | None = None) -> AsyncIter
                 mdns.announce(server)
             await anyio.wait_all_tasks_blocked()
             yield HomekitHouse(gateway, mdns, watcher)
+
+
+@asynccontextmanager
+async def paired(
+    server: FakeServer, state: tuple[str, PlainValue] = ("on_off", False), pairings: Path | None = None
+) -> AsyncIterator[tuple[HomekitHouse, Subscription[Report]]]:
+    """A house with *server* paired, and its reports behind the first that has *state*: a capability with its value."""
+    async with house(server, pairings=pairings) as home:
+        assert (await home.pair(server, CODE)).success
+        reports = home.reports()
+        await reading(reports, *state)
+        yield home, reports

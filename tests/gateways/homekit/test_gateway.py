@@ -14,7 +14,7 @@ from tests.gateways.homekit.fake_accessories import (
     lamp_service,
     service,
 )
-from tests.gateways.homekit.house import house, reading
+from tests.gateways.homekit.house import house, paired, reading
 
 from homebot.gateways.homekit.accessory_runner import MAX_EVENTS
 from homebot.gateways.homekit.port import HomekitValues
@@ -62,10 +62,7 @@ async def test_a_paired_accessory_is_described_with_its_facts_and_reports() -> N
 
 async def test_what_was_written_is_read_again_because_no_event_comes() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         assert (await home.send(KEY, "8", "level", 40.0)).success
         assert server.written == [((1, 10), 40), ((1, 9), True)]
         await reading(reports, "on_off", True)
@@ -89,10 +86,7 @@ async def test_each_accessory_behind_a_bridge_is_a_device_and_one_that_is_gone_i
 
 async def test_a_lock_is_written_in_time_and_says_that_it_is_on_its_way() -> None:
     server = bridge()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "lock", "unlocked")
+    async with paired(server, ("lock", "unlocked")) as (home, reports):
         assert (await home.send(f"{KEY}.3", "20", "lock", "locked")).success
         assert (server.written, server.timed) == ([((3, 22), 1)], [True])
         await reading(reports, "lock", "locking")
@@ -102,10 +96,7 @@ async def test_a_lock_is_written_in_time_and_says_that_it_is_on_its_way() -> Non
 
 async def test_each_press_of_a_button_is_an_event() -> None:
     server = bridge()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "lock", "unlocked")
+    async with paired(server, ("lock", "unlocked")) as (_, reports):
         for _ in range(2):
             server.report(4, 31, 0)
             await reading(reports, "press", "single")
@@ -116,9 +107,7 @@ async def test_each_press_of_a_button_is_an_event() -> None:
 @pytest.mark.parametrize(("status", "problem"), [(-70402, "unreachable"), (70403, "unreachable"), (-70410, "refused")])
 async def test_a_status_says_whether_the_same_may_work_later(status: int, problem: str) -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        await reading(home.reports(), "on_off", False)
+    async with paired(server) as (home, _):
         server.status = status
         answer = await home.send(KEY, "8", "on_off", True)
         assert (answer.success, answer.problem) == (False, problem)
@@ -126,10 +115,7 @@ async def test_a_status_says_whether_the_same_may_work_later(status: int, proble
 
 async def test_an_accessory_that_restarts_is_back_within_five_seconds_and_got_no_command_twice() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         assert (await home.send(KEY, "8", "on_off", True)).success
         server.is_there = False
         server.drop()
@@ -146,9 +132,7 @@ async def test_an_accessory_that_restarts_is_back_within_five_seconds_and_got_no
 
 async def test_a_command_that_expires_while_the_accessory_hangs_does_not_come_later() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        await reading(home.reports(), "on_off", False)
+    async with paired(server) as (home, _):
         server.answers = anyio.Event()
         answer = await home.send(KEY, "8", "on_off", True, expires_after=2.0)
         assert (answer.problem, server.written) == ("unreachable", [])
@@ -159,10 +143,7 @@ async def test_a_command_that_expires_while_the_accessory_hangs_does_not_come_la
 
 async def test_one_that_announces_the_id_of_another_does_not_end_its_connection() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         (link,) = server.links
         home.mdns.announce(server, ip_address="10.0.0.66")
         await anyio.sleep(1)
@@ -173,10 +154,7 @@ async def test_one_that_announces_the_id_of_another_does_not_end_its_connection(
 
 async def test_after_more_events_than_can_wait_all_values_are_read() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         for number in range(MAX_EVENTS + 20):
             server.report(1, 10, number % 50)
         server.report(*ON, True)
@@ -187,10 +165,7 @@ async def test_after_more_events_than_can_wait_all_values_are_read() -> None:
 
 async def test_values_without_events_are_read_now_and_then() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (_, reports):
         server.find(1, 9)["value"] = True
         with anyio.fail_after(35):
             await reading(reports, "on_off", True)
@@ -198,10 +173,7 @@ async def test_values_without_events_are_read_now_and_then() -> None:
 
 async def test_an_accessory_that_sends_nonsense_is_rejected_and_then_heard_again() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         nonsense: list[HomekitValues] = [{(9, 9): {"value": 1}}, {(1, 9): {}}, {(1, 9): {"status": 0}}]
         for event in nonsense:
             server.send(event)
@@ -227,10 +199,7 @@ def sleeper() -> FakeServer:
 
 async def test_an_accessory_that_sleeps_is_not_unreachable_and_its_command_waits() -> None:
     server = sleeper()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         server.is_there = False
         server.drop()
         await reading(reports, "reachable", None)
@@ -244,10 +213,7 @@ async def test_an_accessory_that_sleeps_is_not_unreachable_and_its_command_waits
 
 async def test_a_command_that_expires_while_the_accessory_sleeps_does_not_come_later() -> None:
     server = sleeper()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         server.is_there = False
         server.drop()
         await reading(reports, "reachable", None)
@@ -285,10 +251,7 @@ async def test_a_new_address_ends_an_attempt_to_connect_but_none_over_thread(
 
 async def test_a_new_state_number_has_the_values_read_at_once() -> None:
     server = sleeper()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         server.find(1, 9)["value"] = True
         home.mdns.announce(server, state="2")
         with anyio.fail_after(1):

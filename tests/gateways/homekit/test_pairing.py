@@ -10,7 +10,7 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.gateways.homekit.fake_accessories import CODE, FakeServer, accessory, lamp_service
-from tests.gateways.homekit.house import house, reading
+from tests.gateways.homekit.house import house, paired, reading
 
 pytestmark = pytest.mark.virtual_time
 
@@ -66,10 +66,7 @@ async def test_an_accessory_that_is_paired_with_another_controller_says_so() -> 
 
 async def test_an_accessory_that_does_not_know_homebot_any_more_needs_help() -> None:
     server = lamp()
-    async with house(server) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server) as (home, reports):
         server.knows_homebot = False
         server.drop()
         await reading(reports, "reachable", False)
@@ -80,9 +77,7 @@ async def test_an_accessory_that_does_not_know_homebot_any_more_needs_help() -> 
 
 async def test_unpairing_removes_the_key_there_and_here(tmp_path: Path) -> None:
     server, pairings = lamp(), tmp_path / "pairings.json"
-    async with house(server, pairings=pairings) as home:
-        await home.pair(server, CODE)
-        await reading(home.reports(), "on_off", False)
+    async with paired(server, pairings=pairings) as (home, _):
         sightings = home.sightings()
         assert (await home.unpair(KEY)).success
         assert (server.knows_homebot, json.loads(pairings.read_text())) == (False, {})
@@ -93,10 +88,7 @@ async def test_unpairing_removes_the_key_there_and_here(tmp_path: Path) -> None:
 
 async def test_the_key_of_an_accessory_that_is_away_is_deleted(tmp_path: Path) -> None:
     server, pairings = lamp(), tmp_path / "pairings.json"
-    async with house(server, pairings=pairings) as home:
-        await home.pair(server, CODE)
-        reports = home.reports()
-        await reading(reports, "on_off", False)
+    async with paired(server, pairings=pairings) as (home, reports):
         server.is_there = False
         server.drop()
         await reading(reports, "reachable", False)
