@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
+from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import is_approved, waits_for_approval
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Capability
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.approvals import MAX_APPROVALS
 from homebot.errors import RefusedError
 from homebot.places import NO_PLACES
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 MAC = "mac:aabbccddeeff"
 
@@ -27,8 +24,8 @@ def index() -> DeviceIndex:
 
 
 @pytest.fixture
-def lock(announce: Announce, part: MakePart) -> Sighting:
-    bolt = part("door_lock", "lock", id="l", writes=("door/set",)).model_copy(update={"payloads": "as announced"})
+def lock() -> Sighting:
+    bolt = part_of("door_lock", "lock", id="l", writes=("door/set",)).model_copy(update={"payloads": "as announced"})
     return announce("lock/door", bolt, ids=(MAC,), name="Door")
 
 
@@ -98,11 +95,11 @@ def test_an_approved_lock_with_another_identifier_waits_again(index: DeviceIndex
 
 
 def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved(
-    index: DeviceIndex, lock: Sighting, announce: Announce, part: MakePart
+    index: DeviceIndex, lock: Sighting
 ) -> None:
     index.observe(lock)
     index.places.approve("door", 1.0)
-    joins = announce("lock/other", part("door_lock", "lock", id="o", writes=("garage/cmd/set",)), ids=(MAC,))
+    joins = announce("lock/other", part_of("door_lock", "lock", id="o", writes=("garage/cmd/set",)), ids=(MAC,))
     index.observe(joins, 2.0)
     device = only(index)
     assert {one.id: [bool(route.approved) for route in one.routes] for one in device.parts} == {
@@ -116,13 +113,11 @@ def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved
     assert not waits_for_approval(only(again))
 
 
-def test_a_further_route_to_an_approved_part_is_not_approved(
-    index: DeviceIndex, lock: Sighting, announce: Announce, part: MakePart
-) -> None:
+def test_a_further_route_to_an_approved_part_is_not_approved(index: DeviceIndex, lock: Sighting) -> None:
     index.observe(lock)
     index.places.approve("door", 1.0)
     twin = announce(
-        "lock/twin", part("door_lock", "lock", id="l", writes=("door/set",)), ids=(MAC,), on=lock.announced_on
+        "lock/twin", part_of("door_lock", "lock", id="l", writes=("door/set",)), ids=(MAC,), on=lock.announced_on
     )
     index.observe(twin, 2.0)
     (both,) = only(index).parts
@@ -162,11 +157,11 @@ def test_another_device_that_comes_with_the_same_id_is_not_approved(index: Devic
     assert approved(restored(index)) == ["door"]
 
 
-def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(
-    index: DeviceIndex, lock: Sighting, announce: Announce, part: MakePart
-) -> None:
+def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(index: DeviceIndex, lock: Sighting) -> None:
     index.observe(lock)
-    index.observe(announce("lock/gate", part("door_lock", "lock", id="g", writes=("gate/set",)), ids=(), name="Gate"))
+    index.observe(
+        announce("lock/gate", part_of("door_lock", "lock", id="g", writes=("gate/set",)), ids=(), name="Gate")
+    )
     index.places.approve("door", 1.0)
     index.merge(("door", "gate"), 2.0)
     assert approved(index) == ["door"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -10,6 +10,7 @@ from functools import partial
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.discovery.announcements import announce, part_of
 
 from homebot.clock import Clock, ManualClock
 from homebot.devices import (
@@ -22,7 +23,6 @@ from homebot.devices import (
     Sighting,
 )
 from homebot.devices.gateway_messages import REACHABLE, Report
-from homebot.devices.part import Part
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
 from homebot.devices.value import Reading, Value
 from homebot.discovery import Directory, DirectorySettings
@@ -32,8 +32,6 @@ from homebot.testing import FakeGateway, FakeGatewaySettings
 
 pytestmark = pytest.mark.virtual_time
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 STALE_AFTER = 60.0
 
@@ -91,37 +89,33 @@ async def test_every_change_is_announced_once() -> None:
         assert await house.heard() == [("removed", "lights/lamp")]
 
 
-async def announce_mixed(house: Layer, announce: Announce, part: MakePart, *, seconds: float) -> None:
+async def announce_mixed(house: Layer, *, seconds: float) -> None:
     """Announce eight parts of each of twenty lamps, the first of all lamps first, and then others for *seconds*."""
     for number in range(8):
         for lamp in range(20):
-            key, relay = f"{lamp}/{number}", part("switch", "on_off", id=f"relay{number}")
+            key, relay = f"{lamp}/{number}", part_of("switch", "on_off", id=f"relay{number}")
             house.gateway.publish_sighting(announce(key, relay, ids=(f"id:lamp{lamp}",), gateway="fake"))
         await anyio.sleep(0.05)
     for number in range(int(seconds / 0.05)):
-        house.gateway.publish_sighting(announce(f"other{number}", part("light", "on_off", id="l"), gateway="fake"))
+        house.gateway.publish_sighting(announce(f"other{number}", part_of("light", "on_off", id="l"), gateway="fake"))
         await anyio.sleep(0.05)
 
 
-async def test_devices_that_are_announced_in_many_mixed_messages_are_published_twice(
-    announce: Announce, part: MakePart
-) -> None:
+async def test_devices_that_are_announced_in_many_mixed_messages_are_published_twice() -> None:
     """At once, and once more with all that they are when no more announcements come."""
     async with layer() as house:
-        await announce_mixed(house, announce, part, seconds=0)
+        await announce_mixed(house, seconds=0)
         await anyio.sleep(0.2)
         heard = await house.heard()
     assert sorted(kind for kind, _ in heard) == ["appeared"] * 20 + ["changed"] * 20
     assert {len(device.parts) for device in house.directory.index.devices()} == {8}
 
 
-async def test_devices_that_are_announced_in_one_burst_are_published_once_with_all_their_parts(
-    announce: Announce, part: MakePart
-) -> None:
+async def test_devices_that_are_announced_in_one_burst_are_published_once_with_all_their_parts() -> None:
     async with layer() as house:
         for number in range(8):
             for lamp in range(20):
-                relay = part("switch", "on_off", id=f"relay{number}")
+                relay = part_of("switch", "on_off", id=f"relay{number}")
                 sighting = announce(f"{lamp}/{number}", relay, ids=(f"id:lamp{lamp}",), gateway="fake")
                 house.gateway.publish_sighting(sighting)
             for _ in range(3):  # as a gateway that reads a broker's messages
@@ -131,7 +125,7 @@ async def test_devices_that_are_announced_in_one_burst_are_published_once_with_a
     assert found == [("appeared", 8)] * 20
 
 
-async def test_a_flood_of_others_keeps_no_device_from_being_published_whole(announce: Announce, part: MakePart) -> None:
+async def test_a_flood_of_others_keeps_no_device_from_being_published_whole() -> None:
     """Ten seconds later at the latest."""
     async with layer() as house:
         seen = anyio.Event()
@@ -142,7 +136,7 @@ async def test_a_flood_of_others_keeps_no_device_from_being_published_whole(anno
 
         house.watcher.create_subscription(DeviceChange, DEVICE_CHANGES, look, 1000)
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(partial(announce_mixed, house, announce, part, seconds=30))
+            tasks.start_soon(partial(announce_mixed, house, seconds=30))
             with anyio.fail_after(11):
                 await seen.wait()
             tasks.cancel_scope.cancel()

@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import Device, Sighting
-from homebot.devices.gateway_messages import Report
-from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 Hear = Callable[..., None]
 
 MAC = "mac:aabbccddeeff"
@@ -21,9 +17,9 @@ HOUR = 3600.0
 
 
 @pytest.fixture
-def announced(announce: Announce, part: MakePart) -> dict[str, Sighting]:
+def announced() -> dict[str, Sighting]:
     """One lamp as two gateways announce it: silent for at most an hour."""
-    lamp = part("light", "on_off", id="l")
+    lamp = part_of("light", "on_off", id="l")
     return {one: announce("lamp", lamp, ids=(MAC,), gateway=one, confirmed=True) for one in ("radio", "cable")}
 
 
@@ -36,7 +32,7 @@ def lamp(index: DeviceIndex, announced: dict[str, Sighting]) -> Device:
 
 
 @pytest.fixture
-def hear(index: DeviceIndex, announced: dict[str, Sighting], tell: Tell) -> Hear:
+def hear(index: DeviceIndex, announced: dict[str, Sighting]) -> Hear:
     """Lets the lamp report over a gateway."""
 
     def report(gateway: str, at: float, capability: str = "on_off", *, value: bool = True) -> None:
@@ -116,35 +112,29 @@ def test_the_route_that_says_that_it_cannot_be_reached_there_comes_last(
     assert routes(change.device) == ["radio", "cable"]
 
 
-def test_a_gateway_without_a_part_of_it_is_an_endpoint_as_well(
-    index: DeviceIndex, lamp: Device, announce: Announce
-) -> None:
+def test_a_gateway_without_a_part_of_it_is_an_endpoint_as_well(index: DeviceIndex, lamp: Device) -> None:
     index.observe(announce("page", ids=(MAC,), gateway="web", confirmed=True), 1.0)
     assert [one.gateway for one in only(index).endpoints] == ["radio", "cable", "web"]
 
 
-def test_a_gateway_that_loses_it_is_no_endpoint_any_more(index: DeviceIndex, lamp: Device, announce: Announce) -> None:
+def test_a_gateway_that_loses_it_is_no_endpoint_any_more(index: DeviceIndex, lamp: Device) -> None:
     index.observe(announce("lamp", ids=(MAC,), gateway="radio", kind="removed", at=5.0), 5.0)
     assert life(only(index)) == [("cable", "fresh", "unknown")]
 
 
-def test_a_device_of_one_gateway_is_as_fresh_there_as_everywhere(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    index.observe(announce("lamp", part("light", "on_off", id="l"), ids=(MAC,), confirmed=True), 0.0)
+def test_a_device_of_one_gateway_is_as_fresh_there_as_everywhere(index: DeviceIndex) -> None:
+    index.observe(announce("lamp", part_of("light", "on_off", id="l"), ids=(MAC,), confirmed=True), 0.0)
     index.expire(HOUR)
     (endpoint,) = only(index).endpoints
     assert (endpoint.freshness, endpoint.last_seen) == ("stale", only(index).last_seen)
 
 
-def test_two_devices_that_become_one_keep_which_gateway_was_silent(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    index.observe(announce("lamp", part("light", "on_off", id="l"), ids=("id:first one",), confirmed=True), 0.0)
+def test_two_devices_that_become_one_keep_which_gateway_was_silent(index: DeviceIndex) -> None:
+    index.observe(announce("lamp", part_of("light", "on_off", id="l"), ids=("id:first one",), confirmed=True), 0.0)
     index.expire(HOUR)
-    late = announce("lamp", part("light", "on_off", id="l"), ids=(MAC,), gateway="cable", at=4000.0, confirmed=True)
+    late = announce("lamp", part_of("light", "on_off", id="l"), ids=(MAC,), gateway="cable", at=4000.0, confirmed=True)
     index.observe(late, 4000.0)
-    both = announce("lamp", part("light", "on_off", id="l"), ids=(MAC,), at=0.0)
+    both = announce("lamp", part_of("light", "on_off", id="l"), ids=(MAC,), at=0.0)
     index.observe(both, 4001.0)
     assert only(index).freshness == "fresh"
     assert {one[0]: one[1] for one in life(only(index))} == {"mqtt": "stale", "cable": "fresh"}

@@ -2,23 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
-from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone, Tombstones
 from homebot.discovery.report_interval import ReportInterval
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 
 HOUR = 3600.0
 DAY = 24 * HOUR
@@ -48,11 +42,9 @@ def freshness(index: DeviceIndex) -> str:
     return device.freshness
 
 
-def test_a_sensor_that_reports_every_two_hours_is_not_stale_between_its_reports(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_a_sensor_that_reports_every_two_hours_is_not_stale_between_its_reports(index: DeviceIndex) -> None:
     """Once it was heard twice; and it is when it misses three."""
-    sensor = announce("t", part("temperature_sensor", "temperature", id="t"), ids=("id:sensor",))
+    sensor = announce("t", part_of("temperature_sensor", "temperature", id="t"), ids=("id:sensor",))
     index.observe(sensor)
     stale = 0
     for number in range(1, 12):
@@ -63,8 +55,8 @@ def test_a_sensor_that_reports_every_two_hours_is_not_stale_between_its_reports(
     assert [one.kind for one in expire(index, 22 * HOUR + 6 * HOUR)] == ["stale"]
 
 
-def test_a_kept_message_is_no_sign_of_life(index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell) -> None:
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+def test_a_kept_message_is_no_sign_of_life(index: DeviceIndex) -> None:
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",))
     after(index, lamp)
     assert after(index, tell(lamp, "on_off", True, part="l", retained=True)) == []
     assert freshness(index) == "unconfirmed"
@@ -72,20 +64,16 @@ def test_a_kept_message_is_no_sign_of_life(index: DeviceIndex, announce: Announc
     assert freshness(index) == "fresh"
 
 
-def test_what_a_gateway_concludes_by_itself_is_no_sign_of_life(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_what_a_gateway_concludes_by_itself_is_no_sign_of_life(index: DeviceIndex) -> None:
     """A value that fades does so without the device."""
-    lamp = announce("l", part("occupancy_sensor", "occupancy", id="l"), ids=("id:pir",))
+    lamp = announce("l", part_of("occupancy_sensor", "occupancy", id="l"), ids=("id:pir",))
     after(index, lamp)
     assert after(index, tell(lamp, "occupancy", False, part="l", address="")) == []
     assert freshness(index) == "unconfirmed"
 
 
-def test_a_last_will_says_that_a_device_is_gone_and_is_no_sign_of_life(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+def test_a_last_will_says_that_a_device_is_gone_and_is_no_sign_of_life(index: DeviceIndex) -> None:
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",))
     after(index, lamp)
     assert after(index, tell(lamp, REACHABLE, True, at=5)) == ["changed"]
     assert (index.devices()[0].reachable.state, freshness(index)) == ("yes", "fresh")
@@ -98,12 +86,10 @@ def test_a_last_will_says_that_a_device_is_gone_and_is_no_sign_of_life(
     assert index.devices()[0].reachable.state == "unknown"
 
 
-def test_a_device_that_said_live_that_it_is_online_may_be_silent_for_a_day(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_a_device_that_said_live_that_it_is_online_may_be_silent_for_a_day(index: DeviceIndex) -> None:
     """Its last will watches over it; one that the broker had kept watches over nothing."""
-    said = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), name="said")
-    kept = announce("k", part("light", "on_off", id="l"), ids=("id:kept",), name="kept")
+    said = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",), name="said")
+    kept = announce("k", part_of("light", "on_off", id="l"), ids=("id:kept",), name="kept")
     for one in (said, kept):
         index.observe(one)
         index.report(tell(one, REACHABLE, True, at=5, retained=one is kept))
@@ -112,12 +98,10 @@ def test_a_device_that_said_live_that_it_is_online_may_be_silent_for_a_day(
     assert [one.device.id for one in expire(index, DAY + 5)] == ["said"]
 
 
-def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(index: DeviceIndex) -> None:
     """Its own word brings it back, under its old id."""
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
-    other = announce("m", part("light", "on_off", id="l"), ids=("mac:000000000001",), name="Lamp", at=3 * DAY)
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
+    other = announce("m", part_of("light", "on_off", id="l"), ids=("mac:000000000001",), name="Lamp", at=3 * DAY)
     after(index, lamp)
     assert [one.kind for one in expire(index, 3 * DAY)] == ["stale", "removed"]
 
@@ -132,11 +116,9 @@ def test_a_forgotten_ghost_does_not_come_back_by_what_the_broker_kept(
     assert sorted(one.id for one in index.devices()) == ["lamp", "lamp_0001"]
 
 
-def test_a_forgotten_device_is_back_with_its_first_live_word(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_a_forgotten_device_is_back_with_its_first_live_word(index: DeviceIndex) -> None:
     """Whether its gateway announces it anew or not; a last will is no word."""
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
     after(index, lamp)
     expire(index, 3 * DAY)
     assert after(index, tell(lamp, REACHABLE, False, at=3 * DAY)) == []
@@ -147,21 +129,17 @@ def test_a_forgotten_device_is_back_with_its_first_live_word(
     assert [one.value.plain() for one in device.states] == [True]
 
 
-def test_a_removed_device_that_is_announced_under_another_key_is_recognised(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("eui64:00158d0001abcdef",), name="Lamp")
+def test_a_removed_device_that_is_announced_under_another_key_is_recognised(index: DeviceIndex) -> None:
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("eui64:00158d0001abcdef",), name="Lamp")
     after(index, lamp)
     after(index, lamp.model_copy(update={"kind": "removed"}))
-    again = announce("new", part("light", "on_off", id="l"), ids=("eui64:00158d0001abcdef",), name="Hall lamp")
+    again = announce("new", part_of("light", "on_off", id="l"), ids=("eui64:00158d0001abcdef",), name="Hall lamp")
     assert after(index, again) == ["appeared"]
     assert [one.id for one in index.devices()] == ["lamp"]
 
 
-def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
+def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(index: DeviceIndex) -> None:
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp")
     after(index, lamp)
     assert index.forget("lamp", 5.0) == (("mqtt", "homeassistant/l/aabbccddeeff/config"),)
     assert [one.kind for one in index.pop_changes()] == ["removed"]
@@ -170,11 +148,9 @@ def test_a_device_that_somebody_wants_forgotten_is_gone_until_it_speaks(
     assert index.forget("nobody", 5.0) is None
 
 
-def test_a_report_that_comes_before_its_announcement_waits_for_it(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_a_report_that_comes_before_its_announcement_waits_for_it(index: DeviceIndex) -> None:
     """For a minute; the two come on two topics."""
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), at=30)
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",), at=30)
     index.report(tell(lamp, "on_off", True, part="l", at=25))
     index.report(tell(lamp, "on_off", False, part="l", at=30))
     index.observe(lamp)
@@ -182,16 +158,14 @@ def test_a_report_that_comes_before_its_announcement_waits_for_it(
     assert [one.value.plain() for one in device.states] == [False]
     assert device.freshness == "fresh"
 
-    late = announce("m", part("light", "on_off", id="l"), ids=("id:late",), at=300)
+    late = announce("m", part_of("light", "on_off", id="l"), ids=("id:late",), at=300)
     index.report(tell(late, "on_off", True, part="l", at=25))
     index.observe(late)
     assert index.devices()[1].states == ()
 
 
-def test_reports_of_nobody_and_of_unknown_parts_are_counted(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+def test_reports_of_nobody_and_of_unknown_parts_are_counted(index: DeviceIndex) -> None:
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",))
     index.report(tell(lamp, "on_off", True, part="l"))
     index.observe(lamp)
     index.report(tell(lamp, "on_off", False, part="other"))
@@ -201,12 +175,10 @@ def test_reports_of_nobody_and_of_unknown_parts_are_counted(
     assert [(one.part, one.capability, one.value.plain()) for one in device.states] == [("l", "on_off", True)]
 
 
-def test_an_old_report_of_a_part_that_vanished_changes_nothing(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_an_old_report_of_a_part_that_vanished_changes_nothing(index: DeviceIndex) -> None:
     """Nor one of a capability that the part has no longer; what waited to be told of them is not told."""
     before = announce(
-        "l", part("light", "on_off", "level", id="l"), part("x_sensor", "value", id="s"), ids=("id:lamp",)
+        "l", part_of("light", "on_off", "level", id="l"), part_of("x_sensor", "value", id="s"), ids=("id:lamp",)
     )
     index.observe(before)
     index.sort()
@@ -218,7 +190,7 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(
     ]
     for one in old:
         index.report(one)
-    index.observe(announce("l", part("light", "on_off", id="l"), ids=("id:lamp",)))
+    index.observe(announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",)))
     for one in old:
         index.report(one.model_copy(update={"retained": True}))
     index.pop_changes()
@@ -228,10 +200,10 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(
     assert not index.find(parse_query("level > 1"))
 
 
-def test_what_a_part_told_goes_with_it(index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell) -> None:
+def test_what_a_part_told_goes_with_it(index: DeviceIndex) -> None:
     """However often a device changes its parts, it is no bigger than they are."""
     for number in range(5):
-        lamp = announce("l", part("light", "on_off", id=f"l{number}"), ids=("id:lamp",))
+        lamp = announce("l", part_of("light", "on_off", id=f"l{number}"), ids=("id:lamp",))
         index.observe(lamp)
         index.report(tell(lamp, "on_off", True, part=f"l{number}"))
     (device,) = index.devices()
@@ -242,11 +214,9 @@ def test_what_a_part_told_goes_with_it(index: DeviceIndex, announce: Announce, p
     assert len(source.values) == 1
 
 
-def test_states_are_told_where_somebody_wants_them(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_states_are_told_where_somebody_wants_them(index: DeviceIndex) -> None:
     """Each new value once, numbered above the change that went before."""
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",), name="Lamp")
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",), name="Lamp")
     index.observe(lamp)
     index.report(tell(lamp, "on_off", True, part="l", at=1))
     index.changes.collects_states = True
@@ -258,11 +228,9 @@ def test_states_are_told_where_somebody_wants_them(
     assert (change.device, change.sequence) == ("lamp", changes[-1].sequence + 1)
 
 
-def test_new_values_of_one_message_are_one_change(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_new_values_of_one_message_are_one_change(index: DeviceIndex) -> None:
     """With those that changed alone; the key names them, so that no newer change of others takes its place."""
-    lamp = announce("l", part("light", "on_off", "level", "effect", id="l"), ids=("id:lamp",), name="Lamp")
+    lamp = announce("l", part_of("light", "on_off", "level", "effect", id="l"), ids=("id:lamp",), name="Lamp")
     index.observe(lamp)
     index.sort()
     index.changes.collects_states = True
@@ -316,11 +284,9 @@ def test_patience_is_bounded_whatever_was_heard(times: list[float]) -> None:
     assert len(rhythm.gaps) <= 8
 
 
-def test_the_first_value_is_first_until_the_device_reports_another_one(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_the_first_value_is_first_until_the_device_reports_another_one(index: DeviceIndex) -> None:
     """Also where it was known from the broker: since when it is so is not known then."""
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("id:lamp",))
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("id:lamp",))
     index.observe(lamp)
     found = []
     for is_on, retained in ((False, True), (True, True), (True, False), (True, False), (False, False), (False, False)):

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import permutations
 
 import pytest
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import DeviceChange, Sighting
 from homebot.devices.device import EVERYTHING
-from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 
 IEEE = "eui64:00158d0001abcdef"
 MAC = "mac:aabbccddeeff"
@@ -33,14 +28,12 @@ def kinds(changes: tuple[DeviceChange, ...]) -> list[tuple[str, str, str]]:
     return [(one.kind, one.device.id, one.other) for one in changes]
 
 
-def test_the_entities_of_one_device_are_one_device_told_of_once(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_the_entities_of_one_device_are_one_device_told_of_once(index: DeviceIndex) -> None:
     changes = after(
         index,
-        announce("sensor/a", part("temperature_sensor", "temperature", id="t", category="diagnostic"), ids=(MAC,)),
-        announce("light/a", part("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,), area="Küche"),
-        announce("update/a", part("x_update", "version", id="u", category="config"), ids=(MAC,)),
+        announce("sensor/a", part_of("temperature_sensor", "temperature", id="t", category="diagnostic"), ids=(MAC,)),
+        announce("light/a", part_of("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,), area="Küche"),
+        announce("update/a", part_of("x_update", "version", id="u", category="config"), ids=(MAC,)),
     )
     assert kinds(changes) == [("appeared", "desk_lamp", "")]
     device = changes[0].device
@@ -62,28 +55,24 @@ def test_the_entities_of_one_device_are_one_device_told_of_once(
     ],
 )
 def test_a_device_is_of_the_type_that_it_is_there_for(
-    index: DeviceIndex, announce: Announce, part: MakePart, types: tuple[str, ...], expected: str
+    index: DeviceIndex, types: tuple[str, ...], expected: str
 ) -> None:
-    parts = [part(one, "on_off", id=one, writes=(one,)) for one in types]
+    parts = [part_of(one, "on_off", id=one, writes=(one,)) for one in types]
     (change,) = after(index, announce("device/a", *parts, ids=(MAC,)))
     assert change.device.service_type == expected
     assert change.device.endpoints[0].command_address == f"words:homeassistant:device/a#{expected}"
 
 
-def test_a_device_that_is_described_anew_before_it_was_told_of_was_announced(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    index.observe(announce("l", part(), ids=(MAC,)).model_copy(update={"why": "its description changed"}))
+def test_a_device_that_is_described_anew_before_it_was_told_of_was_announced(index: DeviceIndex) -> None:
+    index.observe(announce("l", part_of(), ids=(MAC,)).model_copy(update={"why": "its description changed"}))
     (change,) = index.pop_changes()
     assert (change.kind, change.why) == ("appeared", "it was announced")
 
 
-def test_one_lamp_through_two_conventions_is_one_lamp_with_two_routes(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_one_lamp_through_two_conventions_is_one_lamp_with_two_routes(index: DeviceIndex) -> None:
     """The device's own convention first, and the evidence in words."""
-    lamp = part("light", "on_off", "level", id="x", reads=("z/lamp",), writes=("z/lamp/set",))
-    own = part("light", "on_off", id="state", reads=("z/lamp",), writes=("z/lamp/set",))
+    lamp = part_of("light", "on_off", "level", id="x", reads=("z/lamp",), writes=("z/lamp/set",))
+    own = part_of("light", "on_off", id="state", reads=("z/lamp",), writes=("z/lamp/set",))
     first = after(index, announce("light/0x17", lamp, ids=(IEEE, "id:zigbee2mqtt_0x17"), name="Lamp"))
     second = after(index, announce("z/0x17", own, convention="zigbee2mqtt", ids=(IEEE,), name="lamp"))
 
@@ -101,14 +90,12 @@ def test_one_lamp_through_two_conventions_is_one_lamp_with_two_routes(
     assert index.devices("lights") == (device,)
 
 
-def test_two_devices_that_turn_out_to_be_one_are_told_of_and_the_older_lives_on(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_two_devices_that_turn_out_to_be_one_are_told_of_and_the_older_lives_on(index: DeviceIndex) -> None:
     """And when the bond goes, the younger is a device again."""
-    lamp = part(id="l")
+    lamp = part_of(id="l")
     after(index, announce("light/a", lamp, ids=("id:serial-4711",), name="A"))
     after(index, announce("shelly1", lamp, convention="shelly", ids=(MAC,), name="B"))
-    both = announce("sensor/a", part("x_sensor", id="s"), ids=("id:serial-4711", MAC), name="A")
+    both = announce("sensor/a", part_of("x_sensor", id="s"), ids=("id:serial-4711", MAC), name="A")
 
     merged = after(index, both)
     assert kinds(merged) == [("removed", "b", "a"), ("merged", "a", "b")]
@@ -122,44 +109,38 @@ def test_two_devices_that_turn_out_to_be_one_are_told_of_and_the_older_lives_on(
     assert {one.id for one in index.devices()} == {"a", "b"}
 
 
-def test_the_address_of_a_host_does_not_make_its_devices_one(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_the_address_of_a_host_does_not_make_its_devices_one(index: DeviceIndex) -> None:
     """Homie devices name the computer that speaks for them."""
     for number in range(5):
-        index.observe(announce(f"dev{number}", part(id="p"), convention="homie", ids=(MAC,), name=f"Dev {number}"))
+        index.observe(announce(f"dev{number}", part_of(id="p"), convention="homie", ids=(MAC,), name=f"Dev {number}"))
     assert len(index.devices()) == 5
 
 
-def test_a_host_itself_is_none_of_its_devices(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_a_host_itself_is_none_of_its_devices(index: DeviceIndex) -> None:
     after(
         index,
-        announce("host", part(id="p"), convention="shelly", ids=(MAC,), name="Host"),
-        announce("dev1", part(id="p"), convention="homie", ids=(MAC, "id:dev1"), name="One"),
-        announce("dev2", part(id="p"), convention="homie", ids=(MAC, "id:dev2"), name="Two"),
+        announce("host", part_of(id="p"), convention="shelly", ids=(MAC,), name="Host"),
+        announce("dev1", part_of(id="p"), convention="homie", ids=(MAC, "id:dev1"), name="One"),
+        announce("dev2", part_of(id="p"), convention="homie", ids=(MAC, "id:dev2"), name="Two"),
     )
     assert {one.id for one in index.devices()} == {"host", "one", "two"}
 
 
 @pytest.mark.parametrize("shared", ["id:mqtt-io", "id:ESP32", "id:1", "id:abc"])
-def test_a_word_that_many_devices_have_is_no_identity(
-    index: DeviceIndex, announce: Announce, part: MakePart, shared: str
-) -> None:
+def test_a_word_that_many_devices_have_is_no_identity(index: DeviceIndex, shared: str) -> None:
     after(
         index,
-        announce("light/a", part(id="p"), ids=(shared, "mac:000000000001"), name="A"),
-        announce("light/b", part(id="p"), ids=(shared, "mac:000000000002"), name="B"),
+        announce("light/a", part_of(id="p"), ids=(shared, "mac:000000000001"), name="A"),
+        announce("light/b", part_of(id="p"), ids=(shared, "mac:000000000002"), name="B"),
     )
     assert len(index) == 2
 
 
-def test_an_identifier_of_devices_with_different_addresses_is_no_identity_in_any_order(
-    announce: Announce, part: MakePart
-) -> None:
+def test_an_identifier_of_devices_with_different_addresses_is_no_identity_in_any_order() -> None:
     claims = [
-        announce("light/a", part(id="p"), ids=("mac:000000000001", "id:my-lamps"), name="A"),
-        announce("light/b", part(id="p"), ids=("mac:000000000002", "id:my-lamps"), name="B"),
-        announce("light/c", part(id="p"), ids=("id:my-lamps",), name="C"),
+        announce("light/a", part_of(id="p"), ids=("mac:000000000001", "id:my-lamps"), name="A"),
+        announce("light/b", part_of(id="p"), ids=("mac:000000000002", "id:my-lamps"), name="B"),
+        announce("light/c", part_of(id="p"), ids=("id:my-lamps",), name="C"),
     ]
     for order in permutations(claims):
         index = DeviceIndex(forget_after=1000.0)
@@ -167,11 +148,9 @@ def test_an_identifier_of_devices_with_different_addresses_is_no_identity_in_any
         assert {one.id for one in index.devices()} == {"a", "b", "c"}
 
 
-def test_equal_names_topics_and_part_ids_do_not_make_one_device(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_equal_names_topics_and_part_ids_do_not_make_one_device(index: DeviceIndex) -> None:
     """ESPHome's default unique ids are the same on every node."""
-    same = part(id="ESPlightlight")
+    same = part_of(id="ESPlightlight")
     after(
         index,
         announce("light/a/light", same, ids=("mac:000000000001",), name="Light"),
@@ -180,16 +159,16 @@ def test_equal_names_topics_and_part_ids_do_not_make_one_device(
     assert [one.id for one in index.devices()] == ["light", "light_0002"]
 
 
-def test_two_relays_of_one_device_stay_two(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_two_relays_of_one_device_stay_two(index: DeviceIndex) -> None:
     """Also where they speak on one topic, and when a second convention tells of both."""
     after(
         index,
-        announce("switch/l1", part("switch", id="u1", name="L1", reads=("z",), writes=("z/l1",)), ids=(IEEE,)),
-        announce("switch/l2", part("switch", id="u2", name="L2", reads=("z",), writes=("z/l2",)), ids=(IEEE,)),
+        announce("switch/l1", part_of("switch", id="u1", name="L1", reads=("z",), writes=("z/l1",)), ids=(IEEE,)),
+        announce("switch/l2", part_of("switch", id="u2", name="L2", reads=("z",), writes=("z/l2",)), ids=(IEEE,)),
         announce(
             "z",
-            part("switch", id="state_l1", name="l1", reads=("z",), writes=("z/set",)),
-            part("switch", id="state_l2", name="l2", reads=("z",), writes=("z/set",)),
+            part_of("switch", id="state_l1", name="l1", reads=("z",), writes=("z/set",)),
+            part_of("switch", id="state_l2", name="l2", reads=("z",), writes=("z/set",)),
             convention="zigbee2mqtt",
             ids=(IEEE,),
         ),
@@ -198,31 +177,29 @@ def test_two_relays_of_one_device_stay_two(index: DeviceIndex, announce: Announc
     assert [[route.part for route in one.routes] for one in device.parts] == [["state_l1", "u1"], ["state_l2", "u2"]]
 
 
-def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_are_no_loads(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_are_no_loads(index: DeviceIndex) -> None:
     """Where no name helps; the longer common id is the surer one."""
     topic, foreign = ("z/t",), (IEEE, "id:z_0x1")
     after(
         index,
         announce(
             "z",
-            part("temperature_sensor", "temperature", id="temperature", reads=topic),
-            part("temperature_sensor", "temperature", id="local_temperature", reads=topic, category="diagnostic"),
-            part("switch", "on_off", id="state", reads=topic, writes=("z/t/set",)),
+            part_of("temperature_sensor", "temperature", id="temperature", reads=topic),
+            part_of("temperature_sensor", "temperature", id="local_temperature", reads=topic, category="diagnostic"),
+            part_of("switch", "on_off", id="state", reads=topic, writes=("z/t/set",)),
             convention="zigbee2mqtt",
             ids=(IEEE,),
         ),
         announce(
-            "a", part("temperature_sensor", "temperature", id="0x1_local_temperature_z", reads=topic), ids=foreign
+            "a", part_of("temperature_sensor", "temperature", id="0x1_local_temperature_z", reads=topic), ids=foreign
         ),
-        announce("b", part("temperature_sensor", "temperature", id="0x1_temperature_z", reads=topic), ids=foreign),
+        announce("b", part_of("temperature_sensor", "temperature", id="0x1_temperature_z", reads=topic), ids=foreign),
         announce(
             "c",
-            part("switch", "on_off", id="0x1_state_lock", reads=topic, writes=("z/t/set/l",), category="config"),
+            part_of("switch", "on_off", id="0x1_state_lock", reads=topic, writes=("z/t/set/l",), category="config"),
             ids=foreign,
         ),
-        announce("d", part("switch", "on_off", id="0x1_switch", reads=topic, writes=("z/t/set",)), ids=foreign),
+        announce("d", part_of("switch", "on_off", id="0x1_switch", reads=topic, writes=("z/t/set",)), ids=foreign),
     )
     (device,) = index.devices()
     assert [[route.part for route in one.routes] for one in device.parts] == [
@@ -233,17 +210,15 @@ def test_sensors_of_two_conventions_find_each_other_by_their_ids_and_settings_ar
     ]
 
 
-def test_a_setting_that_one_convention_calls_a_switch_is_not_the_load(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_a_setting_that_one_convention_calls_a_switch_is_not_the_load(index: DeviceIndex) -> None:
     """What Home Assistant is told of a Legrand 064882 or a Sber SBDV-00196, beside Zigbee2MQTT's own list."""
-    z = {"reads": ("z/plug",)}
+    state = ("z/plug",)
     own = (
-        part("switch", "on_off", id="switch", writes=("z/plug/set",), **z),
-        part("x_setting", "state", id="device_mode", writes=("z/plug/set",), **z),
+        part_of("switch", "on_off", id="switch", writes=("z/plug/set",), reads=state),
+        part_of("x_setting", "state", id="device_mode", writes=("z/plug/set",), reads=state),
     )
-    mode = part("switch", "on_off", id="0x17_switch_device_mode_z", writes=("z/plug/set/device_mode",), **z)
-    load = part("switch", "on_off", id="0x17_switch_z", writes=("z/plug/set",), **z)
+    mode = part_of("switch", "on_off", id="0x17_switch_device_mode_z", writes=("z/plug/set/device_mode",), reads=state)
+    load = part_of("switch", "on_off", id="0x17_switch_z", writes=("z/plug/set",), reads=state)
     for one in (
         announce("z/0x17", *own, convention="zigbee2mqtt", ids=(IEEE,)),
         announce("switch/0x17/device_mode", mode, ids=(IEEE,)),
@@ -259,20 +234,18 @@ def test_a_setting_that_one_convention_calls_a_switch_is_not_the_load(
     }
 
 
-def test_the_same_entity_announced_twice_is_one_part(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_the_same_entity_announced_twice_is_one_part(index: DeviceIndex) -> None:
     """Where both places name the device."""
-    lamp = part("light", "on_off", id="l", writes=("a/set",))
+    lamp = part_of("light", "on_off", id="l", writes=("a/set",))
     after(index, announce("light/old", lamp, ids=(MAC,)), announce("light/new", lamp, ids=(MAC,)))
     (device,) = index.devices()
     assert [len(one.routes) for one in device.parts] == [2]
     assert device.conflicts == ()
 
 
-def test_a_second_source_of_a_known_part_with_other_topics_changes_nothing(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    after(index, announce("light/a", part("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,)))
-    evil = announce("light/evil", part("light", "on_off", id="l", writes=("evil",)), ids=(MAC,))
+def test_a_second_source_of_a_known_part_with_other_topics_changes_nothing(index: DeviceIndex) -> None:
+    after(index, announce("light/a", part_of("light", "on_off", id="l", writes=("a/set",)), ids=(MAC,)))
+    evil = announce("light/evil", part_of("light", "on_off", id="l", writes=("evil",)), ids=(MAC,))
     assert kinds(after(index, evil)) == [("changed", "desk_lamp", ""), ("conflict", "desk_lamp", "")]
     assert after(index, evil) == ()
     (device,) = index.devices()
@@ -283,10 +256,10 @@ def test_a_second_source_of_a_known_part_with_other_topics_changes_nothing(
 
 
 def test_a_lamp_that_names_another_devices_command_topic_is_told_nothing_there_until_that_is_gone(
-    index: DeviceIndex, announce: Announce, part: MakePart
+    index: DeviceIndex,
 ) -> None:
-    lock = announce("lock/a", part("door_lock", "lock", id="k", writes=("a/set",)), ids=(MAC,), name="Door")
-    lamp = announce("light/b", part(id="l", writes=("a/set",)), ids=("mac:000000000001",), name="Evil")
+    lock = announce("lock/a", part_of("door_lock", "lock", id="k", writes=("a/set",)), ids=(MAC,), name="Door")
+    lamp = announce("light/b", part_of(id="l", writes=("a/set",)), ids=("mac:000000000001",), name="Evil")
     after(index, lock)
     changes = after(index, lamp)
 
@@ -309,15 +282,15 @@ def test_a_lamp_that_names_another_devices_command_topic_is_told_nothing_there_u
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
 def test_an_announcement_in_the_name_of_another_device_is_told_nothing_there(
-    index: DeviceIndex, announce: Announce, part: MakePart, order: tuple[int, int]
+    index: DeviceIndex, order: tuple[int, int]
 ) -> None:
     """A lock that says who it is may be said to have a lamp as well, whose word for off opens the door."""
     ids = ("id:lock-17",)
     topic = "front_door/set"
     lock = announce(
-        "k", part("door_lock", "lock", id="k", writes=(topic,)), ids=ids, on="homeassistant/front_door/config"
+        "k", part_of("door_lock", "lock", id="k", writes=(topic,)), ids=ids, on="homeassistant/front_door/config"
     )
-    lamp = announce("l", part("light", "on_off", id="l", writes=(topic,)), ids=ids, on="homeassistant/evil/config")
+    lamp = announce("l", part_of("light", "on_off", id="l", writes=(topic,)), ids=ids, on="homeassistant/evil/config")
     after(index, *((lock, lamp)[number] for number in order))
 
     (device,) = index.devices()
@@ -326,12 +299,10 @@ def test_an_announcement_in_the_name_of_another_device_is_told_nothing_there(
     assert "where another announcement of the device takes different ones" in told
 
 
-def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_there(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_there(index: DeviceIndex) -> None:
     """And both say so; who came first says nothing, for it may be either."""
-    lock = announce("lock/x1", part("door_lock", "lock", id="k", writes=("t/set",)), ids=("id:one",), name="Door")
-    lamp = announce("light/x2", part(id="l", writes=("t/set",)), ids=("id:two",), name="Evil")
+    lock = announce("lock/x1", part_of("door_lock", "lock", id="k", writes=("t/set",)), ids=("id:one",), name="Door")
+    lamp = announce("light/x2", part_of(id="l", writes=("t/set",)), ids=("id:two",), name="Evil")
     after(index, lamp, lock)
     door, evil = index.devices()
     assert not door.parts[0].routes
@@ -340,20 +311,20 @@ def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_th
     assert evil.conflicts == ("homeassistant:light/x2 takes commands on t/set, which belongs to door",)
 
 
-def test_devices_behind_one_bridge_may_share_its_topic(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_devices_behind_one_bridge_may_share_its_topic(index: DeviceIndex) -> None:
     """An infrared blaster has one topic for all that it controls."""
     for number in range(3):
-        one = part(id="l", writes=("blaster/send",))
+        one = part_of(id="l", writes=("blaster/send",))
         after(index, announce(f"light/{number}", one, ids=(f"id:blaster-{number}",), facts={"via_device": "blaster"}))
     assert all(one.parts[0].routes and not one.conflicts for one in index.devices())
 
 
-def test_facts_say_who_said_them_and_when(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
-    lamp = announce("light/a", part(id="l"), ids=(IEEE,), facts={"model": "E27", "sw_version": "1"}, at=5)
+def test_facts_say_who_said_them_and_when(index: DeviceIndex) -> None:
+    lamp = announce("light/a", part_of(id="l"), ids=(IEEE,), facts={"model": "E27", "sw_version": "1"}, at=5)
     own = announce(
-        "z/a", part(id="s"), convention="zigbee2mqtt", ids=(IEEE,), name="lamp", facts={"model": "LED1"}, at=7
+        "z/a", part_of(id="s"), convention="zigbee2mqtt", ids=(IEEE,), name="lamp", facts={"model": "LED1"}, at=7
     )
-    newer = announce("light/a", part(id="l"), ids=(IEEE,), facts={"model": "E27", "sw_version": "2"}, at=9)
+    newer = announce("light/a", part_of(id="l"), ids=(IEEE,), facts={"model": "E27", "sw_version": "2"}, at=9)
     after(index, lamp, own, newer)
     (device,) = index.devices()
     assert [(one.name, one.value, one.convention, one.said_at.sec) for one in device.facts] == [
@@ -367,18 +338,16 @@ def test_facts_say_who_said_them_and_when(index: DeviceIndex, announce: Announce
     assert {one.key: one.value for one in device.metadata} == {"model": "LED1", "sw_version": "2"}
 
 
-def test_a_renamed_device_keeps_its_id(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
-    after(index, announce("light/a", part(id="l"), ids=(IEEE,), name="Büro-Lampe"))
-    changes = after(index, announce("light/a", part(id="l"), ids=(IEEE,), name="Hall"))
+def test_a_renamed_device_keeps_its_id(index: DeviceIndex) -> None:
+    after(index, announce("light/a", part_of(id="l"), ids=(IEEE,), name="Büro-Lampe"))
+    changes = after(index, announce("light/a", part_of(id="l"), ids=(IEEE,), name="Hall"))
     assert [(one.kind, one.device.id, one.device.name) for one in changes] == [("changed", "buro_lampe", "Hall")]
 
 
-def test_states_come_from_the_newest_word_of_any_route(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+def test_states_come_from_the_newest_word_of_any_route(index: DeviceIndex) -> None:
     """Live words count more than kept ones."""
-    lamp = announce("light/a", part("light", "on_off", id="l"), ids=(IEEE,))
-    own = announce("z/a", part("light", "on_off", id="s"), convention="zigbee2mqtt", ids=(IEEE,))
+    lamp = announce("light/a", part_of("light", "on_off", id="l"), ids=(IEEE,))
+    own = announce("z/a", part_of("light", "on_off", id="s"), convention="zigbee2mqtt", ids=(IEEE,))
     after(index, lamp, own)
     index.report(tell(lamp, "on_off", True, part="l", at=10))
     index.report(tell(own, "on_off", False, part="s", at=20, retained=True))
@@ -390,19 +359,17 @@ def test_states_come_from_the_newest_word_of_any_route(
     assert (state.value.plain(), state.live, state.since.sec) == (False, True, 20)
 
 
-def test_a_device_of_many_entities_is_bounded(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_a_device_of_many_entities_is_bounded(index: DeviceIndex) -> None:
     for number in range(1100):
-        index.observe(announce(f"sensor/{number}", part("x_sensor", id=str(number)), ids=(MAC,)))
+        index.observe(announce(f"sensor/{number}", part_of("x_sensor", id=str(number)), ids=(MAC,)))
     (device,) = index.devices()
     assert len(device.parts) == 1000
     assert index.counters.rejected == 100
 
 
-def test_parts_beyond_a_thousand_are_left_out_and_that_is_told(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_parts_beyond_a_thousand_are_left_out_and_that_is_told(index: DeviceIndex) -> None:
     for source in ("a", "b"):
-        sensors = [part("x_sensor", id=f"{source}{number}") for number in range(501)]
+        sensors = [part_of("x_sensor", id=f"{source}{number}") for number in range(501)]
         index.observe(announce(source, *sensors, ids=(MAC,)))
 
     (device,) = index.devices()
@@ -410,22 +377,18 @@ def test_parts_beyond_a_thousand_are_left_out_and_that_is_told(
     assert device.conflicts == ("2 further parts are ignored; a device may have at most 1,000",)
 
 
-def test_many_parts_that_two_conventions_tell_of_find_each_other(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_many_parts_that_two_conventions_tell_of_find_each_other(index: DeviceIndex) -> None:
     for convention, ids in (("zigbee2mqtt", (IEEE,)), ("homeassistant", (IEEE, "id:lamp"))):
-        sensors = [part("x_sensor", "measurement", id=f"s{n}", name=f"Sensor {n}") for n in range(800)]
+        sensors = [part_of("x_sensor", "measurement", id=f"s{n}", name=f"Sensor {n}") for n in range(800)]
         index.observe(announce("many", *sensors, convention=convention, ids=ids))
 
     (device,) = index.devices()
     assert [(one.id, len(one.routes)) for one in device.parts] == [(f"s{n}", 2) for n in range(800)]
 
 
-def test_a_device_that_tells_more_of_who_it_is_is_described_anew(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
+def test_a_device_that_tells_more_of_who_it_is_is_described_anew(index: DeviceIndex) -> None:
     """As a Shelly does whose announcement comes after its first word."""
-    button, lamp = part("generic_switch", "press", id="input"), part("light", "on_off", id="light")
+    button, lamp = part_of("generic_switch", "press", id="input"), part_of("light", "on_off", id="light")
     after(index, announce("lamp", button, ids=("id:shellyrgbw2-0BBFDB",)))
     after(index, announce("lamp", button, lamp, ids=(MAC, "id:shellyrgbw2-0BBFDB")))
     (device,) = index.devices()
@@ -433,10 +396,10 @@ def test_a_device_that_tells_more_of_who_it_is_is_described_anew(
     assert {one.part.service_type for one in device.parts} == {"generic_switch", "light"}
 
 
-def test_a_part_can_do_what_any_of_its_ways_can(index: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_a_part_can_do_what_any_of_its_ways_can(index: DeviceIndex) -> None:
     """Each way says what it takes, where that is not all; a way of words alone takes nothing."""
-    rich = part("light", "on_off", "level", id="x", reads=("z/lamp",), writes=("z/lamp/set",))
-    poor = part("light", "on_off", "power", id="state", reads=("z/lamp",))
+    rich = part_of("light", "on_off", "level", id="x", reads=("z/lamp",), writes=("z/lamp/set",))
+    poor = part_of("light", "on_off", "power", id="state", reads=("z/lamp",))
     after(
         index,
         announce("light/0x17", rich, ids=(IEEE,)),
@@ -457,7 +420,7 @@ def test_a_part_can_do_what_any_of_its_ways_can(index: DeviceIndex, announce: An
     assert id_of_one == device.id
 
 
-def test_the_words_of_all_ways_are_those_of_the_part(index: DeviceIndex, announce: Announce) -> None:
+def test_the_words_of_all_ways_are_those_of_the_part(index: DeviceIndex) -> None:
     """The span is that of the best way that can be told."""
 
     def lamp(part_id: str, *, settable: bool, options: tuple[str, ...], top: float) -> Part:
@@ -487,11 +450,11 @@ def test_the_words_of_all_ways_are_those_of_the_part(index: DeviceIndex, announc
 
 @pytest.mark.parametrize("number", ["123456", "1234567", "12345678", "0123456789", "1234567890", "123456789012"])
 def test_a_lock_bridge_whose_identifier_is_a_number_is_one_device_that_takes_every_command(
-    index: DeviceIndex, announce: Announce, part: MakePart, number: str
+    index: DeviceIndex, number: str
 ) -> None:
     topic = f"nuki/{number}/lock/action"
-    lock = part("door_lock", "lock", id="lock", writes=(topic,))
-    buttons = [part("generic_switch", "push", id=f"button{count}", writes=(topic,)) for count in range(33)]
+    lock = part_of("door_lock", "lock", id="lock", writes=(topic,))
+    buttons = [part_of("generic_switch", "push", id=f"button{count}", writes=(topic,)) for count in range(33)]
     for one in (lock, *buttons):
         place = f"homeassistant/{one.service_type}/{number}/{one.id}/config"
         index.observe(announce(f"{number}/{one.id}", one, ids=(f"id:{number}",), on=place))

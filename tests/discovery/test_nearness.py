@@ -11,6 +11,7 @@ from typing import Any
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.bridges.rosbridge.services import parse_queries
 from homebot.clock import Clock, LoopClock
@@ -20,7 +21,6 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
 from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
-from homebot.devices.part import Part
 from homebot.devices.query import parse_query, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
 from homebot.devices.services import QueryDevicesResponse
@@ -33,9 +33,6 @@ from homebot.places import HouseDoor, HouseRoom, OwnerFact, Places
 
 pytestmark = pytest.mark.virtual_time
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 
 HALL = HouseRoom("Hall", polygons=((((0, 0), (4, 0), (4, 5), (0, 5)),),))
 KITCHEN = HouseRoom("Kitchen", polygons=((((4, 0), (8, 0), (8, 5), (4, 5)),),))
@@ -113,17 +110,13 @@ Golden = Callable[..., AbstractAsyncContextManager[House]]
 
 
 @pytest.fixture
-def golden(announce: Announce, part: MakePart) -> Golden:
-    return partial(_house, announce, part)
+def golden() -> Golden:
+    return partial(_house)
 
 
 @asynccontextmanager
 async def _house(
-    announce: Announce,
-    part: MakePart,
-    closed_door: float = 3.0,
-    clock: Clock | None = None,
-    rooms: tuple[HouseRoom, ...] = (HALL, KITCHEN),
+    closed_door: float = 3.0, clock: Clock | None = None, rooms: tuple[HouseRoom, ...] = (HALL, KITCHEN)
 ) -> AsyncIterator[House]:
     graph, names = Graph(clock or LoopClock(0.0)), GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -150,19 +143,19 @@ async def _house(
             app,
         )
         for name, room in (("Kitchen lamp", "Kitchen"), ("Hall lamp", "Hall")):
-            lamp = part("light", "on_off", id="l", writes=(f"{name}/set",))
+            lamp = part_of("light", "on_off", id="l", writes=(f"{name}/set",))
             await house.hears(announce(name, lamp, ids=(f"id:{name}",), name=name, area=room, confirmed=True))
         for name, kind, capability in (
             ("Kitchen door", "contact_sensor", "contact"),
             ("Kitchen lock", "door_lock", "lock"),
         ):
-            sensor = part(kind, capability, id="s")
+            sensor = part_of(kind, capability, id="s")
             await house.hears(announce(name, sensor, ids=(f"id:{name}",), name=name, confirmed=True))
         yield house
 
 
 @pytest.fixture
-def door(announce: Announce, tell: Tell) -> Callable[..., Report]:
+def door() -> Callable[..., Report]:
     def make(value: str, at: float) -> Report:
         named, capability = ("Kitchen lock", "lock") if value.endswith("locked") else ("Kitchen door", "contact")
         return tell(announce(named), capability, value if capability == "lock" else value == "open", part="s", at=at)
@@ -252,7 +245,7 @@ async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake(golden:
                 await ask
 
 
-async def test_apps_find_the_nearest_first_and_by_values(golden: Golden, announce: Announce, tell: Tell) -> None:
+async def test_apps_find_the_nearest_first_and_by_values(golden: Golden) -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
         for name in ("Kitchen lamp", "Hall lamp"):
@@ -326,10 +319,10 @@ class BusyClock:
         return self._idle.now()
 
 
-async def test_the_first_question_lets_others_have_their_turn(announce: Announce, part: MakePart) -> None:
+async def test_the_first_question_lets_others_have_their_turn() -> None:
     """It spots all devices."""
-    async with _house(announce, part, clock=BusyClock()) as house:
-        lamp = part("light", "on_off", id="l", writes=("x/set",))
+    async with _house(clock=BusyClock()) as house:
+        lamp = part_of("light", "on_off", id="l", writes=("x/set",))
         for number in range(50):
             await house.hears(announce(f"lamp {number}", lamp, ids=(f"id:{number}",), area="Hall", confirmed=True))
         await house.robot_at(3.5, 1.0)
@@ -352,9 +345,7 @@ async def test_the_first_question_lets_others_have_their_turn(announce: Announce
         assert counts[0] >= counts[1] + 15
 
 
-async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_answer_says_so(
-    golden: Golden, announce: Announce, part: MakePart, tell: Tell
-) -> None:
+async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_answer_says_so(golden: Golden) -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
         await house.hears(tell(announce("Hall lamp"), REACHABLE, False))
@@ -369,22 +360,20 @@ async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_an
         )
 
 
-async def test_a_device_that_fits_in_part_is_farther(golden: Golden, announce: Announce, part: MakePart) -> None:
+async def test_a_device_that_fits_in_part_is_farther(golden: Golden) -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
-        plug = part("plug", "on_off", id="p", writes=("Fan/set",))
-        light = part("light", "on_off", id="l", writes=("Fan/light/set",))
+        plug = part_of("plug", "on_off", id="p", writes=("Fan/set",))
+        light = part_of("light", "on_off", id="l", writes=("Fan/light/set",))
         await house.hears(announce("Fan", plug, light, ids=("id:Fan",), name="Fan", area="Hall", confirmed=True))
         assert await house.why("plug near robi") == {
             "fan": "about 5.8 m = 2.1 path + 3.2 only its room is known + 0.5 it was announced as plug"
         }
 
 
-async def test_what_waits_for_approval_is_left_out_and_named(
-    golden: Golden, announce: Announce, part: MakePart
-) -> None:
+async def test_what_waits_for_approval_is_left_out_and_named(golden: Golden) -> None:
     async with golden() as house:
-        lock = part("door_lock", "lock", id="k", writes=("Safe/set",))
+        lock = part_of("door_lock", "lock", id="k", writes=("Safe/set",))
         await house.hears(announce("Safe", lock, ids=("id:Safe",), name="Safe", area="Hall", confirmed=True))
         await house.robot_at(3.5, 1.0)
 

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import permutations
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import LAMP, sighting_of
+from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, KeyValue, Sighting
 from homebot.devices.client_rights import without_taught_room
-from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.description import MAX_FACTS, position_of
@@ -21,9 +21,6 @@ from homebot.discovery.owner_facts import MAX_STATEMENTS
 from homebot.errors import RefusedError, UsageError, WireError
 from homebot.messages import Time
 from homebot.places import HouseRoom, read_places
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 MAC = "mac:aabbccddeeff"
 SERIAL = "id:SN-4711-0815"
@@ -47,14 +44,14 @@ def areas(index: DeviceIndex) -> dict[str, str]:
 
 
 @pytest.fixture
-def lamp(announce: Announce, part: MakePart) -> Sighting:
-    return announce("l", part("light", "on_off", id="l"), ids=(MAC,), name="Lamp", area="Study", at=1.0)
+def lamp() -> Sighting:
+    return announce("l", part_of("light", "on_off", id="l"), ids=(MAC,), name="Lamp", area="Study", at=1.0)
 
 
 @pytest.fixture
-def announced(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
+def announced() -> tuple[Sighting, ...]:
     """One lamp over three gateways: two name its hardware address, two its serial number."""
-    light = part("light", "on_off", id="l")
+    light = part_of("light", "on_off", id="l")
     return (
         announce("a", light, ids=(MAC,), gateway="radio", name="Radio"),
         announce("b", light, ids=(MAC, SERIAL), gateway="cable", name="Cable"),
@@ -80,8 +77,8 @@ def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(la
     assert got(index, "lamp").outer_areas == ("Home",)
 
 
-def test_an_announced_floor_has_its_rooms_until_the_owner_states_another(announce: Announce, part: MakePart) -> None:
-    light, upstairs = part("light", "on_off"), {"floor": "Upstairs"}
+def test_an_announced_floor_has_its_rooms_until_the_owner_states_another() -> None:
+    light, upstairs = part_of("light", "on_off"), {"floor": "Upstairs"}
     index = index_of()
     index.observe(announce("l", light, name="Lamp", area="Study", facts=upstairs), 0.0)
     index.observe(announce("m", light, name="Other", area="Kitchen", facts=upstairs), 0.0)
@@ -111,12 +108,10 @@ def test_what_a_tag_taught_is_listed_after_what_the_device_announces(lamp: Sight
     assert [one.value for one in got(index, "lamp").facts if one.name == "area"] == ["Kitchen", "Study", "Hall"]
 
 
-def test_however_much_a_device_announces_it_stays_known_that_a_tag_taught_its_room(
-    announce: Announce, part: MakePart
-) -> None:
+def test_however_much_a_device_announces_it_stays_known_that_a_tag_taught_its_room() -> None:
     index = index_of()
     said = {f"k{number}": "x" for number in range(MAX_FACTS)}
-    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp", facts=said))
+    index.observe(announce("l", part_of("light", "on_off", id="l"), name="Lamp", facts=said))
     index.places.teach("lamp", "nfc", "", "Hall", 2.0)
     assert len(got(index, "lamp").facts) == MAX_FACTS
     assert without_taught_room(got(index, "lamp")).area == ""
@@ -157,10 +152,12 @@ def test_aliases_and_tags_add_up_and_are_taken_back(lamp: Sighting) -> None:
         "convention=owner",
     ],
 )
-def test_every_query_knows_rooms_floors_aliases_and_tags(announce: Announce, part: MakePart, text: str) -> None:
+def test_every_query_knows_rooms_floors_aliases_and_tags(text: str) -> None:
     index = index_of()
     for key in ("a", "b"):
-        index.observe(announce(key, part("light", "on_off", id="l"), ids=(f"mac:0000000000{key}{key}",), name=key), 0.0)
+        index.observe(
+            announce(key, part_of("light", "on_off", id="l"), ids=(f"mac:0000000000{key}{key}",), name=key), 0.0
+        )
     index.places.place("a", "Hall", 1.0)
     index.places.add("a", "name", "Corner lamp", 1.0)
     index.places.add("a", "tag", "Night light", 1.0)
@@ -168,7 +165,7 @@ def test_every_query_knows_rooms_floors_aliases_and_tags(announce: Announce, par
     assert found == ({"a", "b"} if "without" in text else {"a"})
 
 
-def test_a_device_without_a_room_is_found_so(announce: Announce, lamp: Sighting) -> None:
+def test_a_device_without_a_room_is_found_so(lamp: Sighting) -> None:
     index = index_of()
     index.observe(lamp, 0.0)
     index.observe(announce("n", name="Nowhere", ids=("mac:000000000001",)), 0.0)
@@ -486,10 +483,10 @@ def positions(index: DeviceIndex, device_id: str) -> list[tuple[float, float, fl
     ],
 )
 def test_a_device_that_announces_its_position_is_in_the_room_that_is_there(
-    announce: Announce, part: MakePart, fact: str, stated: str, error: float
+    fact: str, stated: str, error: float
 ) -> None:
     index = with_areas()
-    light = part("light", "on_off", id="l")
+    light = part_of("light", "on_off", id="l")
     index.observe(announce("l", light, name="Lamp", convention="thing", facts={fact: stated}))
     assert got(index, "lamp").area == "Kitchen"
     assert positions(index, "lamp") == [(6.0, 1.0, error, "thing")]
@@ -504,16 +501,16 @@ def test_an_announced_room_outranks_the_room_at_an_announced_position(lamp: Sigh
     assert got(index, "lamp").area == "Study"
 
 
-def test_an_announced_word_that_is_no_position_is_passed_over(announce: Announce, part: MakePart) -> None:
+def test_an_announced_word_that_is_no_position_is_passed_over() -> None:
     index = with_areas()
-    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp", facts={"position": "left"}))
+    index.observe(announce("l", part_of("light", "on_off", id="l"), name="Lamp", facts={"position": "left"}))
     assert (got(index, "lamp").area, positions(index, "lamp")) == ("", [])
 
 
-def test_a_tag_teaches_its_own_position(announce: Announce, part: MakePart) -> None:
+def test_a_tag_teaches_its_own_position() -> None:
     index = with_areas()
-    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp"))
-    index.observe(announce("t", part("x_tag", id="t"), name="Tag", gateway="nfc"))
+    index.observe(announce("l", part_of("light", "on_off", id="l"), name="Lamp"))
+    index.observe(announce("t", part_of("x_tag", id="t"), name="Tag", gateway="nfc"))
     index.places.place("tag", "", 1.0, at="6,1")
 
     assert index.places.teach("lamp", "nfc", "homeassistant:t", "", 2.0) == ("Kitchen", True)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import anyio
 import pytest
+from tests.discovery.announcements import announce, part_of
 
 from homebot.clock import LoopClock
 from homebot.devices import FIND_DEVICES, Device, Devices, FindDevices, GatewayNames, Sighting
@@ -21,7 +22,6 @@ from homebot.devices.names import (
     PLACE_DEVICE,
     TAG_DEVICE,
 )
-from homebot.devices.part import Part
 from homebot.devices.places_messages import (
     AliasDevice,
     ExportPlaces,
@@ -38,8 +38,6 @@ from homebot.places import read_places
 
 pytestmark = pytest.mark.virtual_time
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 ROOMS = {"Hall": {"floor": "Downstairs", "doors": ["Kitchen"]}, "Kitchen": {"floor": "Downstairs"}}
 
@@ -83,8 +81,8 @@ async def directory(file: Path | None = None, rooms: dict[str, object] | None = 
 
 
 @pytest.fixture
-def lamp(announce: Announce, part: MakePart) -> Sighting:
-    light = part("light", "on_off", id="l", writes=("a/set",))
+def lamp() -> Sighting:
+    light = part_of("light", "on_off", id="l", writes=("a/set",))
     return announce("l", light, ids=("mac:aabbccddeeff",), name="Desk lamp", area="Study", at=1.0, confirmed=True)
 
 

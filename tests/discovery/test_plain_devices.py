@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from tests.announcements import sighting_of
+from tests.discovery.announcements import part_of, tell
 
 from homebot.devices import Sighting
-from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
-
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 
 KEY, OUT, IN = "lights/lamp", "home/lights/lamp/out", "home/lights/lamp/in"
 
@@ -31,14 +26,14 @@ def lamp(part: Part | None) -> Sighting:
     )
 
 
-def light(part: MakePart) -> Part:
-    return part("light", "on_off", reads=(OUT,), writes=(IN,), advertised="lights", guessed=True)
+def light() -> Part:
+    return part_of("light", "on_off", reads=(OUT,), writes=(IN,), advertised="lights", guessed=True)
 
 
-def test_its_id_its_word_and_its_addresses_are_its_own(part: MakePart) -> None:
+def test_its_id_its_word_and_its_addresses_are_its_own() -> None:
     """As if it had no part."""
     index, partless = DeviceIndex(forget_after=1000), DeviceIndex(forget_after=1000)
-    index.observe(lamp(light(part)))
+    index.observe(lamp(light()))
     partless.observe(lamp(None))
     (device,), (other,) = index.devices(), partless.devices()
     assert (device.id, device.service_type, device.service_types) == (KEY, "lights", ("light", "lights"))
@@ -47,9 +42,9 @@ def test_its_id_its_word_and_its_addresses_are_its_own(part: MakePart) -> None:
     assert [(one.gateway, one.key, one.part) for one in device.parts[0].routes] == [("mqtt", KEY, "")]
 
 
-def test_it_is_found_by_word_by_type_and_by_what_it_says(part: MakePart, tell: Tell) -> None:
+def test_it_is_found_by_word_by_type_and_by_what_it_says() -> None:
     index = DeviceIndex(forget_after=1000)
-    sighting = lamp(light(part))
+    sighting = lamp(light())
     index.observe(sighting)
     assert index.find(parse_query("on lights")) == set()
     index.report(tell(sighting, "on_off", value=True))
@@ -58,11 +53,11 @@ def test_it_is_found_by_word_by_type_and_by_what_it_says(part: MakePart, tell: T
     assert [one.id for one in index.devices("lights")] == [KEY]
 
 
-def test_a_lamp_of_an_older_homebot_gets_its_part_when_it_speaks(part: MakePart) -> None:
+def test_a_lamp_of_an_older_homebot_gets_its_part_when_it_speaks() -> None:
     """The index file knew it without."""
     index = DeviceIndex(forget_after=1000)
     index.observe(lamp(None))
     index.pop_changes()
-    index.observe(lamp(light(part)).model_copy(update={"kind": "updated"}))
+    index.observe(lamp(light()).model_copy(update={"kind": "updated"}))
     (change,) = index.pop_changes()
     assert (change.kind, change.device.id, len(change.device.parts)) == ("changed", KEY, 1)

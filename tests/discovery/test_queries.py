@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
+from tests.discovery.announcements import announce, part_of, tell
 
-from homebot.devices import KeyValue, Sighting
+from homebot.devices import KeyValue
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.query import AreaIs, NameIs, Not, Query, facets_of, fits, parse_query
@@ -18,29 +17,27 @@ from homebot.discovery import DeviceIndex
 from homebot.discovery.search.rank import rank, reasons
 from homebot.messages import Time
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
-
 
 @pytest.fixture
-def house(announce: Announce, part: MakePart, tell: Tell) -> DeviceIndex:
+def house() -> DeviceIndex:
     index = DeviceIndex(forget_after=1000.0)
-    lamp = part("light", "on_off", "level", id="l", writes=("a",))
+    lamp = part_of("light", "on_off", "level", id="l", writes=("a",))
     desk = announce("a", lamp, ids=("id:desk",), name="Desk lamp", area="Study", facts={"model": "E27 bulb"})
-    hall = announce("b", part("light", "on_off", id="l", writes=("b",)), ids=("id:hall",), name="Hall", area="Hall")
+    hall = announce("b", part_of("light", "on_off", id="l", writes=("b",)), ids=("id:hall",), name="Hall", area="Hall")
     plug = announce(
         "c",
-        part("plug", "on_off", id="p", writes=("c",)),
-        part("light", "on_off", id="led", writes=("d",), category="config"),
-        part("x_battery", "battery", id="bat", category="diagnostic"),
+        part_of("plug", "on_off", id="p", writes=("c",)),
+        part_of("light", "on_off", id="led", writes=("d",), category="config"),
+        part_of("x_battery", "battery", id="bat", category="diagnostic"),
         ids=("id:plug",),
         name="Plug at the desk",
         area="Study",
     )
-    window = announce("w", part("contact_sensor", "contact", id="c", tag="window"), ids=("id:w",), name="Fenster Küche")
-    door = announce("x", part("contact_sensor", "contact", id="c", tag="door"), ids=("id:x",), name="Front")
-    blind = announce("y", part("window_covering", "position", id="c", writes=("y",)), ids=("id:y",), name="Blind")
+    window = announce(
+        "w", part_of("contact_sensor", "contact", id="c", tag="window"), ids=("id:w",), name="Fenster Küche"
+    )
+    door = announce("x", part_of("contact_sensor", "contact", id="c", tag="door"), ids=("id:x",), name="Front")
+    blind = announce("y", part_of("window_covering", "position", id="c", writes=("y",)), ids=("id:y",), name="Blind")
     for one in (desk, hall, plug, window, door, blind):
         index.observe(one)
     for report in (
@@ -103,7 +100,7 @@ def test_a_query_finds_what_it_says(house: DeviceIndex, text: str, expected: set
     assert {one.id for one in house.devices() if fits(query, facets_of(one))} == expected
 
 
-def test_a_changed_value_is_found_at_once(house: DeviceIndex, announce: Announce, tell: Tell) -> None:
+def test_a_changed_value_is_found_at_once(house: DeviceIndex) -> None:
     on = parse_query("on lights")
     assert house.find(on) == {"desk_lamp"}
     house.report(tell(announce("b"), "on_off", True, part="l", at=2))
@@ -138,9 +135,9 @@ def test_each_kind_of_reason_is_told(house: DeviceIndex) -> None:
     assert "it is offline" in reasons(offline, "front", house.postings)
 
 
-def test_what_is_disputed_is_found_until_it_is_settled(house: DeviceIndex, announce: Announce, part: MakePart) -> None:
+def test_what_is_disputed_is_found_until_it_is_settled(house: DeviceIndex) -> None:
     disputed = parse_query("disputed")
-    house.observe(announce("z", part(id="z", writes=("c",)), ids=("id:evil",), name="Evil"))
+    house.observe(announce("z", part_of(id="z", writes=("c",)), ids=("id:evil",), name="Evil"))
     assert house.find(disputed) == {"evil"}
     house.observe(announce("c", ids=("id:plug",)).model_copy(update={"kind": "removed"}))
     assert house.find(disputed) == set()

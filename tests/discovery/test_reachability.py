@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import Device, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -16,10 +15,6 @@ from homebot.devices.query import parse_query
 from homebot.devices.value import Reading, Value
 from homebot.discovery import DeviceIndex
 from homebot.messages import Time
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 
 HOUR = 3600.0
 
@@ -30,13 +25,15 @@ def index() -> DeviceIndex:
 
 
 @pytest.fixture
-def lamp(announce: Announce, part: MakePart) -> Sighting:
-    return announce("lamp", part("light", "on_off", id="l", writes=("l/set",)), ids=("id:multi",), name="Multi")
+def lamp() -> Sighting:
+    return announce("lamp", part_of("light", "on_off", id="l", writes=("l/set",)), ids=("id:multi",), name="Multi")
 
 
 @pytest.fixture
-def meter(announce: Announce, part: MakePart) -> Sighting:
-    return announce("meter", part("electrical_meter", "power", id="m", reads=("m",)), ids=("id:multi",), name="Multi")
+def meter() -> Sighting:
+    return announce(
+        "meter", part_of("electrical_meter", "power", id="m", reads=("m",)), ids=("id:multi",), name="Multi"
+    )
 
 
 def only(index: DeviceIndex) -> Device:
@@ -45,7 +42,7 @@ def only(index: DeviceIndex) -> Device:
 
 
 def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks(
-    index: DeviceIndex, lamp: Sighting, meter: Sighting, tell: Tell
+    index: DeviceIndex, lamp: Sighting, meter: Sighting
 ) -> None:
     for one in (lamp, meter):
         index.observe(one)
@@ -61,9 +58,7 @@ def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks
     assert not index.find(parse_query("offline"))
 
 
-def test_one_part_that_can_be_reached_is_enough(
-    index: DeviceIndex, lamp: Sighting, meter: Sighting, tell: Tell
-) -> None:
+def test_one_part_that_can_be_reached_is_enough(index: DeviceIndex, lamp: Sighting, meter: Sighting) -> None:
     for one in (lamp, meter):
         index.observe(one)
     index.report(tell(lamp, REACHABLE, False, at=2))
@@ -75,10 +70,8 @@ def test_one_part_that_can_be_reached_is_enough(
     assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ("m",))
 
 
-def test_parts_of_one_announcement_each_have_their_own(
-    index: DeviceIndex, announce: Announce, part: MakePart, tell: Tell
-) -> None:
-    both = announce("both", part("light", "on_off", id="l"), part("switch", "on_off", id="s"), ids=("id:both",))
+def test_parts_of_one_announcement_each_have_their_own(index: DeviceIndex) -> None:
+    both = announce("both", part_of("light", "on_off", id="l"), part_of("switch", "on_off", id="s"), ids=("id:both",))
     index.observe(both)
     index.report(tell(both, REACHABLE, False, part="l", at=1))
     assert only(index).offline_parts == ("l",)
@@ -88,7 +81,7 @@ def test_parts_of_one_announcement_each_have_their_own(
     assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ())
 
 
-def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex, lamp: Sighting, tell: Tell) -> None:
+def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex, lamp: Sighting) -> None:
     """As where the announcement that comes next names no availability."""
     index.observe(lamp)
     index.report(tell(lamp, REACHABLE, False, at=1))

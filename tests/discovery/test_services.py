@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.clock import LoopClock, ManualClock
 from homebot.devices import (
@@ -34,7 +35,6 @@ from homebot.devices.names import (
     SPLIT_DEVICE,
     GatewayNames,
 )
-from homebot.devices.part import Part
 from homebot.devices.query import QueryTerm, parse_query, query_terms
 from homebot.devices.services import (
     FindDevicesRequest,
@@ -52,10 +52,6 @@ from homebot.errors import UsageError
 from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
 
 pytestmark = pytest.mark.virtual_time
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 
 
 @dataclass
@@ -96,12 +92,12 @@ async def directory() -> AsyncIterator[House]:
 
 
 @pytest.fixture
-def lamp(announce: Announce, part: MakePart) -> Sighting:
-    light = part("light", "on_off", "level", id="l", writes=("a/set",))
+def lamp() -> Sighting:
+    light = part_of("light", "on_off", "level", id="l", writes=("a/set",))
     return announce("l", light, ids=("id:lamp-4711",), name="Desk lamp", area="Study", at=1.0, confirmed=True)
 
 
-async def test_a_query_is_answered_with_reasons_in_portions(lamp: Sighting, tell: Tell) -> None:
+async def test_a_query_is_answered_with_reasons_in_portions(lamp: Sighting) -> None:
     async with directory() as house:
         others = [
             lamp.model_copy(update={"key": f"k{one}", "identifiers": (f"id:other-{one}",), "name": f"Other {one}"})
@@ -157,7 +153,7 @@ async def test_devices_are_found_by_their_ids(lamp: Sighting) -> None:
         assert await found("other", service_type="lock") == []
 
 
-async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting, tell: Tell) -> None:
+async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None:
     """For screens, and for agents that pay for each byte."""
     async with directory() as house:
         others = [
@@ -188,9 +184,7 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting, tell: T
         assert (wrong.success, wrong.devices) == (False, ())
 
 
-async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_devices(
-    announce: Announce, part: MakePart
-) -> None:
+async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_devices() -> None:
     """One for every twenty of them at least; the answer holds them all."""
     count = 300
     async with directory() as house, anyio.create_task_group() as tasks:
@@ -204,7 +198,7 @@ async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_device
                 turns += 1
 
         for number in range(count):
-            lamp = announce(f"light/lamp{number}", part(), ids=(f"mac:{number:012x}",), name=f"Lamp {number}")
+            lamp = announce(f"light/lamp{number}", part_of(), ids=(f"mac:{number:012x}",), name=f"Lamp {number}")
             house.directory.index.observe(lamp, 0.0)
         tasks.start_soon(take_turns)
         response = await find.call(FindDevices.Request(query=query_terms(parse_query("lamp"))))
@@ -213,9 +207,7 @@ async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_device
         tasks.cancel_scope.cancel()
 
 
-async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends(
-    announce: Announce, part: MakePart
-) -> None:
+async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends() -> None:
     """Both to announce them and to make them findable takes long; an answer gets as much time as the flood."""
     clock = ManualClock()
     graph, index = Graph(clock), DeviceIndex(forget_after=60.0)
@@ -239,7 +231,7 @@ async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends(
         for turn in range(100):
             for number in range(15):
                 name = f"{turn}-{number}"
-                index.observe(announce(f"lamp/{name}", part(), ids=(f"id:{name}",), name=name), 0.0)
+                index.observe(announce(f"lamp/{name}", part_of(), ids=(f"id:{name}",), name=name), 0.0)
             clock.advance(0.03)
             if turn == 20:
                 tasks.start_soon(ask)
@@ -265,7 +257,7 @@ async def test_a_late_asker_is_told_what_happened_since(lamp: Sighting) -> None:
         assert (await ask.call(GetChanges.Request(since=since.sequence))).changes == ()
 
 
-async def test_a_forgotten_device_is_gone_until_it_speaks(lamp: Sighting, tell: Tell) -> None:
+async def test_a_forgotten_device_is_gone_until_it_speaks(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp)
         forget = house.asker.create_client(ForgetDevice, FORGET_DEVICE)
@@ -278,10 +270,10 @@ async def test_a_forgotten_device_is_gone_until_it_speaks(lamp: Sighting, tell: 
         assert not (await forget.call(ForgetDevice.Request(device="nobody"))).success
 
 
-async def test_the_owner_splits_a_device_and_merges_it_again(announce: Announce, part: MakePart) -> None:
+async def test_the_owner_splits_a_device_and_merges_it_again() -> None:
     async with directory() as house:
-        own = announce("z", part(id="z"), convention="zigbee2mqtt", ids=("eui64:00158d0001abcdef",), name="Z lamp")
-        foreign = announce("l", part(id="l"), ids=("eui64:00158d0001abcdef",), name="L lamp")
+        own = announce("z", part_of(id="z"), convention="zigbee2mqtt", ids=("eui64:00158d0001abcdef",), name="Z lamp")
+        foreign = announce("l", part_of(id="l"), ids=("eui64:00158d0001abcdef",), name="L lamp")
         await house.hears(own, foreign)
         split = house.asker.create_client(SplitDevice, SPLIT_DEVICE)
         merge = house.asker.create_client(MergeDevices, MERGE_DEVICES)
@@ -298,7 +290,7 @@ async def test_the_owner_splits_a_device_and_merges_it_again(announce: Announce,
         assert (alone.success, alone.message) == (False, "a merge was refused: it takes two different devices")
 
 
-async def test_health_counts(lamp: Sighting, tell: Tell) -> None:
+async def test_health_counts(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp, tell(lamp, "on_off", True, part="unknown"))
         health = await house.asker.create_client(GetHealth, DISCOVERY_HEALTH).call(GetHealth.Request())
@@ -306,7 +298,7 @@ async def test_health_counts(lamp: Sighting, tell: Tell) -> None:
         assert (counts["devices"], counts["unknown_parts"], counts["index_file_failures"]) == (1, 1, 0)
 
 
-async def test_new_values_are_told_only_while_somebody_listens(lamp: Sighting, tell: Tell) -> None:
+async def test_new_values_are_told_only_while_somebody_listens(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp, tell(lamp, "level", 10.0, part="l"))
         states = house.asker.create_subscription(StateChange, DEVICE_STATES, qos_profile=10)
@@ -317,9 +309,7 @@ async def test_new_values_are_told_only_while_somebody_listens(lamp: Sighting, t
         assert (change.device, state.part, state.value.plain()) == ("desk_lamp", "l", 20.0)
 
 
-async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does_not_goes(
-    lamp: Sighting, tell: Tell
-) -> None:
+async def test_a_device_that_comes_to_fit_a_live_query_appears_and_one_that_does_not_goes(lamp: Sighting) -> None:
     """By its values, its room and its life."""
     async with directory() as house:
         await house.hears(lamp, tell(lamp, "on_off", False, part="l"))
@@ -353,7 +343,7 @@ async def test_a_live_query_that_is_not_understood_is_refused_at_once() -> None:
             Follow(house.asker, query="(light")
 
 
-async def test_a_restarted_directory_knows_what_devices_told(lamp: Sighting, tell: Tell) -> None:
+async def test_a_restarted_directory_knows_what_devices_told(lamp: Sighting) -> None:
     """Gateways keep announcements and reports for late joiners; the one is read before the other."""
     graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)

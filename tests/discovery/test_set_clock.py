@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from typing import Literal
 
 import anyio
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from tests.discovery.announcements import announce, part_of, tell
 from tests.set_clock import SetClock
 from tests.sizes import examples
 
 from homebot.apps import App
 from homebot.apps.base import NoSettings
-from homebot.devices import DEVICE_CHANGES, DeviceChange, RawMessage, Sighting
-from homebot.devices.gateway_messages import Report
-from homebot.devices.part import Part
+from homebot.devices import DEVICE_CHANGES, DeviceChange, RawMessage
 from homebot.discovery import DeviceIndex, Directory, DirectorySettings
 from homebot.discovery.record import entry_record, read_entry
 from homebot.graph import Graph, Node
@@ -25,9 +23,6 @@ from homebot.testing import FakeGateway, FakeGatewaySettings, VirtualTimeLoop
 
 pytestmark = pytest.mark.slow
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
 Step = tuple[Literal["speak", "pass", "set", "restart"], float]
 
 HOUR, YEAR = 3600.0, 365 * 86_400.0
@@ -90,11 +85,13 @@ def test_what_happens_to_devices_is_the_same_however_the_clock_is_set(moves: lis
         assert runner.run(life(moves, wall, is_set=True)) == undisturbed
 
 
-def test_what_is_newer_counts_also_where_the_clock_was_set_back(announce: Announce, part: MakePart, tell: Tell) -> None:
+def test_what_is_newer_counts_also_where_the_clock_was_set_back() -> None:
     """Of two announcements of one part; and when it was last seen, and how often it speaks."""
     index = DeviceIndex(forget_after=HOUR)
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp", at=5000)
-    own = announce("z", part("light", "on_off", id="s"), convention="zigbee2mqtt", ids=("mac:aabbccddeeff",), at=5000)
+    lamp = announce("l", part_of("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp", at=5000)
+    own = announce(
+        "z", part_of("light", "on_off", id="s"), convention="zigbee2mqtt", ids=("mac:aabbccddeeff",), at=5000
+    )
     index.observe(lamp, 1.0)
     index.observe(own, 1.0)
     index.report(tell(lamp, "on_off", True, part="l", at=5002), 3.0)
@@ -107,10 +104,10 @@ def test_what_is_newer_counts_also_where_the_clock_was_set_back(announce: Announ
     assert entry.report_interval.gaps == (2.0,)
 
 
-def test_the_index_file_keeps_how_long_a_device_may_be_silent(announce: Announce, part: MakePart, tell: Tell) -> None:
+def test_the_index_file_keeps_how_long_a_device_may_be_silent() -> None:
     """Not until when, and not less because the clock was set between what it announced and what it said."""
     index = DeviceIndex(forget_after=HOUR)
-    lamp = announce("l", part("light", "on_off", id="l"), name="Lamp", at=5000, confirmed=True)
+    lamp = announce("l", part_of("light", "on_off", id="l"), name="Lamp", at=5000, confirmed=True)
     index.observe(lamp, 1.0)
     index.report(tell(lamp, "on_off", True, part="l", at=5000 + 10 * YEAR), 2.0)
     entry = index.entry("lamp")

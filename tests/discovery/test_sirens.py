@@ -2,17 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
+from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
-from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 
 def device_of(sighting: Sighting) -> tuple[DeviceIndex, Device]:
@@ -33,11 +28,9 @@ def device_of(sighting: Sighting) -> tuple[DeviceIndex, Device]:
         ("Garage", "", "Sirène garage"),
     ],
 )
-def test_a_relay_that_is_called_a_siren_is_no_switch(
-    announce: Announce, part: MakePart, name: str, model: str, part_name: str
-) -> None:
+def test_a_relay_that_is_called_a_siren_is_no_switch(name: str, model: str, part_name: str) -> None:
     """As those of Philips Hue and of ring-mqtt."""
-    relay = part("switch", "on_off", id="s", name=part_name, writes=("s/set",), advertised="switch")
+    relay = part_of("switch", "on_off", id="s", name=part_name, writes=("s/set",), advertised="switch")
     index, device = device_of(announce("switch/s", relay, name=name, facts={"model": model} if model else {}))
     assert (device.service_type, device.service_types) == ("siren", ("siren",))
     assert device.parts[0].part.guessed
@@ -47,14 +40,14 @@ def test_a_relay_that_is_called_a_siren_is_no_switch(
 
 
 @pytest.mark.parametrize("name", ["Siren light", "Alarm", "Sirenia", "Sensor"])
-def test_a_relay_of_another_name_stays_one(announce: Announce, part: MakePart, name: str) -> None:
-    _, device = device_of(announce("switch/s", part("switch", "on_off", name=name, writes=("s/set",))))
+def test_a_relay_of_another_name_stays_one(name: str) -> None:
+    _, device = device_of(announce("switch/s", part_of("switch", "on_off", name=name, writes=("s/set",))))
     assert device.service_type == "switch"
 
 
-def test_of_several_relays_only_the_one_that_is_called_so_is_a_siren(announce: Announce, part: MakePart) -> None:
+def test_of_several_relays_only_the_one_that_is_called_so_is_a_siren() -> None:
     """As the NoDieby ND-01, whose other one arms it."""
-    relays = [part("switch", "on_off", id=one, name=one, writes=(f"{one}/set",)) for one in ("alarm", "siren")]
-    setting = part("x_setting", "on_off", id="x", name="Siren", writes=("x/set",), category="config")
+    relays = [part_of("switch", "on_off", id=one, name=one, writes=(f"{one}/set",)) for one in ("alarm", "siren")]
+    setting = part_of("x_setting", "on_off", id="x", name="Siren", writes=("x/set",), category="config")
     _, device = device_of(announce("nd", *relays, setting, name="Siren", convention="zigbee2mqtt"))
     assert [one.part.service_type for one in device.parts] == ["switch", "siren", "x_setting"]

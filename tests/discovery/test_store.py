@@ -5,24 +5,19 @@ from __future__ import annotations
 import json
 import sqlite3
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.discovery.announcements import announce, part_of
 
-from homebot.devices import Sighting
-from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
 from homebot.discovery.store import VERSION, IndexFile, index_path
 from homebot.errors import LinkError, UsageError, WireError
 from homebot.support.sqlite_file import SqliteFile, SqliteSchema
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 
 @pytest.fixture
@@ -230,11 +225,13 @@ def test_the_place_is_the_users(monkeypatch: pytest.MonkeyPatch, tmp_path: Path)
     assert index_path("h", "embedded") == tmp_path / ".local/share/homebot/h/embedded/index.sqlite"
 
 
-def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, part: MakePart) -> None:
+def test_a_device_of_the_file_is_as_it_was_but_unconfirmed() -> None:
     """Its id stays, its states are gone, and it has the time of a new one to be heard."""
     index = DeviceIndex(forget_after=1000.0)
-    lamp = announce("l", part("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp", at=5, confirmed=True)
-    own = announce("z", part("light", "on_off", id="s"), convention="zigbee2mqtt", ids=("mac:aabbccddeeff",), at=6)
+    lamp = announce(
+        "l", part_of("light", "on_off", id="l"), ids=("mac:aabbccddeeff",), name="Lamp", at=5, confirmed=True
+    )
+    own = announce("z", part_of("light", "on_off", id="s"), convention="zigbee2mqtt", ids=("mac:aabbccddeeff",), at=6)
     for one in (lamp, own, announce("l", lamp.parts[0], ids=("mac:aabbccddeeff",), name="Renamed", at=7)):
         index.observe(one)
     entry = index.entry("lamp")
@@ -253,9 +250,9 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed(announce: Announce, p
     assert after.pop_changes() == ()
 
 
-def test_a_device_that_a_newer_homebot_wrote_is_read_without_what_is_new(announce: Announce, part: MakePart) -> None:
+def test_a_device_that_a_newer_homebot_wrote_is_read_without_what_is_new() -> None:
     index = DeviceIndex(forget_after=1000.0)
-    index.observe(announce("l", part("light", "on_off", id="l"), name="Lamp", at=5))
+    index.observe(announce("l", part_of("light", "on_off", id="l"), name="Lamp", at=5))
     entry = index.entry("lamp")
     assert entry is not None
     text = entry_record(entry)
@@ -274,10 +271,10 @@ def test_a_tombstone_of_the_file_is_as_it_was() -> None:
     assert read_tombstone("lamp", tombstone_record(stone)) == stone
 
 
-def test_a_device_of_what_can_be_no_gateway_is_no_record(announce: Announce, part: MakePart) -> None:
+def test_a_device_of_what_can_be_no_gateway_is_no_record() -> None:
     """Apps would look for that gateway."""
     index = DeviceIndex(forget_after=1000.0)
-    index.observe(announce("l", part("light", "on_off"), name="Lamp", gateway="no gateway!"))
+    index.observe(announce("l", part_of("light", "on_off"), name="Lamp", gateway="no gateway!"))
     entry = index.entry("lamp")
     assert entry is not None
     with pytest.raises(WireError, match="a device of no gateway"):

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import permutations
 
 import pytest
+from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
-from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.decisions import MAX_DECISIONS, MergeDecisions
 from homebot.errors import RefusedError, WireError
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 MAC = "mac:aabbccddeeff"
 SERIAL = "id:SN-4711-0815"
 
 
 @pytest.fixture
-def announced(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
+def announced() -> tuple[Sighting, ...]:
     """One lamp over three gateways: two name its hardware address, two its serial number."""
-    lamp = part("light", "on_off", id="l")
+    lamp = part_of("light", "on_off", id="l")
     return (
         announce("a", lamp, ids=(MAC,), gateway="radio", name="Radio"),
         announce("b", lamp, ids=(MAC, SERIAL), gateway="cable", name="Cable"),
@@ -63,7 +59,7 @@ def test_one_announcement_is_split_off_and_the_others_stay_one(
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))
 def test_a_split_holds_in_whatever_order_they_are_announced_again(
-    order: tuple[int, ...], index: DeviceIndex, announced: tuple[Sighting, ...], announce: Announce
+    order: tuple[int, ...], index: DeviceIndex, announced: tuple[Sighting, ...]
 ) -> None:
     after(index, *announced)
     index.split("radio", None, 1.0)
@@ -85,10 +81,10 @@ def test_what_was_split_can_be_merged_again_and_split_again(
     assert sorted(gateways(index.devices()).values()) == [["cable"], ["radio"], ["web"]]
 
 
-def test_devices_without_anything_in_common_are_merged_with_the_reason(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    after(index, announce("a", part("light", "on_off"), name="A"), announce("b", part("light", "on_off"), name="B"))
+def test_devices_without_anything_in_common_are_merged_with_the_reason(index: DeviceIndex) -> None:
+    after(
+        index, announce("a", part_of("light", "on_off"), name="A"), announce("b", part_of("light", "on_off"), name="B")
+    )
     index.pop_changes()
     index.merge(("homeassistant:a", "homeassistant:b") if index.get("homeassistant:a") else ("a", "b"), 1.0)
     (device,) = index.devices()

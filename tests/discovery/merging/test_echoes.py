@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
+from tests.discovery.announcements import announce, part_of
 
-from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
-
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 
 MAC = "mac:aabbccddeeff"
 
@@ -30,11 +25,9 @@ def marked(part: Part, *, echoed: bool, readable: bool = True) -> Part:
         ({"echoed": True}, {"echoed": False, "readable": False}, True),
     ],
 )
-def test_one_honest_way_is_enough(
-    announce: Announce, part: MakePart, bridge: dict[str, bool], other: dict[str, bool], *, echoed: bool
-) -> None:
+def test_one_honest_way_is_enough(bridge: dict[str, bool], other: dict[str, bool], *, echoed: bool) -> None:
     index = DeviceIndex(forget_after=1000.0)
-    lamp = part("light", "on_off", id="l")
+    lamp = part_of("light", "on_off", id="l")
     index.observe(announce("a", marked(lamp, **bridge), ids=(MAC,), gateway="radio"), 0.0)
     index.observe(announce("b", marked(lamp, **other), ids=(MAC,), gateway="cable"), 0.0)
     (device,) = index.devices()

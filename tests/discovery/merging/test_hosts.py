@@ -6,19 +6,18 @@ from collections.abc import Callable, Iterable
 from itertools import permutations
 
 import pytest
+from tests.discovery.announcements import announce, part_of
 
 from homebot.conventions.dns_sd.found_service import FoundService, host_identifier, identifiers_of, name_of
 from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
 Find = Callable[..., Sighting]
 
 
 @pytest.fixture
-def find(announce: Announce) -> Find:
+def find() -> Find:
     """Makes the sighting of a service, as the gateway for mDNS publishes it."""
 
     def make(
@@ -72,15 +71,15 @@ def test_the_services_of_a_sonos_are_one_device(find: Find) -> None:
     assert len(devices(services)) == 1
 
 
-def test_a_lamp_and_its_page_are_one_device(find: Find, part: MakePart) -> None:
-    lamp = find("kitchen", "_esphomelib._tcp", "kitchen.local.", part("light", "on_off"), mac="a8032abe54dc")
+def test_a_lamp_and_its_page_are_one_device(find: Find) -> None:
+    lamp = find("kitchen", "_esphomelib._tcp", "kitchen.local.", part_of("light", "on_off"), mac="a8032abe54dc")
     assert len(devices([lamp, find("kitchen", "_http._tcp", "kitchen.local.")])) == 1
 
 
-def test_several_things_of_one_computer_are_several_devices(find: Find, part: MakePart) -> None:
+def test_several_things_of_one_computer_are_several_devices(find: Find) -> None:
     """And its other services, beside them, are the computer."""
-    things = [find(one, "_wot._tcp", "pi.local.", part("light", "on_off"), serial=f"{one}-0001") for one in "abc"]
-    plain = [find(one, "_wot._tcp", "pi.local.", part("light", "on_off")) for one in "de"]
+    things = [find(one, "_wot._tcp", "pi.local.", part_of("light", "on_off"), serial=f"{one}-0001") for one in "abc"]
+    plain = [find(one, "_wot._tcp", "pi.local.", part_of("light", "on_off")) for one in "de"]
     computer = [find("pi", one, "pi.local.") for one in ("_ssh._tcp", "_http._tcp")]
     found = devices([*things[:2], plain[0], *computer])
     assert sorted(map(len, found)) == [1, 1, 1, 2]

@@ -10,13 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.announcements import sighting_of
+from tests.discovery.announcements import announce
 
 from homebot.devices import Device, Sighting
 from homebot.devices.part import Capability, Category, Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.matching import candidates, match
-
-Announce = Callable[..., Sighting]
 
 IEEE = "eui64:00158d0001abcdef"
 FOREIGN = (IEEE, "id:zigbee2mqtt_0x17")
@@ -70,7 +69,7 @@ def without_topics(part_id: str, service_type: str, *names: str) -> Part:
     return part.model_copy(update={"capabilities": tuple(settable)})
 
 
-def together(announce: Announce, native: tuple[Part, ...], others: tuple[Part, ...]) -> Device:
+def together(native: tuple[Part, ...], others: tuple[Part, ...]) -> Device:
     """One device of both, the same in every order of (at most four) announcements."""
     sightings = [announce("0x17", *native, convention="zigbee2mqtt", ids=(IEEE,))]
     sightings += [announce(one.id, one, ids=FOREIGN) for one in others]
@@ -100,10 +99,9 @@ def ways(device: Device) -> set[tuple[str, ...]]:
     return {tuple(way.part for way in one.routes) for one in device.parts}
 
 
-def test_a_nameless_button_is_not_the_setting_that_it_was_not_told_from(announce: Announce) -> None:
+def test_a_nameless_button_is_not_the_setting_that_it_was_not_told_from() -> None:
     """Two curtain motors of Aqara's: *identify* drove them to their end stops."""
     device = together(
-        announce,
         (
             setting("automatic_calibration", "push", name="Automatic calibration"),
             setting("identify", "locate", name="Identify"),
@@ -119,22 +117,20 @@ def test_a_nameless_button_is_not_the_setting_that_it_was_not_told_from(announce
     }
 
 
-def test_a_button_and_a_choice_without_names_do_not_cross(announce: Announce) -> None:
+def test_a_button_and_a_choice_without_names_do_not_cross() -> None:
     """Where one of the two is missing on one side the other is still not taken for it."""
     own = setting("power_on_behavior", "option", name="Power-on behavior", options=("off", "on"))
     device = together(
-        announce,
         (own, setting("identify", "locate", name="Identify")),
         (foreign("power_on_behavior", "select", "x_setting", "option", category="config", options=("off", "on")),),
     )
     assert ways(device) == {("power_on_behavior", "0x17_power_on_behavior_zigbee2mqtt"), ("identify",)}
-    device = together(announce, (own,), (foreign("identify", "button", "x_setting", "locate", category="config"),))
+    device = together((own,), (foreign("identify", "button", "x_setting", "locate", category="config"),))
     assert ways(device) == {("power_on_behavior",), ("0x17_identify_zigbee2mqtt",)}
 
 
-def test_who_knows_that_a_switch_is_a_setting_decides_for_both(announce: Announce) -> None:
+def test_who_knows_that_a_switch_is_a_setting_decides_for_both() -> None:
     device = together(
-        announce,
         (made("switch", "switch", "on_off", writes=SET), setting("factory_reset", "on_off", name="Factory reset")),
         (
             foreign("switch", "switch", "switch", "on_off", writes=SET),
@@ -147,9 +143,8 @@ def test_who_knows_that_a_switch_is_a_setting_decides_for_both(announce: Announc
     }
 
 
-def test_a_setting_by_the_other_side_alone_is_one_as_well(announce: Announce) -> None:
+def test_a_setting_by_the_other_side_alone_is_one_as_well() -> None:
     device = together(
-        announce,
         (made("switch_lock", "switch", "on_off", writes=SET),),
         (setting("0x17_switch_lock_zigbee2mqtt", "on_off"), foreign("temp", "sensor", "x_sensor", "value", writes="")),
     )
@@ -157,9 +152,8 @@ def test_a_setting_by_the_other_side_alone_is_one_as_well(announce: Announce) ->
     assert (part.part.service_type, part.part.category) == ("x_setting", "config")
 
 
-def test_a_load_that_another_calls_a_setting_under_another_id_stays_a_load(announce: Announce) -> None:
+def test_a_load_that_another_calls_a_setting_under_another_id_stays_a_load() -> None:
     device = together(
-        announce,
         (made("state", "switch", "on_off", writes=SET),),
         (foreign("state_lock", "switch", "switch", "on_off", category="config"),),
     )
@@ -174,24 +168,22 @@ def test_a_load_of_two_gateways_without_topics_is_one_whatever_its_ids_are() -> 
     assert match([candidates((own,), ())], candidates((other, pair), ())) == {}
 
 
-def test_what_fits_two_others_equally_well_fits_none(announce: Announce) -> None:
+def test_what_fits_two_others_equally_well_fits_none() -> None:
     own = [setting(f"delay_{side}", "number", name="Delay") for side in ("left", "right")]
-    device = together(announce, tuple(own), (setting("uid", "number", name="Delay", writes=f"{SET}/delay"),))
+    device = together(tuple(own), (setting("uid", "number", name="Delay", writes=f"{SET}/delay"),))
     assert ways(device) == {("delay_left",), ("delay_right",), ("uid",)}
 
 
-def test_of_two_ids_that_are_in_a_third_the_whole_one_counts(announce: Announce) -> None:
+def test_of_two_ids_that_are_in_a_third_the_whole_one_counts() -> None:
     device = together(
-        announce,
         (setting("delay", "number"), setting("delay_on", "number")),
         (foreign("delay_on", "number", "x_setting", "number"), foreign("delay", "number", "x_setting", "number")),
     )
     assert ways(device) == {("delay", "0x17_delay_zigbee2mqtt"), ("delay_on", "0x17_delay_on_zigbee2mqtt")}
 
 
-def test_choices_of_different_words_and_numbers_of_different_units_are_two(announce: Announce) -> None:
+def test_choices_of_different_words_and_numbers_of_different_units_are_two() -> None:
     device = together(
-        announce,
         (setting("mode", "option", name="Mode", options=("eco", "boost")),),
         (foreign("mode", "select", "x_setting", "option", name="Mode", options=("up", "down")),),
     )
@@ -203,7 +195,7 @@ def test_choices_of_different_words_and_numbers_of_different_units_are_two(annou
     assert match([candidates([one], ())], candidates([other], ())) == {}
 
 
-def test_two_thermometers_with_different_names_are_two(announce: Announce) -> None:
+def test_two_thermometers_with_different_names_are_two() -> None:
     """One that is called as what it measures is the nameless one."""
     inner = made("a", "temperature_sensor", "temperature", name="Device temperature")
     plain = made("b", "temperature_sensor", "temperature", name="Temperature")
@@ -251,11 +243,11 @@ def test_ids_of_any_form_are_taken(part_id: str) -> None:
         ),
     ],
 )
-def test_parts_of_which_each_side_knows_only_one_are_two(announce: Announce, own: Part, other: Part) -> None:
+def test_parts_of_which_each_side_knows_only_one_are_two(own: Part, other: Part) -> None:
     """As long as Zigbee2MQTT's list is read and its announcements to Home Assistant come one after the other."""
     quality = made("linkquality", "x_sensor", "measurement")
     same = foreign("linkquality", "sensor", "x_sensor", "measurement", writes="")
-    device = together(announce, (own, quality), (other, same))
+    device = together((own, quality), (other, same))
     assert sorted(len(one.routes) for one in device.parts) == [1, 1, 2]
 
 

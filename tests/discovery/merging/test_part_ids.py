@@ -2,42 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import Sighting
-from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.part_ids import MAX_LOST, NO_IDS, Named, PartPlace, lost_ids, part_ids
 from homebot.discovery.record import entry_record, read_entry
 
-Announce = Callable[..., Sighting]
-MakePart = Callable[..., Part]
-Tell = Callable[..., Report]
-
 IEEE = "eui64:00158d0001abcdef"
 
 
 @pytest.fixture
-def foreign(announce: Announce, part: MakePart) -> Sighting:
-    lamp = part("light", "on_off", id="0x17_light", reads=("z",), writes=("z/set",))
+def foreign() -> Sighting:
+    lamp = part_of("light", "on_off", id="0x17_light", reads=("z",), writes=("z/set",))
     return announce("light/0x17", lamp, ids=(IEEE,))
 
 
 @pytest.fixture
-def native(announce: Announce, part: MakePart) -> Sighting:
-    lamp = part("light", "on_off", id="state", reads=("z",), writes=("z/set",))
+def native() -> Sighting:
+    lamp = part_of("light", "on_off", id="state", reads=("z",), writes=("z/set",))
     return announce("0x17", lamp, convention="zigbee2mqtt", ids=(IEEE,))
 
 
 @pytest.fixture
-def sensor(announce: Announce, part: MakePart) -> Sighting:
+def sensor() -> Sighting:
     """What keeps the device alive while nobody tells of its lamp."""
-    return announce("sensor/0x17", part("x_sensor", "value", id="0x17_sensor"), ids=(IEEE,))
+    return announce("sensor/0x17", part_of("x_sensor", "value", id="0x17_sensor"), ids=(IEEE,))
 
 
 def gone(sighting: Sighting) -> Sighting:
@@ -99,25 +93,23 @@ def test_a_device_of_a_file_from_before_there_were_ids_has_those_of_its_announce
 
 
 def test_of_two_parts_that_were_thought_to_be_one_that_which_is_called_so_keeps_the_id(
-    index: DeviceIndex, announce: Announce, part: MakePart, foreign: Sighting, native: Sighting
+    index: DeviceIndex, foreign: Sighting, native: Sighting
 ) -> None:
     """The other one truly is another part."""
     index.observe(foreign)
     assert lamps(index) == ["0x17_light"]
     index.observe(native)
     assert lamps(index) == ["0x17_light"]
-    plug = part("plug", "on_off", id="state", reads=("z",), writes=("z/set",))
+    plug = part_of("plug", "on_off", id="state", reads=("z",), writes=("z/set",))
     index.observe(announce("0x17", plug, convention="zigbee2mqtt", ids=(IEEE,)))
     (device,) = index.devices()
     assert {one.id: one.part.service_type for one in device.parts} == {"0x17_light": "light", "state": "plug"}
 
 
-def test_a_new_part_does_not_take_the_id_of_one_that_is_there(
-    index: DeviceIndex, announce: Announce, part: MakePart
-) -> None:
-    index.observe(announce("a", part("contact_sensor", id="x"), ids=(IEEE,)))
+def test_a_new_part_does_not_take_the_id_of_one_that_is_there(index: DeviceIndex) -> None:
+    index.observe(announce("a", part_of("contact_sensor", id="x"), ids=(IEEE,)))
     index.devices()
-    index.observe(announce("z", part("plug", id="x"), convention="zigbee2mqtt", ids=(IEEE,)))
+    index.observe(announce("z", part_of("plug", id="x"), convention="zigbee2mqtt", ids=(IEEE,)))
     (device,) = index.devices()
     assert {one.id: one.part.service_type for one in device.parts} == {
         "x": "contact_sensor",
@@ -132,14 +124,14 @@ def test_what_is_remembered_of_parts_that_are_gone_is_bounded() -> None:
     assert lost_ids({("g", "k", "a"): "a", ("g", "k", "b"): "x"}, [("g", "k", "b")]) is NO_IDS
 
 
-def the_four(announce: Announce, part: MakePart) -> tuple[Sighting, ...]:
+def the_four() -> tuple[Sighting, ...]:
     """Two conventions about a lamp with a plug, and what each says of it at another time."""
 
     def lamp(name: str) -> Part:
-        return part("light", "on_off", id=name, reads=("z",), writes=("z/set",))
+        return part_of("light", "on_off", id=name, reads=("z",), writes=("z/set",))
 
     def plug(name: str) -> Part:
-        return part("plug", "on_off", id=name, reads=("z",), writes=("z/set",))
+        return part_of("plug", "on_off", id=name, reads=("z",), writes=("z/set",))
 
     return (
         announce("light/0x17", lamp("state"), ids=(IEEE,)),
@@ -160,10 +152,8 @@ def part_routes(index: DeviceIndex) -> dict[str, frozenset[tuple[str, str]]]:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 @given(st.lists(st.tuples(st.integers(0, 3), st.sampled_from(["says", "says", "is gone", "restart"])), max_size=12))
-def test_whatever_is_said_in_whatever_order_a_part_that_stays_one_keeps_its_id(
-    announce: Announce, part: MakePart, steps: list[tuple[int, str]]
-) -> None:
-    sightings = the_four(announce, part)
+def test_whatever_is_said_in_whatever_order_a_part_that_stays_one_keeps_its_id(steps: list[tuple[int, str]]) -> None:
+    sightings = the_four()
     index = DeviceIndex(forget_after=1000.0)
     for number, what in steps:
         before = part_routes(index)
@@ -211,7 +201,7 @@ def test_ids_are_always_different_and_last(
 
 @pytest.mark.parametrize("is_alone", [False, True])
 def test_a_value_is_told_of_the_part_by_its_id_in_the_device(
-    index: DeviceIndex, foreign: Sighting, native: Sighting, tell: Tell, *, is_alone: bool
+    index: DeviceIndex, foreign: Sighting, native: Sighting, *, is_alone: bool
 ) -> None:
     """Whichever of two announcements it came through; also when the one that gave the id is gone."""
     index.changes.collects_states = True

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import permutations
 
 import pytest
-from tests.discovery.conftest import Announce, MakePart
+from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
 from homebot.devices.part import Part
@@ -13,13 +13,13 @@ from homebot.discovery import DeviceIndex
 
 
 @pytest.fixture
-def lamp(part: MakePart) -> Part:
-    found = part("light", "on_off", id="l", writes=("hall/set",), reads=("hall",))
+def lamp() -> Part:
+    found = part_of("light", "on_off", id="l", writes=("hall/set",), reads=("hall",))
     return found.model_copy(update={"payloads": "ON or OFF"})
 
 
 @pytest.fixture
-def leftovers(announce: Announce, lamp: Part) -> list[Sighting]:
+def leftovers(lamp: Part) -> list[Sighting]:
     return [
         announce("light/old", lamp, ids=("id:m1234",), name="Old"),
         announce("light/new", lamp.model_copy(update={"id": "n"}), ids=("id:m5678",), name="New"),
@@ -62,9 +62,7 @@ def test_the_device_stays_with_the_last_of_them(index: DeviceIndex, leftovers: l
     ],
     ids=["payloads", "none", "type", "state", "commands"],
 )
-def test_other_commands_are_those_of_another_part(
-    index: DeviceIndex, announce: Announce, lamp: Part, change: dict[str, object]
-) -> None:
+def test_other_commands_are_those_of_another_part(index: DeviceIndex, lamp: Part, change: dict[str, object]) -> None:
     """Settings of a bridge share their topics, and a stranger names those of others."""
     index.observe(announce("light/a", lamp, ids=("id:m1234",), name="A"))
     index.observe(announce("light/b", lamp.model_copy(update=change), ids=("id:m5678",), name="B"))
@@ -72,7 +70,7 @@ def test_other_commands_are_those_of_another_part(
 
 
 def test_one_that_is_announced_with_other_commands_is_another_device_again(
-    index: DeviceIndex, announce: Announce, lamp: Part, leftovers: list[Sighting]
+    index: DeviceIndex, lamp: Part, leftovers: list[Sighting]
 ) -> None:
     for one in leftovers[:2]:
         index.observe(one)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
+from tests.discovery.announcements import announce, part_of
 
-from homebot.devices import Sighting
-from homebot.devices.part import Part
 from homebot.devices.query import parse_query
 from homebot.discovery import DeviceIndex
 from homebot.discovery.search.unknown_words import check_words
@@ -15,9 +12,9 @@ from homebot.errors import RefusedError, UsageError
 
 
 @pytest.fixture
-def house(announce: Callable[..., Sighting], part: Callable[..., Part]) -> DeviceIndex:
+def house() -> DeviceIndex:
     index = DeviceIndex(forget_after=1000.0)
-    lamp = part("light", "on_off", id="l", writes=("a",))
+    lamp = part_of("light", "on_off", id="l", writes=("a",))
     index.observe(announce("a", lamp, ids=("id:desk",), name="Desk lamp", area="Kitchen"))
     index.observe(announce("b", lamp, ids=("id:den",), name="Den lamp", area="Deny"))
     index.sort()
