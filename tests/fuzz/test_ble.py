@@ -10,7 +10,7 @@ import pytest
 
 from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
-from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattState
+from homebot.conventions.bluetooth.gatt_profile import BUILT_IN
 from homebot.conventions.bthome.encryption import seal
 from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.devices.capabilities import CAPABILITIES
@@ -169,7 +169,7 @@ def test_damaged_reports_and_values_of_a_profile_are_refused_or_read(fuzz: Fuzz,
     def case(rng: random.Random) -> None:
         damage = mutator(rng)
         profile = BUILT_IN["gatt_light"]
-        state = GattState.unknown(profile.level_max)
+        state = profile.unknown_state()
         try:
             values: dict[str, PlainValue] = profile.read(damage.damaged_bytes(b"\x01\x7f"), state)
         except WireError:

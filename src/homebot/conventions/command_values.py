@@ -20,7 +20,6 @@ __all__ = [
     "require_bool",
     "require_color",
     "require_number",
-    "require_numbers",
     "require_option",
     "require_transition",
 ]
@@ -29,7 +28,6 @@ Writer: TypeAlias = Callable[[PlainValue, float], Publications]
 """Writes a value with a transition in seconds. Like all checks here, raises RefusedError with the accepted values."""
 
 _MOST_NAMED = 20
-_HUE_SATURATION = ((0.0, 360.0), (0.0, 100.0))
 
 
 def require_bool(capability: str, value: PlainValue) -> bool:
@@ -47,22 +45,12 @@ def require_number(capability: str, value: PlainValue, least: float, most: float
     raise RefusedError(f"{capability} {shown(value)}", f"it takes a number{bounds}")
 
 
-def require_numbers(capability: str, value: PlainValue, bounds: tuple[tuple[float, float], ...]) -> tuple[float, ...]:
-    """Return *value*, which must have one number within each of the *bounds*."""
-    if (
-        isinstance(value, tuple)
-        and len(value) == len(bounds)
-        and all(math.isfinite(one) and least <= one <= most for one, (least, most) in zip(value, bounds, strict=True))
-    ):
-        return tuple(float(one) for one in value)
-    pairs = ", ".join(f"{least:g} to {most:g}" for least, most in bounds)
-    raise RefusedError(f"{capability} {shown(value)}", f"it takes numbers from {pairs}")
-
-
 def require_color(value: PlainValue) -> tuple[float, float]:
     """Return the hue, 0 to 360, and the saturation, 0 to 100, of *value*."""
-    hue, saturation = require_numbers("color", value, _HUE_SATURATION)
-    return hue, saturation
+    match value:
+        case (int() | float() as hue, int() | float() as saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100:
+            return float(hue), float(saturation)
+    raise RefusedError(f"color {shown(value)}", "it takes numbers from 0 to 360, 0 to 100")
 
 
 def require_transition(seconds: float, most: float = math.inf) -> float:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 from pydantic import BaseModel
 
@@ -33,47 +33,39 @@ from homebot.errors import WireError
 __all__ = ["Thesis", "ThesisSettings", "thesis_part"]
 
 
-class _ServiceTypeKind(NamedTuple):
-    """Settable and read-only capabilities of a service type."""
-
-    settable: tuple[str, ...] = ()
-    readable: tuple[str, ...] = ()
-    tag: str = ""
-
-
 _OPENING = ("movement", "position")
-
-_KINDS: Mapping[str, _ServiceTypeKind] = {
-    "light": _ServiceTypeKind(("on_off", "level", "color_temperature")),
-    "plug": _ServiceTypeKind(("on_off",)),
-    "switch": _ServiceTypeKind(("on_off",)),
-    "siren": _ServiceTypeKind(("on_off",)),
-    "pump": _ServiceTypeKind(("on_off",)),
-    "fan": _ServiceTypeKind(("on_off", "fan_speed")),
-    "window_covering": _ServiceTypeKind(_OPENING),
-    "closure": _ServiceTypeKind(_OPENING),
-    "door_lock": _ServiceTypeKind(("lock",)),
-    "water_valve": _ServiceTypeKind(("valve", "position")),
-    "thermostat": _ServiceTypeKind(("heating_setpoint",), ("local_temperature",)),
-    "contact_sensor": _ServiceTypeKind((), ("contact",)),
-    "occupancy_sensor": _ServiceTypeKind((), ("occupancy",)),
-    "temperature_sensor": _ServiceTypeKind((), ("temperature",)),
-    "humidity_sensor": _ServiceTypeKind((), ("humidity",)),
-    "light_sensor": _ServiceTypeKind((), ("illuminance",)),
-    "pressure_sensor": _ServiceTypeKind((), ("pressure",)),
-    "flow_sensor": _ServiceTypeKind((), ("flow",)),
-    "soil_sensor": _ServiceTypeKind((), ("soil_moisture",)),
-    "smoke_co_alarm": _ServiceTypeKind((), ("smoke",)),
-    "water_leak_detector": _ServiceTypeKind((), ("water_leak",)),
-    "rain_sensor": _ServiceTypeKind((), ("rain",)),
-    "water_freeze_detector": _ServiceTypeKind((), ("freeze",)),
-    "electrical_meter": _ServiceTypeKind((), ("power",)),
-    "x_battery": _ServiceTypeKind((), ("battery",)),
-    "x_robot": _ServiceTypeKind((), ("value",)),
-    "x_tracker": _ServiceTypeKind((), ("place",)),
-    "x_sensor": _ServiceTypeKind((), ("value",)),
-    "x_binary_sensor": _ServiceTypeKind((), ("state",)),
+_SETTABLE: Mapping[str, tuple[str, ...]] = {
+    "light": ("on_off", "level", "color_temperature"),
+    **dict.fromkeys(("plug", "switch", "siren", "pump"), ("on_off",)),
+    "fan": ("on_off", "fan_speed"),
+    "window_covering": _OPENING,
+    "closure": _OPENING,
+    "door_lock": ("lock",),
+    "water_valve": ("valve", "position"),
+    "thermostat": ("heating_setpoint",),
 }
+_READABLE: Mapping[str, str] = {
+    "thermostat": "local_temperature",
+    "contact_sensor": "contact",
+    "occupancy_sensor": "occupancy",
+    "temperature_sensor": "temperature",
+    "humidity_sensor": "humidity",
+    "light_sensor": "illuminance",
+    "pressure_sensor": "pressure",
+    "flow_sensor": "flow",
+    "soil_sensor": "soil_moisture",
+    "smoke_co_alarm": "smoke",
+    "water_leak_detector": "water_leak",
+    "rain_sensor": "rain",
+    "water_freeze_detector": "freeze",
+    "electrical_meter": "power",
+    "x_battery": "battery",
+    "x_robot": "value",
+    "x_tracker": "place",
+    "x_sensor": "value",
+    "x_binary_sensor": "state",
+}
+"""Capabilities of a service type; the settable ones are readable too."""
 
 _CLEARED: Mapping[frozenset[str], tuple[str, str]] = {
     wanted_types("window"): ("closure", "window"),
@@ -105,11 +97,9 @@ def _meaning(service_type: str) -> tuple[str, str, tuple[Capability, ...]]:
     name, tag = _CLEARED.get(meant, (next(iter(meant)) if len(meant) == 1 else "", ""))
     if tag == "door" and "garage" in service_type.casefold():
         tag = "garage_door"
-    kind = _KINDS.get(name)
-    if kind is None:
-        return "", "", ()
-    settable = tuple(Capability(name=one, settable=True) for one in kind.settable)
-    return name, tag, settable + tuple(Capability(name=one) for one in kind.readable)
+    capabilities = [Capability(name=one, settable=True) for one in _SETTABLE.get(name, ())]
+    capabilities += [Capability(name=_READABLE[name])] if name in _READABLE else []
+    return (name, tag, tuple(capabilities)) if capabilities else ("", "", ())
 
 
 LEVELS = ("SERVICE_TYPE", "DEVICE_ID", "CHANNEL")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile, GattState
+from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile
 from homebot.errors import RefusedError, WireError
 
 LIGHT = BUILT_IN["gatt_light"]
@@ -33,7 +33,7 @@ def test_short_uuids_are_written_out() -> None:
 
 
 def test_commands_fill_the_fields_of_their_frame() -> None:
-    state = GattState.unknown(255)
+    state = LIGHT.unknown_state()
     assert LIGHT.write("level", 50.0, state).hex() == "0180"
     assert LIGHT.write("on_off", False, state).hex() == "0080"
     assert LIGHT.write("on_off", True, state).hex() == "0180"
@@ -44,26 +44,26 @@ def test_commands_fill_the_fields_of_their_frame() -> None:
 
 
 def test_a_colour_whose_frame_does_not_turn_the_device_on_is_followed_by_one_that_does() -> None:
-    state = GattState.unknown(255)
+    state = LIGHT.unknown_state()
     assert [one.hex() for one in STRIP.write_frames("color", (120.0, 100.0), state)] == ["5600ff0000f0aa", "cc2333"]
     assert [one.hex() for one in LIGHT.write_frames("level", 50.0, state)] == ["0180"]
     assert [one.hex() for one in LIGHT.write_frames("level", 0.0, state)] == ["0080"]
 
 
 def test_reports_are_read_by_their_frame() -> None:
-    state = GattState.unknown(255)
+    state = LIGHT.unknown_state()
     assert LIGHT.read(b"\x01\x80", state) == {"on_off": True, "level": 50.2}
     assert LIGHT.read(b"\x00\x80", state) == {"on_off": False, "level": 0.0}
-    assert state.fields["level"] == 0x80
+    assert state["level"] == 0x80
     assert STRIP.read(bytes.fromhex("6604010000ff99"), state) == {"on_off": True, "color": (240.0, 100.0)}
 
 
 @pytest.mark.parametrize("data", ["", "66", "6704010000ff99", "6604010000ff98"])
 def test_a_report_of_another_form_is_refused(data: str) -> None:
     with pytest.raises(WireError):
-        STRIP.read(bytes.fromhex(data), GattState.unknown(255))
+        STRIP.read(bytes.fromhex(data), LIGHT.unknown_state())
 
 
 def test_a_command_without_a_frame_is_refused() -> None:
     with pytest.raises(RefusedError, match="no frame"):
-        STRIP.write("level", 50.0, GattState.unknown(255))
+        STRIP.write("level", 50.0, LIGHT.unknown_state())

@@ -15,7 +15,7 @@ from tests.patience import PATIENCE
 
 from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.packets import Connect, FilterRequest, Pingreq, Pingresp, Puback, Publish, Subscribe, encode
-from homebot.testing.mqtt.tls import TestTls
+from homebot.testing.mqtt.settings import TestTls
 
 
 @pytest.fixture(scope="module")

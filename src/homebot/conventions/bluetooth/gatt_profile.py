@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
@@ -68,22 +67,8 @@ def _checked_command(frame: str) -> str:
 
 ReportFrame: TypeAlias = Annotated[str, AfterValidator(_checked)]
 CommandFrame: TypeAlias = Annotated[str, AfterValidator(_checked_command)]
-
-
-@dataclass(slots=True)
-class GattState:
-    """The state of a device, as in its frames.
-
-    Attributes:
-        fields: The bytes by field; by default off, full brightness and white.
-    """
-
-    fields: dict[str, int]
-
-    @classmethod
-    def unknown(cls, level_max: int) -> GattState:
-        """Return the state of a device that has reported nothing."""
-        return cls({"on": 0, "level": level_max, "red": _BYTE, "green": _BYTE, "blue": _BYTE})
+GattState: TypeAlias = dict[str, int]
+"""The state of a device, as in its frames: the bytes by field."""
 
 
 class GattProfile(BaseModel):
@@ -138,6 +123,10 @@ class GattProfile(BaseModel):
         )
         return Part(id="", service_type=self.type, capabilities=capabilities)
 
+    def unknown_state(self) -> GattState:
+        """Return the state of a device that has reported nothing: off, at full brightness and white."""
+        return {"on": 0, "level": self.level_max, **dict.fromkeys(_CHANNELS, _BYTE)}
+
     def read(self, data: bytes, state: GattState) -> dict[str, PlainValue]:
         """Update *state* from a report, and return its values by capability.
 
@@ -147,7 +136,7 @@ class GattProfile(BaseModel):
         tokens = _tokens(self.report or "..")
         if len(data) < len(tokens):
             raise WireError(f"it reported {len(data)} bytes, not {len(tokens)}", data)
-        fields = dict(state.fields)
+        fields = dict(state)
         for token, byte in zip(tokens, data, strict=False):
             if isinstance(token, int) and token != byte:
                 raise WireError(f"it reported {byte:02x} where the profile has {token:02x}", data)
@@ -155,8 +144,8 @@ class GattProfile(BaseModel):
                 fields[token] = byte
         if fields["level"] > self.level_max:
             raise WireError(f"it reported the level {fields['level']} above {self.level_max}", data)
-        state.fields.update(fields)
-        return self._values(state.fields, {one.name for one in self.part().capabilities if one.readable})
+        state.update(fields)
+        return self._values(state, {one.name for one in self.part().capabilities if one.readable})
 
     def write(self, capability: str, value: PlainValue, state: GattState) -> bytes:
         """Return the frame that sets a capability, with other fields from *state*, which is updated.
@@ -164,14 +153,14 @@ class GattProfile(BaseModel):
         Raises:
             RefusedError: The profile has no frame for it.
         """
-        fields = {**state.fields, **self._changes(capability, value, state.fields)}
+        fields = {**state, **self._changes(capability, value, state)}
         turns_on = capability == "on_off" or not fields["on"]
         frames = {"on_off": self.on, "level": self.level, "color": self.color}
         frame = (self.on if fields["on"] else self.off) if turns_on and capability in frames else frames.get(capability)
         if frame is None:
             raise RefusedError(capability, "the profile of the device has no frame for it")
         data = bytes(token if isinstance(token, int) else fields[token] for token in _tokens(frame))
-        state.fields.update(fields)
+        state.update(fields)
         return data
 
     def _changes(self, capability: str, value: PlainValue, fields: Mapping[str, int]) -> dict[str, int]:
@@ -195,7 +184,7 @@ class GattProfile(BaseModel):
         """
         first = self.write(capability, value, state)
         frame = {"level": self.level, "color": self.color}.get(capability)
-        if frame is None or not state.fields["on"] or "on" in _tokens(frame):
+        if frame is None or not state["on"] or "on" in _tokens(frame):
             return (first,)
         return first, self.write("on_off", True, state)  # noqa: FBT003 - the value
 

@@ -75,7 +75,7 @@ class _ManagedDevice:
     device: KnownDevice
     profile: GattProfile
     scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)
-    state: GattState = field(default_factory=lambda: GattState({}))
+    state: GattState = field(default_factory=dict)
     link: BleLink | None = None
     commands: anyio.Lock = field(default_factory=anyio.Lock)
     wake: anyio.Event = field(default_factory=anyio.Event)
@@ -130,7 +130,7 @@ class Connections:
                 kept.wake.set()
                 self._slots.notify()
         elif device.profile is not None:
-            kept = _ManagedDevice(device, device.profile, state=GattState.unknown(device.profile.level_max))
+            kept = _ManagedDevice(device, device.profile, state=device.profile.unknown_state())
             self._kept[device.key] = kept
             self._tasks.start_soon(run_as, self._owner, partial(self._run, kept))
 
@@ -153,7 +153,7 @@ class Connections:
         async with kept.commands:
             kept.used_at = self._clock.monotonic()
             link = kept.link or await self._connect_now(kept)
-            state = GattState(dict(kept.state.fields))
+            state = dict(kept.state)
             for data in kept.profile.write_frames(capability, value, state):
                 await link.write(kept.profile.command, data, response=kept.profile.response)
             kept.state = state

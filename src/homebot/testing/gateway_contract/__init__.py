@@ -8,12 +8,11 @@ pytest-asyncio, with the plug-in of anyio, or with homebot's alone.
 from homebot.testing.gateway_contract.command_suite import CommandSuite
 from homebot.testing.gateway_contract.device_suite import DeviceSuite
 from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
-from homebot.testing.gateway_contract.link_suite import LinkSuite
 from homebot.testing.gateway_contract.message_suite import MessageSuite
 from homebot.testing.gateway_contract.world import running
 
 __all__ = ["GatewayContract", "Lamp", "Neighbour", "running"]
 
 
-class GatewayContract(LinkSuite, DeviceSuite, CommandSuite, MessageSuite):
+class GatewayContract(DeviceSuite, CommandSuite, MessageSuite):
     """The duties of every gateway."""

@@ -6,9 +6,8 @@ from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.faults import Fault
 from homebot.testing.mqtt.journal import RecordedMessage
 from homebot.testing.mqtt.packet_log import PacketLog, PacketRecord, ProtocolViolation
-from homebot.testing.mqtt.settings import BrokerSettings
+from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread, broker_thread
-from homebot.testing.mqtt.tls import TestTls
 
 __all__ = [
     "BlockingFaults",

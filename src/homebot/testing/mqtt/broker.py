@@ -15,9 +15,8 @@ from homebot.testing.mqtt.core import BrokerCore, ClientView
 from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.journal import Payload, RecordedMessage, Wanted
 from homebot.testing.mqtt.packet_log import PacketLog, ProtocolViolation
-from homebot.testing.mqtt.settings import BrokerSettings
+from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread
-from homebot.testing.mqtt.tls import TestTls
 
 __all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_blocking_broker", "serve_broker"]
 

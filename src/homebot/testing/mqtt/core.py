@@ -19,9 +19,8 @@ from homebot.mqtt.topics import validate_topic
 from homebot.testing.mqtt.faults import Fault, FaultPolicy, FaultRules
 from homebot.testing.mqtt.journal import Journal, Payload, PulseEvent, encode_payload
 from homebot.testing.mqtt.packet_log import PROTOCOL_NAMES, PacketLog, ViolationLog
-from homebot.testing.mqtt.settings import BrokerSettings
+from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.tap import Tap, TapDuties
-from homebot.testing.mqtt.tls import TestTls
 
 __all__ = ["BrokerCore", "ClientView"]
 

@@ -13,9 +13,8 @@ import pytest
 
 from homebot.errors import UsageError
 from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_blocking_broker, serve_broker
-from homebot.testing.mqtt.settings import BrokerSettings
+from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread, broker_thread
-from homebot.testing.mqtt.tls import TestTls
 
 __all__ = ["FixtureBrokers", "check_protocol", "packet_logs"]
 
