@@ -119,9 +119,7 @@ async def settled() -> None:
 
 async def use(house: ServedHouse, pieces: list[bytes], *, waits: bool) -> bytes:
     """Send *pieces* on a connection, which the client closes where it does not wait; return what was answered."""
-    connections = house.bridge._server._connections
-    assert connections is not None
-    link = Link(connections())
+    link = Link(house.bridge._server())
     for piece in pieces:
         link.feed(piece)
         await settled()
@@ -130,7 +128,7 @@ async def use(house: ServedHouse, pieces: list[bytes], *, waits: bool) -> bytes:
         assert not link.is_open or b"text/event-stream" in link.written, "the connection stays open"
     link.close()
     await settled()
-    assert not connections.connections, "the server keeps a connection that is closed"
+    assert not house.bridge._server.connections, "the server keeps a connection that is closed"
     return bytes(link.written)
 
 

@@ -14,6 +14,7 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.admission import refusal, token_of
 from homebot.bridges.client_error_log import ClientErrorLog
+from homebot.bridges.thing_directory.catalog import ThingCatalog
 from homebot.bridges.thing_directory.documents import (
     BEARER,
     CHANGE_NAMES,
@@ -83,15 +84,17 @@ class ThingDirectoryBridge:
         self._turns = ServerTurns()
         self._server = BoundedServer(settings, self._handle, node.graph.clock, self._error_log)
         version = token_hex(4)
+        catalog = ThingCatalog()
+        self._feed = EventFeed(catalog, version)
         self._devices = ListedDevices(
             node,
+            catalog,
             owner,
             needs_token=needs_token,
             allows_commands=settings.allows_commands,
             max_devices=settings.max_devices,
-            on_change=self._notify,
+            on_change=self._feed.notify,
         )
-        self._feed = EventFeed(self._devices.catalog, version)
         described = directory_description(
             f"homebot, {home}", f"urn:homebot:{owner}:", BEARER if needs_token else NO_SECURITY
         )
@@ -111,7 +114,7 @@ class ThingDirectoryBridge:
             "wrong_tokens": self._tokens.wrong,
             "event_clients_overtaken": self._feed.overtaken,
             "event_clients_now": self._feed.clients,
-            "clients_now": self._server.client_count,
+            "clients_now": len(self._server.connections),
         }
         return HealthResponse(
             counts=Count.each(counts),
@@ -136,9 +139,6 @@ class ThingDirectoryBridge:
             finally:
                 self._announce(NetworkService(service_type=SERVICE_TYPE, is_withdrawn=True))
                 self._feed.close()
-
-    def _notify(self) -> None:
-        self._feed.notify()
 
     async def _handle(self, exchange: HttpExchange) -> None:
         await self._turns.turn()

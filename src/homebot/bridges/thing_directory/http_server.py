@@ -139,8 +139,8 @@ class HttpExchange:
             raise ConnectionResetError("the client takes no bytes")
 
 
-class BoundedServer:
-    """A server that gives each request to a handler.
+class BoundedServer(web.Server):
+    """A server that gives each request to a handler. Made while the event loop runs.
 
     Args:
         settings: Where it listens, and the number of its clients.
@@ -157,19 +157,27 @@ class BoundedServer:
         clock: Clock,
         error_log: ClientErrorLog,
     ) -> None:
+        log = logging.Logger("thing_directory", logging.WARNING)  # noqa: LOG001 - leads into our own log
+        log.addHandler(LibraryLog(error_log, "thing_directory", "a client sent invalid HTTP", _crash_in))
+        super().__init__(
+            self._serve,
+            handler_cancellation=True,
+            access_log=None,
+            logger=log,
+            keepalive_timeout=IDLE_FOR,
+            max_line_size=_LINE,
+            max_field_size=_LINE,
+            lingering_time=_CLOSING,
+            auto_decompress=False,
+            read_bufsize=64 * 1024,
+        )
         self.counters = ServerCounters()
         self.port = settings.port
         self.addresses: tuple[str, ...] = ()
         self._settings = settings
         self._handle = handle
         self._clock = clock
-        self._error_log = error_log
-        self._connections: _Connections | None = None
-
-    @property
-    def client_count(self) -> int:
-        """Number of open connections."""
-        return 0 if self._connections is None else len(self._connections.connections)
+        self._silent: dict[web.RequestHandler, tuple[float, asyncio.Transport]] = {}
 
     @asynccontextmanager
     async def listening(self) -> AsyncIterator[None]:
@@ -179,32 +187,41 @@ class BoundedServer:
             UsageError: The address cannot be listened on.
         """
         settings = self._settings
-        log = logging.Logger("thing_directory", logging.WARNING)  # noqa: LOG001 - leads into our own log
-        log.addHandler(LibraryLog(self._error_log, "thing_directory", "a client sent invalid HTTP", _crash_in))
-        self._connections = connections = _Connections(
-            self._serve, settings.max_clients, self.counters, self._clock, log
-        )
         try:
-            listener = await asyncio.get_running_loop().create_server(connections, settings.host, settings.port)
+            listener = await asyncio.get_running_loop().create_server(self, settings.host, settings.port)
         except OSError as exc:
             raise UsageError(f"thing_directory: {settings.listening_problem(exc, '[thing_directory] port')}") from exc
         self.port = listener.sockets[0].getsockname()[1]
         self.addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in listener.sockets))
         try:
             async with anyio.create_task_group() as tasks:
-                tasks.start_soon(connections.sweep)
+                tasks.start_soon(self._cut_silent)
                 yield
                 tasks.cancel_scope.cancel()
         finally:
             listener.close()
             with anyio.CancelScope(shield=True):
-                connections.pre_shutdown()
-                await connections.shutdown(_CLOSING)
+                self.pre_shutdown()
+                await self.shutdown(_CLOSING)
+
+    def connection_made(self, handler: web.RequestHandler, transport: asyncio.Transport) -> None:
+        """Take a connection, unless there are too many."""
+        super().connection_made(handler, transport)
+        if len(self.connections) > self._settings.max_clients:
+            self.counters.turned_away += 1
+            transport.write(_BUSY)
+            transport.close()
+        else:
+            self._silent[handler] = (self._clock.monotonic(), transport)
+
+    def connection_lost(self, handler: web.RequestHandler, exc: BaseException | None = None) -> None:
+        """Forget a connection."""
+        self._silent.pop(handler, None)
+        super().connection_lost(handler, exc)
 
     async def _serve(self, request: web.BaseRequest) -> web.StreamResponse:
         self.counters.requests += 1
-        if self._connections is not None:
-            self._connections.on_request(request.protocol)
+        self._silent.pop(request.protocol, None)  # from now on the library itself limits silence
         if request.version.major != 1:
             self.counters.turned_away += 1
             if request.transport is not None:
@@ -216,62 +233,14 @@ class BoundedServer:
             await self._handle(exchange)
         return exchange.response
 
-
-class _Connections(web.Server):
-    """The connections of a server, which the library makes for it."""
-
-    def __init__(
-        self,
-        serve: Callable[[web.BaseRequest], Awaitable[web.StreamResponse]],
-        most: int,
-        counters: ServerCounters,
-        clock: Clock,
-        log: logging.Logger,
-    ) -> None:
-        super().__init__(
-            serve,
-            handler_cancellation=True,
-            access_log=None,
-            logger=log,
-            keepalive_timeout=IDLE_FOR,
-            max_line_size=_LINE,
-            max_field_size=_LINE,
-            lingering_time=_CLOSING,
-            auto_decompress=False,
-            read_bufsize=64 * 1024,
-        )
-        self._most = most
-        self._counters = counters
-        self._clock = clock
-        self._silent: dict[web.RequestHandler, tuple[float, asyncio.Transport]] = {}
-
-    def connection_made(self, handler: web.RequestHandler, transport: asyncio.Transport) -> None:
-        """Take a connection, unless there are too many."""
-        super().connection_made(handler, transport)
-        if len(self.connections) > self._most:
-            self._counters.turned_away += 1
-            transport.write(_BUSY)
-            transport.close()
-        else:
-            self._silent[handler] = (self._clock.monotonic(), transport)
-
-    def connection_lost(self, handler: web.RequestHandler, exc: BaseException | None = None) -> None:
-        """Forget a connection."""
-        self._silent.pop(handler, None)
-        super().connection_lost(handler, exc)
-
-    def on_request(self, handler: web.RequestHandler) -> None:
-        """Handle the first request; from now on the library itself limits silence."""
-        self._silent.pop(handler, None)
-
-    async def sweep(self) -> None:
+    async def _cut_silent(self) -> None:
         """Cut connections off on which no request comes, until cancelled."""
         while True:
             await anyio.sleep(_SWEEP_EVERY)
             limit = self._clock.monotonic() - FIRST_REQUEST_WITHIN
             for handler, (began, transport) in tuple(self._silent.items()):
                 if began < limit:
-                    self._counters.clients_cut += 1
+                    self.counters.clients_cut += 1
                     self._silent.pop(handler, None)
                     transport.abort()
 

@@ -89,6 +89,7 @@ class ListedDevices:
     def __init__(
         self,
         node: Node,
+        catalog: ThingCatalog,
         owner: str,
         *,
         needs_token: bool,
@@ -96,7 +97,7 @@ class ListedDevices:
         max_devices: int,
         on_change: Callable[[], None],
     ) -> None:
-        self.catalog = ThingCatalog()
+        self.catalog = catalog
         self.refused = 0
         self._node = node
         self._owner = owner
