@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import Writer
@@ -29,31 +30,28 @@ from homebot.wot.thing import OBSERVE_OPS, WRITE_OPS, Affordance, Form, Thing, f
 __all__ = ["MqttBinding", "ThingReader"]
 
 
+@dataclass(frozen=True, slots=True)
 class MqttBinding:
     """The forms with topics: each subscriber is sent the values.
 
-    Args:
+    Attributes:
         formats: The formats of payloads that count; forms with any other are none.
     """
 
-    def __init__(self, formats: PayloadFormats = basic_formats) -> None:
-        self.formats = formats
+    formats: PayloadFormats = basic_formats
 
     def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms with a filter to subscribe to."""
-        return tuple(
-            one
-            for one in affordance.forms
-            if one.is_mqtt and one.filter and not OBSERVE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
-        )
+        return tuple(one for one in self._usable(affordance, OBSERVE_OPS) if one.filter)
 
     def write_forms(self, affordance: Affordance) -> tuple[Form, ...]:
         """Return the forms with a topic to publish on."""
-        return tuple(
-            one
-            for one in affordance.forms
-            if one.is_mqtt and one.topic and not WRITE_OPS.isdisjoint(one.ops) and self.formats(one.content_type)
-        )
+        return tuple(one for one in self._usable(affordance, WRITE_OPS) if one.topic)
+
+    def _usable(self, affordance: Affordance, ops: frozenset[str]) -> Iterator[Form]:
+        for one in affordance.forms:
+            if one.is_mqtt and not ops.isdisjoint(one.ops) and self.formats(one.content_type):
+                yield one
 
 
 class ThingReader:
