@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from tests.bridges.conftest import House, Peer
 from tests.bridges.frames import result_of
 
-from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
-from homebot.bridges.rosbridge.packing import PLAIN, Packing
+from homebot.bridges.rosbridge.packing import PLAIN, FrameAssembler, Packing
 from homebot.bridges.rosbridge.protocol import FrameError, SetLevel
 from homebot.graph import qos_profile_latched
 from homebot.messages import SetBool, String

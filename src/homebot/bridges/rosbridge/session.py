@@ -15,11 +15,10 @@ from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge import protocol
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
-from homebot.bridges.rosbridge.frame_assembler import FrameAssembler
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.holdings import Holdings
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.packing import Packing
+from homebot.bridges.rosbridge.packing import FrameAssembler, Packing
 from homebot.bridges.rosbridge.refusals import operation_text
 from homebot.bridges.rosbridge.services import call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import SharedState
