@@ -16,6 +16,7 @@ from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability
 from homebot.wot.parse import CONTEXT
 from homebot.wot.payload import TEXT_CONTENT_TYPE
+from homebot.wot.thing import NO_SECURITY
 from homebot.wot.vocabulary import CAPABILITY_TYPES, DEVICE_TYPE_NAMES, WEBTHINGS
 
 __all__ = ["FormWriter", "MqttForms", "property_names", "thing_id", "to_thing"]
@@ -67,8 +68,7 @@ def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, ob
         "@type": ["Thing", *types],
         "id": thing_id(device.id, owner),
         "title": device.name.strip() or device.id,
-        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-        "security": "nosec_sc",
+        **NO_SECURITY,
     }
     facts = {one.key: one.value for one in device.metadata} | {one.name: one.value for one in reversed(device.facts)}
     extension = {

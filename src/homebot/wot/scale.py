@@ -8,6 +8,7 @@ from dataclasses import replace
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.text.states import FRACTION_CAPABILITIES
 from homebot.wot.thing import Affordance, DataSchema
 from homebot.wot.vocabulary import UNITS
 
@@ -22,9 +23,6 @@ def unit_of(schema: DataSchema) -> str:
     bare = schema.unit.rpartition("/")[2].rpartition(":")[2] if ":" in schema.unit else schema.unit
     return UNITS.get(bare.casefold().translate(_SEPARATORS), bare)
 
-
-_FRACTIONS = frozenset({"level", "position", "tilt", "fan_speed", "volume"})
-"""Capabilities that go from nothing to all, with any words for the two ends."""
 
 _PERCENT = 100.0
 _EXACT = 12
@@ -117,7 +115,9 @@ def _ends(capability: str, affordance: Affordance) -> tuple[float, float] | None
     low, high = affordance.schema.minimum, affordance.schema.maximum
     if low is None or high is None or not 0 < high - low < _NO_RANGE:
         return None
-    is_fraction = capability in _FRACTIONS or (high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT))
+    is_fraction = capability in FRACTION_CAPABILITIES or (
+        high == 1 and CAPABILITIES[capability].bounds == (0.0, _PERCENT)
+    )
     return (low, high) if is_fraction else None
 
 

@@ -14,6 +14,7 @@ from homebot.conventions.payload import clean_text
 from homebot.devices.identity import identifiers
 
 __all__ = [
+    "NO_SECURITY",
     "OBSERVE_OPS",
     "WRITE_OPS",
     "Affordance",
@@ -35,6 +36,9 @@ OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
 """Operations by which values become known."""
 
 WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
+
+NO_SECURITY: Mapping[str, object] = {"securityDefinitions": {"nosec_sc": {"scheme": "nosec"}}, "security": "nosec_sc"}
+"""The members of a description whose thing needs no credentials."""
 
 _OWN = ("mac:", "eui64:", "id:")
 

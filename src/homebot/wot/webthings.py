@@ -13,16 +13,13 @@ from collections.abc import Mapping
 from typing import Final
 
 from homebot.conventions.payload import as_fields
+from homebot.wot.thing import NO_SECURITY
 
 __all__ = ["with_forms"]
 
 _CONTEXTS: Final = frozenset({"https://iot.mozilla.org/schemas", "https://webthings.io/schemas"})
 _SCHEMA: Final = ("type", "unit", "minimum", "maximum", "enum")
 _KEPT: Final = ("@type", "title", "description", "readOnly")
-_OPEN: Final[Mapping[str, object]] = {
-    "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-    "security": "nosec_sc",
-}
 
 
 def with_forms(description: object, context: str) -> object:
@@ -40,7 +37,7 @@ def with_forms(description: object, context: str) -> object:
     found = {name: made for name, one in properties.items() if (made := _property(name, as_fields(one)))}
     everything = _link(fields, "properties")
     return {
-        **_OPEN,
+        **NO_SECURITY,
         **fields,
         "@context": context,
         "title": fields.get("title", fields.get("name")),

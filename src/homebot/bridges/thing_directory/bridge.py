@@ -18,7 +18,6 @@ from homebot.bridges.thing_directory.catalog import ThingCatalog
 from homebot.bridges.thing_directory.documents import (
     BEARER,
     CHANGE_NAMES,
-    NO_SECURITY,
     PREFLIGHT,
     DirectoryAnswer,
     RequestError,
@@ -40,6 +39,7 @@ from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.support.addresses import is_loopback
+from homebot.wot.thing import NO_SECURITY
 
 __all__ = ["ThingDirectoryBridge"]
 

@@ -19,7 +19,6 @@ __all__ = [
     "CHANGE_NAMES",
     "LD_TYPE",
     "MAX_PAGE",
-    "NO_SECURITY",
     "PAGE",
     "PREFLIGHT",
     "PROBLEM_TYPE",
@@ -45,10 +44,6 @@ PAGE: Final = 50
 MAX_PAGE: Final = 100
 """Most descriptions of one page."""
 
-NO_SECURITY: Final[Mapping[str, object]] = {
-    "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-    "security": "nosec_sc",
-}
 BEARER: Final[Mapping[str, object]] = {
     "securityDefinitions": {"bearer_sc": {"scheme": "bearer", "in": "header", "format": "opaque"}},
     "security": "bearer_sc",

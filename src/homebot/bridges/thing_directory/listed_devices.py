@@ -13,7 +13,7 @@ import anyio
 import anyio.lowlevel
 
 from homebot.bridges.thing_directory.catalog import ThingCatalog
-from homebot.bridges.thing_directory.documents import BEARER, NO_SECURITY
+from homebot.bridges.thing_directory.documents import BEARER
 from homebot.devices import Device, DeviceChange
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.device import DevicePart, Endpoint
@@ -23,6 +23,7 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.part import Capability
 from homebot.graph import Node
 from homebot.wot.export import property_names, thing_id, to_thing
+from homebot.wot.thing import NO_SECURITY
 
 __all__ = ["ListedDevices", "ListedProperty"]
 
