@@ -9,6 +9,7 @@ from typing import Any, Final, final
 
 import anyio
 
+from homebot.devices import names
 from homebot.devices.approval_messages import ApproveDevice
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, PerformCommand
@@ -21,23 +22,6 @@ from homebot.devices.lease_messages import (
     HoldRequest,
     ReleaseLease,
     RenewLease,
-)
-from homebot.devices.names import (
-    ALIAS_DEVICE,
-    APPROVE_DEVICE,
-    CHANGE_ROOM,
-    END_LEASES,
-    FORGET_DEVICE,
-    HOLD_PART,
-    IMPORT_PLACES,
-    MERGE_DEVICES,
-    PERFORM_COMMAND,
-    PLACE_DEVICE,
-    RELEASE_LEASE,
-    RENEW_LEASE,
-    SPLIT_DEVICE,
-    TAG_DEVICE,
-    TEACH_PLACE,
 )
 from homebot.devices.places_messages import (
     AliasDevice,
@@ -66,16 +50,16 @@ _RENEWED_AFTER: Final = LONGEST_TTL / 3
 
 OWNER_SERVICES: Final[Mapping[str, ServiceType[Any, Any]]] = MappingProxyType(
     {
-        PLACE_DEVICE: PlaceDevice,
-        ALIAS_DEVICE: AliasDevice,
-        TAG_DEVICE: TagDevice,
-        APPROVE_DEVICE: ApproveDevice,
-        TEACH_PLACE: TeachPlace,
-        CHANGE_ROOM: ChangeRoom,
-        IMPORT_PLACES: ImportPlaces,
-        FORGET_DEVICE: ForgetDevice,
-        SPLIT_DEVICE: SplitDevice,
-        MERGE_DEVICES: MergeDevices,
+        names.PLACE_DEVICE: PlaceDevice,
+        names.ALIAS_DEVICE: AliasDevice,
+        names.TAG_DEVICE: TagDevice,
+        names.APPROVE_DEVICE: ApproveDevice,
+        names.TEACH_PLACE: TeachPlace,
+        names.CHANGE_ROOM: ChangeRoom,
+        names.IMPORT_PLACES: ImportPlaces,
+        names.FORGET_DEVICE: ForgetDevice,
+        names.SPLIT_DEVICE: SplitDevice,
+        names.MERGE_DEVICES: MergeDevices,
     }
 )
 """The services of the directory by which the owner states something of devices and rooms, by name."""
@@ -93,11 +77,11 @@ class ReplayPeople:
         self._node = node
         self._recording = recording
         self._feed = feed
-        self._perform = node.create_client(PerformCommand, PERFORM_COMMAND)
-        self._hold = node.create_client(HoldPart, HOLD_PART)
-        self._renew = node.create_client(RenewLease, RENEW_LEASE)
-        self._release = node.create_client(ReleaseLease, RELEASE_LEASE)
-        self._end = node.create_client(EndLeases, END_LEASES)
+        self._perform = node.create_client(PerformCommand, names.PERFORM_COMMAND)
+        self._hold = node.create_client(HoldPart, names.HOLD_PART)
+        self._renew = node.create_client(RenewLease, names.RENEW_LEASE)
+        self._release = node.create_client(ReleaseLease, names.RELEASE_LEASE)
+        self._end = node.create_client(EndLeases, names.END_LEASES)
         self._held: defaultdict[tuple[str, ...], list[HolderRequest]] = defaultdict(list)
         self._number = 0
 
