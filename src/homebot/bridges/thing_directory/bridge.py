@@ -7,7 +7,6 @@ from dataclasses import asdict
 from http import HTTPStatus
 from secrets import token_hex
 from typing import Final, NoReturn
-from urllib.parse import unquote
 
 import anyio
 from anyio.abc import TaskStatus
@@ -28,7 +27,7 @@ from homebot.bridges.thing_directory.documents import (
 from homebot.bridges.thing_directory.event_feed import EventFeed, EventRequest
 from homebot.bridges.thing_directory.http_server import BoundedServer, HttpExchange
 from homebot.bridges.thing_directory.listed_devices import ListedDevices
-from homebot.bridges.thing_directory.requests import MAX_BODY_BYTES, DirectoryRequest, DirectoryRequests
+from homebot.bridges.thing_directory.requests import DirectoryRequests
 from homebot.bridges.thing_directory.settings import DirectoryBridgeSettings
 from homebot.bridges.token_check import TokenCheck
 from homebot.bridges.turns import ServerTurns
@@ -47,8 +46,6 @@ SERVICE_TYPE: Final = "_wot._tcp"
 """By DNS-SD; W3C Recommendation "Web of Things (WoT) Discovery", section 6.3."""
 
 WELL_KNOWN: Final = "/.well-known/wot"
-
-_MOST_SEGMENTS = 8
 
 
 class ThingDirectoryBridge:
@@ -150,11 +147,10 @@ class ThingDirectoryBridge:
                 answer = PREFLIGHT
             else:
                 await self._check_token(exchange)
-                request = self._request(exchange, await self._body(exchange))
-                if request.path[:1] == ("events",):
-                    await self._send_events(exchange, request, shared)
+                if exchange.path[:1] == ("events",):
+                    await self._send_events(exchange, shared)
                     return
-                answer = await self._requests.answer(request)
+                answer = await self._requests.answer(exchange)
         except RequestError as exc:
             answer = exc.answer
         headers = {"Cache-Control": "no-cache", "Server": "homebot", **shared, **answer.headers, **_typed(answer)}
@@ -188,35 +184,18 @@ class ThingDirectoryBridge:
         )
         raise RequestError(status, problem, **headers)
 
-    async def _body(self, exchange: HttpExchange) -> bytes:
-        if exchange.method in {"GET", "HEAD"}:
-            return b""
-        body = await exchange.read(MAX_BODY_BYTES)
-        if body is None:
-            raise RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a body has at most {MAX_BODY_BYTES} bytes")
-        return body
-
-    def _request(self, exchange: HttpExchange, body: bytes) -> DirectoryRequest:
-        segments = exchange.raw_path.removeprefix("/").split("/", _MOST_SEGMENTS)
-        known = exchange.headers("If-None-Match")
-        return DirectoryRequest(
-            exchange.method,
-            tuple(unquote(one) for one in segments),
-            exchange.query,
-            {"if-none-match": ",".join(known)} if known else {},
-            body,
-            f"http://{exchange.headers('Host')[0]}",
-        )
-
-    async def _send_events(self, exchange: HttpExchange, request: DirectoryRequest, shared: Mapping[str, str]) -> None:
-        if request.method != "GET":
+    async def _send_events(self, exchange: HttpExchange, shared: Mapping[str, str]) -> None:
+        if exchange.method != "GET":
             raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, "events are read", Allow="GET")
-        names = CHANGE_NAMES if len(request.path) == 1 else request.path[1:]
-        if len(request.path) > 2 or names[0] not in CHANGE_NAMES:
+        names = CHANGE_NAMES if len(exchange.path) == 1 else exchange.path[1:]
+        if len(exchange.path) > 2 or names[0] not in CHANGE_NAMES:
             raise RequestError(HTTPStatus.NOT_FOUND, "there are no such events")
         last_id = exchange.headers("Last-Event-ID")
         wanted = EventRequest(
-            tuple(names), request.query.get("diff", "").lower() == "true", last_id[-1] if last_id else "", request.base
+            tuple(names),
+            exchange.query.get("diff", "").lower() == "true",
+            last_id[-1] if last_id else "",
+            exchange.base,
         )
         await exchange.open_stream(
             {"Content-Type": "text/event-stream", "Cache-Control": "no-store", "Server": "homebot", **shared}

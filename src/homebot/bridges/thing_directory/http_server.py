@@ -13,6 +13,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
+from urllib.parse import unquote
 
 import anyio
 from aiohttp import HttpVersion11, web
@@ -32,6 +33,7 @@ TAKES_WITHIN: Final = 30.0
 """Timeouts in seconds: for the first request, between two, for a body, and for reading a response."""
 
 _SWEEP_EVERY = 1.0
+_MOST_SEGMENTS = 8
 _LINE = 8190
 _CLOSING = 0.5
 _BUSY = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
@@ -59,9 +61,10 @@ class HttpExchange:
     """A request, and the way to answer it.
 
     Attributes:
-        raw_path: Its path, as it was sent.
+        path: The parts of its path, decoded.
         query: The query, by name; of several of one name the last.
         target: Its path and query, as they were sent.
+        body: Its body, once it was read.
     """
 
     def __init__(self, request: web.BaseRequest, counters: ServerCounters) -> None:
@@ -69,25 +72,33 @@ class HttpExchange:
         self._counters = counters
         self._stream: web.StreamResponse | None = None
         self.method = request.method
-        self.raw_path = request.rel_url.raw_path
+        segments = request.rel_url.raw_path.removeprefix("/").split("/", _MOST_SEGMENTS)
+        self.path = tuple(unquote(one) for one in segments)
         self.target = str(request.rel_url)
         self.query: Mapping[str, str] = dict(request.query)
         self.address = str(request.remote or "unknown")
+        self.body = b""
+
+    @property
+    def base(self) -> str:
+        """The address of the server, as the client calls it."""
+        return f"http://{self.headers('Host')[0]}"
 
     def headers(self, name: str) -> list[str]:
         """Return the values of all header fields of that name."""
         return self._request.headers.getall(name, [])
 
-    async def read(self, limit: int) -> bytes | None:
-        """Return the body; None where it is longer than *limit* bytes, or does not come in time."""
+    async def read(self, limit: int) -> bool:
+        """Read the body; return False where it is longer than *limit* bytes, or does not come in time."""
         if (self._request.content_length or 0) > limit:
-            return None
+            return False
         self._ask_for_body()
         body = bytearray()
         with anyio.move_on_after(BODY_WITHIN) as scope:
             while len(body) <= limit and not self._request.content.at_eof():
                 body += await self._request.content.readany()
-        return None if scope.cancelled_caught or len(body) > limit else bytes(body)
+        self.body = bytes(body)
+        return not scope.cancelled_caught and len(body) <= limit
 
     async def answer(self, status: int, headers: Mapping[str, str], body: bytes) -> None:
         """Send the answer; to HEAD without its body."""

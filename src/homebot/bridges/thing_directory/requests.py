@@ -14,8 +14,6 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from http import HTTPStatus
 from typing import TypeGuard
 
@@ -27,6 +25,7 @@ from homebot.bridges.thing_directory.documents import (
     at_base,
     page_of,
 )
+from homebot.bridges.thing_directory.http_server import HttpExchange
 from homebot.bridges.thing_directory.listed_devices import ListedDevices, ListedProperty
 from homebot.conventions.payload import compact_json, parse_json
 from homebot.devices.capabilities import CAPABILITIES
@@ -34,7 +33,7 @@ from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.errors import PeerError, UsageError, WireError
 
-__all__ = ["MAX_BODY_BYTES", "DirectoryRequest", "DirectoryRequests"]
+__all__ = ["DirectoryRequests"]
 
 MAX_BODY_BYTES = 64 * 1024
 
@@ -42,25 +41,6 @@ _JSON = "application/json"
 _EXPECTED = {"bool": "true or false", "text": "a text in quotes", "number": "a number", "numbers": "a list of numbers"}
 _READ = frozenset({"GET", "HEAD"})
 _MOST_NUMBERS = 16
-
-
-@dataclass(frozen=True, slots=True)
-class DirectoryRequest:
-    """A request.
-
-    Attributes:
-        method: ``GET``, ``PUT``, …
-        path: The parts of its path, decoded.
-        headers: The header fields, names in lower case.
-        base: The address of the directory, as the client calls it.
-    """
-
-    method: str
-    path: tuple[str, ...]
-    query: Mapping[str, str]
-    headers: Mapping[str, str]
-    body: bytes
-    base: str
 
 
 class DirectoryRequests:
@@ -76,12 +56,14 @@ class DirectoryRequests:
         self._catalog = devices.catalog
         self._version = version
 
-    async def answer(self, request: DirectoryRequest) -> DirectoryAnswer:
+    async def answer(self, request: HttpExchange) -> DirectoryAnswer:
         """Return the answer to *request*.
 
         Raises:
             RequestError: It is not carried out; holds the answer.
         """
+        if request.method not in _READ and not await request.read(MAX_BODY_BYTES):
+            raise RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a body has at most {MAX_BODY_BYTES} bytes")
         match request.path:
             case (".well-known", "wot"):
                 _check_method(request, _READ)
@@ -100,7 +82,7 @@ class DirectoryRequests:
             case _:
                 raise RequestError(HTTPStatus.NOT_FOUND, f"there is nothing at /{'/'.join(request.path)}")
 
-    def _list(self, request: DirectoryRequest) -> DirectoryAnswer:
+    def _list(self, request: HttpExchange) -> DirectoryAnswer:
         page = page_of(request.query)
         etag = f'"{self._version}-{self._catalog.version}"'
         headers = {"ETag": etag}
@@ -122,7 +104,7 @@ class DirectoryRequests:
             )
         return DirectoryAnswer(text.encode(), LD_TYPE, headers=headers)
 
-    def _retrieve(self, request: DirectoryRequest, thing: str) -> DirectoryAnswer:
+    def _retrieve(self, request: HttpExchange, thing: str) -> DirectoryAnswer:
         _check_method(request, _READ)
         listed = self._catalog.get(thing)
         if listed is None:
@@ -132,7 +114,7 @@ class DirectoryRequests:
             return DirectoryAnswer(b"", "", HTTPStatus.NOT_MODIFIED, headers)
         return DirectoryAnswer(at_base(listed.text, f"{request.base}/").encode(), TD_TYPE, headers=headers)
 
-    async def _use(self, request: DirectoryRequest, thing: str, name: str) -> DirectoryAnswer:
+    async def _use(self, request: HttpExchange, thing: str, name: str) -> DirectoryAnswer:
         one = self._properties(thing).get(name)
         if one is None:
             raise RequestError(HTTPStatus.NOT_FOUND, f"the thing has no property {name}")
@@ -211,15 +193,15 @@ def _number(value: float) -> float:
         raise RequestError(HTTPStatus.BAD_REQUEST, "a number is too large") from None
 
 
-def _check_method(request: DirectoryRequest, allowed: frozenset[str]) -> None:
+def _check_method(request: HttpExchange, allowed: frozenset[str]) -> None:
     if request.method not in allowed:
         problem = "this directory is read only" if len(request.path) <= 2 else "the property cannot be used that way"
         raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, problem, Allow=", ".join(sorted(allowed)))
 
 
-def _matches(request: DirectoryRequest, etag: str) -> bool:
+def _matches(request: HttpExchange, etag: str) -> bool:
     """Return whether the client already has the requested version."""
-    known = request.headers.get("if-none-match", "")
+    known = ",".join(request.headers("If-None-Match"))
     return known.strip() == "*" or etag in {one.strip().removeprefix("W/") for one in known.split(",")}
 
 
