@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from homebot.devices.value import PlainValue
 
-__all__ = ["Measurement", "Observed", "observed", "rises", "sensed_by"]
+__all__ = ["Observed", "observed", "rises", "sensed_by"]
 
 
 class Observed(Enum):
@@ -61,14 +61,6 @@ _SHARE: Final = 0.1
 """Of the value before, by which a number changes at least."""
 
 
-class Measurement(NamedTuple):
-    """Values of one sensor around one command."""
-
-    capability: str
-    before: PlainValue
-    newest: PlainValue
-
-
 def sensed_by(settings: Iterable[str]) -> frozenset[str]:
     """Return the capabilities of sensors that may show a change of *settings*."""
     return frozenset().union(*filter(None, map(_SENSED_BY.get, settings)))
@@ -85,9 +77,13 @@ def rises(settings: Mapping[str, PlainValue]) -> bool | None:
     return None
 
 
-def observed(values: Measurement, *, is_rise: bool, is_heard: bool) -> Observed:
-    """Return the observation of a rise or a fall; *is_heard*: the sensor reported after the device."""
-    sense, before, newest = _SENSES[values.capability], values.before, values.newest
+def observed(capability: str, before: PlainValue, newest: PlainValue, *, is_rise: bool, is_heard: bool) -> Observed:
+    """Return the observation of a rise or a fall by the values of *capability* before the command, and now.
+
+    Args:
+        is_heard: Whether the sensor reported after the device.
+    """
+    sense = _SENSES[capability]
     if isinstance(before, bool) and isinstance(newest, bool):
         if before is is_rise:
             return Observed.UNCLEAR  # it was so before

@@ -42,10 +42,6 @@ class OpenCommand:
     recorded: dict[str, object] = field(default_factory=dict)
     _waiter: asyncio.Future[None] | None = None
 
-    def outcome(self, now: float) -> Outcome:
-        """Return the outcome as it is at *now*."""
-        return outcome_of(self.progress, now)
-
     def wake(self) -> None:
         """Wake the task, if it waits; a task that looks before it waits misses nothing."""
         if self._waiter is not None and not self._waiter.done():

@@ -10,9 +10,10 @@ from typing import Final, TypeAlias, final
 from homebot.control.command import IssuedCommand
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.gateway_feed import GatewayFeed, ReportWatch
-from homebot.control.observation import Measurement, Observed, observed, rises, sensed_by
+from homebot.control.observation import Observed, observed, rises, sensed_by
 from homebot.control.sending import OpenCommand
 from homebot.control.settings import ControlSettings
+from homebot.control.timeline.evidence import outcome_of
 from homebot.devices import Device, DevicePart
 from homebot.devices.approval_messages import TrustDeviceRequest, TrustDeviceResponse
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
@@ -41,13 +42,16 @@ class Witness:
 
     name: str
     is_named: bool
-    values: Measurement
+    capability: str
+    before: PlainValue
+    newest: PlainValue
     seen_at: float = 0.0
     watch: ReportWatch | None = None
 
     def answer(self, reported_at: float, *, is_rise: bool) -> Observed:
         """Return its observation of a command that the device reported done at *reported_at*."""
-        return observed(self.values, is_rise=is_rise, is_heard=self.seen_at > reported_at)
+        is_heard = self.seen_at > reported_at
+        return observed(self.capability, self.before, self.newest, is_rise=is_rise, is_heard=is_heard)
 
 
 _Sensor: TypeAlias = tuple[Witness, DevicePart]
@@ -120,7 +124,7 @@ class Witnesses:
         named = [one for one in witnesses if one.is_named]
         if named:
             until += self._timeout + opened.command.transition
-        while isinstance(newest := opened.outcome(now), Confirmed):
+        while isinstance(newest := outcome_of(opened.progress, now), Confirmed):
             if seeing := _with_answer(Observed.EFFECT, witnesses, opened, reported_at):
                 return self._confirmed(opened, seeing[0], outcome)
             if now >= until:
@@ -152,9 +156,8 @@ class Witnesses:
     def _on_report(
         self, witness: Witness, wake: Callable[[], None], capability: str, value: PlainValue, _stamp: float
     ) -> None:
-        if capability == witness.values.capability:
-            witness.values = witness.values._replace(newest=value)
-            witness.seen_at = self._clock.monotonic()
+        if capability == witness.capability:
+            witness.newest, witness.seen_at = value, self._clock.monotonic()
             wake()
 
     def _confirmed(self, opened: OpenCommand, witness: Witness, outcome: Outcome) -> Outcome:
@@ -198,7 +201,7 @@ def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[
         if one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts
     ]
     return [
-        (Witness(device.name, is_named, Measurement(name, value := live[part.id, name], value)), part)
+        (Witness(device.name, is_named, name, value := live[part.id, name], value), part)
         for name, part in measured
         if (part.id, name) in live
     ]

@@ -6,7 +6,7 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after
 
-from homebot.control.observation import Measurement, Observed, observed
+from homebot.control.observation import Observed, observed
 from homebot.devices.approval_messages import TrustDevice, TrustDeviceRequest
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
@@ -206,5 +206,4 @@ async def test_a_contact_sees_a_blind_and_a_bolt_sensor_a_lock(open_home: OpenHo
 def test_a_sensor_shows_an_effect_nothing_or_cannot_tell(
     capability: str, before: PlainValue, newest: PlainValue, expected: Observed, *, is_rise: bool, is_heard: bool
 ) -> None:
-    values = Measurement(capability, before, newest)
-    assert observed(values, is_rise=is_rise, is_heard=is_heard) is expected
+    assert observed(capability, before, newest, is_rise=is_rise, is_heard=is_heard) is expected

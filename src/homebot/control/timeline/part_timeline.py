@@ -98,9 +98,9 @@ class PartTimeline:
         if progress is None or capability not in progress.order.settings:
             return
         if problem:
-            progress.refuse(problem)
+            progress.refusal = progress.refusal or problem
         else:
-            progress.accept(capability, at)
+            progress.accepted.setdefault(capability, at)
         self.on_end(progress)
 
     def decide(self, progress: CommandProgress, outcome: Outcome, at: float) -> None:

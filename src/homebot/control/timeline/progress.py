@@ -193,15 +193,6 @@ class CommandProgress:
             one.is_from_before = one.seen is not NOTHING
             one.sending_echoed_at = None
 
-    def accept(self, capability: str, at: float) -> None:
-        """Record that the network accepted one setting."""
-        if capability in self.order.settings:
-            self.accepted.setdefault(capability, at)
-
-    def refuse(self, reason: str) -> None:
-        """Record that the device refuses it."""
-        self.refusal = self.refusal or reason
-
     def decide(self, outcome: Outcome, now: float, settle: float) -> None:
         """Record the outcome; a confirmed one has to hold for *settle* seconds."""
         self.outcome, self.ended_at = outcome, min(self.ended_at, now)
