@@ -14,6 +14,7 @@ from anyio import to_thread
 from homebot.cli.house_picture import HousePicture, lines_of
 from homebot.cli.plan_picture import Line, PlanPicture
 from homebot.cli.story import Story
+from homebot.cli.terminal import rich_terminal
 from homebot.devices.house_view import HouseView
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
@@ -23,7 +24,6 @@ from homebot.house.rooms import DAY, DOOR_WIDTH, OUTSIDE
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
-    from homebot.cli.rich_terminal import RichTerminal
     from homebot.devices import Device, DeviceChange, StateChange
     from homebot.graph import Graph
     from homebot.house import World
@@ -114,7 +114,7 @@ class LiveHouse:
 @asynccontextmanager
 async def shown(graph: Graph, world: World, title: str, hint: str) -> AsyncIterator[None]:
     """Show the house on the terminal during the block; its last lines stay when it ends."""
-    terminal = await to_thread.run_sync(_terminal)  # loading rich takes a while
+    terminal = await to_thread.run_sync(rich_terminal, sys.stdout)  # loading rich takes a while
     async with Node(graph, "live_view", namespace="/homebot") as node, anyio.create_task_group() as tasks:
         house = LiveHouse(node, world, title, hint)
         try:
@@ -137,9 +137,3 @@ def _plan_of(world: World) -> PlanPicture:
     corners = {name: room.corners for name, room in world.rooms.rooms.items() if room.corners}
     rooms = {name: (*points[0], *points[2]) for name, points in corners.items()}
     return PlanPicture(rooms, [middle for _, _, middle in world.rooms.doorways()], DOOR_WIDTH)
-
-
-def _terminal() -> RichTerminal:
-    from homebot.cli.rich_terminal import RichTerminal  # noqa: PLC0415 - for a terminal alone
-
-    return RichTerminal(sys.stdout)

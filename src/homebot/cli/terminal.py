@@ -21,6 +21,7 @@ __all__ = [
     "print_rows",
     "print_table",
     "progress",
+    "rich_terminal",
     "show_live",
     "to_lines",
     "to_table",
@@ -58,7 +59,7 @@ def print_table(
     """
     head, rows = without_empty(if_any, head, rows)
     if is_terminal():
-        _terminal(sys.stdout).print_table(head, rows, if_room, in_colour)
+        rich_terminal(sys.stdout).print_table(head, rows, if_room, in_colour)
     else:
         print(to_table(head, rows))
 
@@ -68,7 +69,7 @@ def print_rows(rows: Sequence[Sequence[str]], title: str = "") -> None:
     if not rows:
         return
     if is_terminal():
-        _terminal(sys.stdout).print_rows(rows, title)
+        rich_terminal(sys.stdout).print_rows(rows, title)
         return
     if title:
         print(*to_lines([(title,)]))
@@ -78,7 +79,7 @@ def print_rows(rows: Sequence[Sequence[str]], title: str = "") -> None:
 def print_line(text: str, style: str = "") -> None:
     """Print *text* as it is, on a terminal in a *style* of rich's."""
     if style and is_terminal():
-        _terminal(sys.stdout).print_line(text, style)
+        rich_terminal(sys.stdout).print_line(text, style)
     else:
         print(text)
 
@@ -90,7 +91,7 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
     Nothing of it is left at the end, and with a *total* of 0 there is nothing to show.
     """
     if total and is_terminal(sys.stderr):
-        with _terminal(sys.stderr).progress(what, total) as update:
+        with rich_terminal(sys.stderr).progress(what, total) as update:
             yield update
     else:
         yield lambda done: None  # noqa: ARG005 - no terminal
@@ -98,7 +99,7 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
 
 def show_live(head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]]) -> None:
     """Show each of *frames*, a title and rows, on the whole terminal as it comes; then give the terminal back."""
-    _terminal(sys.stdout).show_live(head, frames)
+    rich_terminal(sys.stdout).show_live(head, frames)
 
 
 def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -131,11 +132,12 @@ def to_lines(rows: Sequence[Sequence[str]]) -> list[str]:
     return [_line(row, widths[: len(row)]) for row in shown]
 
 
-def _line(row: Sequence[str], widths: Sequence[int]) -> str:
-    return "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-
-
-def _terminal(stream: TextIO) -> RichTerminal:
+def rich_terminal(stream: TextIO) -> RichTerminal:
+    """Return the terminal *stream*, as rich draws on it."""
     from homebot.cli.rich_terminal import RichTerminal  # noqa: PLC0415 - for a terminal alone
 
     return RichTerminal(stream)
+
+
+def _line(row: Sequence[str], widths: Sequence[int]) -> str:
+    return "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
