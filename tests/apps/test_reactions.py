@@ -207,3 +207,13 @@ async def test_a_name_that_nothing_has_is_told_when_devices_had_time_to_come(
             await anyio.sleep(20)
         (line,) = [one for one in lines if one["event"] == "devices.nothing_fits"]
     assert line["message"].startswith(f"{text}: nothing in the house has this name")
+
+
+@pytest.mark.parametrize("query", ["light", (), (None,)])
+async def test_what_is_no_live_query_is_refused_when_the_reaction_begins(query: object) -> None:
+    world = flat(hall_lamp=lamp("hall"))
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "mine") as node:
+        app = app_of(node, lambda app: app.on(query, print))  # type: ignore[call-overload]
+        with pytest.raises(ExceptionGroup) as caught:
+            await app.serve()
+    assert "takes a live query, such as self.devices.follow(Light)" in str(caught.value.exceptions[0])

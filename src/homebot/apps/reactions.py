@@ -44,7 +44,7 @@ class Reaction(Generic[ItemT]):
         most: int,
         key: Callable[[ItemT], Hashable] | None,
     ) -> None:
-        if not queries:
+        if not queries or not all(hasattr(one, "__aiter__") for one in queries):
             raise UsageError("on() takes a live query, such as self.devices.follow(Light), or several")
         self.name = getattr(handler, "__name__", "handler")
         self._handler = handler
