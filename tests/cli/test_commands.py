@@ -329,6 +329,16 @@ def test_a_full_disk_is_one_clear_sentence(homebot: Any) -> None:
     assert (ended.returncode, ended.stderr) == (1, "homebot: [Errno 28] No space left on device\n")
 
 
+def test_output_that_is_closed_is_left_out(homebot: Any) -> None:
+    command, environment = (
+        [sys.executable, "-m", "homebot", "topic", "list"],
+        os.environ | {"HOMEBOT_DOOR": homebot.door},
+    )
+    closed = ["sh", "-c", 'exec "$@" >&-', "sh", *command]
+    ended = subprocess.run(closed, stderr=subprocess.PIPE, text=True, env=environment, check=False)
+    assert (ended.returncode, ended.stderr) == (0, "")
+
+
 def test_hz_measures_the_rate(homebot: Any) -> None:
     with _process(homebot, "topic", "hz", "/ticks") as process:
         assert process.stdout is not None
