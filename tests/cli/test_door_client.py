@@ -191,5 +191,5 @@ async def test_a_missing_right_is_told_with_how_to_show_a_token_that_has_it(
     frame: dict[str, object], error: type[HomebotError]
 ) -> None:
     async with answering(lambda _connection, _text: [json.dumps(frame)]) as port:
-        with pytest.raises(error, match="; then restart homebot, and use --token-file FILE or HOMEBOT_DOOR_TOKEN"):
+        with pytest.raises(error, match=r"then reload homebot \(`kill -HUP`\), and use --token-file FILE"):
             await to_thread.run_sync(use, port, lambda door: door.call("/s"))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.cli.flow import parse_flow
+from homebot.cli.flow import message, parse_flow, type_or_message
 from homebot.errors import WireError
 
 
@@ -34,6 +34,19 @@ from homebot.errors import WireError
 )
 def test_a_value_is_read(text: str, value: object) -> None:
     assert parse_flow(text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        ("data: 5", {"data": 5}),
+        ("data: hi there", {"data": "hi there"}),
+        ("linear: {x: 1.0}, angular: {}", {"linear": {"x": 1.0}, "angular": {}}),
+    ],
+)
+def test_fields_need_no_braces_around_them_as_for_ros2(text: str, fields: object) -> None:
+    assert message(text) == fields
+    assert type_or_message(text) == fields
 
 
 def test_not_a_number_is_a_number() -> None:

@@ -385,7 +385,8 @@ def _with_hint(problem: str) -> str:
     if not problem.startswith(_NO_RIGHT):
         return problem
     has_token = "; the token " in problem
-    return f"{problem}; then restart homebot{'' if has_token else ', and use --token-file FILE or HOMEBOT_DOOR_TOKEN'}"
+    use_token = "" if has_token else ", and use --token-file FILE or HOMEBOT_DOOR_TOKEN"
+    return f"{problem}; then reload homebot (`kill -HUP`){use_token}"
 
 
 def _begin(text: bytes) -> str:

@@ -20,6 +20,7 @@ _SPACE = re.compile(r"\s*")
 _QUOTED = re.compile(r"\"(?:[^\"\\]|\\.)*\"|'(?:[^']|'')*'", re.DOTALL)
 _PLAIN_KEY = re.compile(r"[^,\[\]{}\"':]+(?=\s*:)")
 _PLAIN = re.compile(r"(?:[^,\[\]{}:]|:(?!\s))+")
+_FIELD = re.compile(r"\s*\w+:\s")
 _INTEGER = re.compile(r"[-+]?[0-9]+")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 _CONSTANTS = {"true": True, "false": False, "null": None, "~": None, ".nan": float("nan"), ".inf": float("inf")}
@@ -39,9 +40,9 @@ def parse_flow(text: str) -> FlowValue:
 
 
 def message(text: str) -> dict[str, object]:
-    """Return the fields that *text* spells, in JSON or in YAML's flow style."""
+    """Return the fields that *text* spells, in JSON or in YAML's flow style; the outer braces may be left out."""
     try:
-        value = parse_flow(text)
+        value = parse_flow(f"{{{text}}}" if _FIELD.match(text) else text)
     except WireError as exc:
         raise argparse.ArgumentTypeError(str(exc)) from exc
     if not isinstance(value, dict):
@@ -50,8 +51,8 @@ def message(text: str) -> dict[str, object]:
 
 
 def type_or_message(text: str) -> str | dict[str, object]:
-    """Return *text* as it is, or the fields that it spells where it begins with a brace."""
-    return message(text) if text.lstrip().startswith("{") else text
+    """Return *text* as it is, or the fields that it spells where it begins with a brace or a field."""
+    return message(text) if text.lstrip().startswith("{") or _FIELD.match(text) else text
 
 
 class _Flow:
