@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
-from typing import ParamSpec, Protocol, TypeVar
+from typing import Any, ParamSpec, Protocol, TypeVar
 
 import anyio
 import pytest
@@ -196,7 +196,13 @@ def open_home() -> OpenHome:
 
 
 @pytest.fixture
-async def home(open_home: OpenHome) -> AsyncIterator[Home]:
+def home_settings() -> dict[str, Any]:
+    """The settings of the fixture ``home``; a file of tests may have its own."""
+    return {}
+
+
+@pytest.fixture
+async def home(open_home: OpenHome, home_settings: dict[str, Any]) -> AsyncIterator[Home]:
     """A home without approvals."""
-    async with in_one_task(open_home()) as home:
+    async with in_one_task(open_home(**home_settings)) as home:
         yield home

@@ -12,6 +12,7 @@ from types import FrameType
 import anyio
 import pytest
 from tests.devices.test_robot_owners import tf
+from tests.one_task import in_one_task
 from tests.set_clock import SetClock
 
 from homebot.clock import Clock
@@ -85,6 +86,13 @@ async def house(
         tasks.cancel_scope.cancel()
 
 
+@pytest.fixture
+async def one() -> AsyncIterator[House]:
+    """A house with the robot rosie."""
+    async with in_one_task(house()) as one:
+        yield one
+
+
 def pose(x: float, y: float) -> Pose:
     return Pose(position=Point(x=x, y=y, z=0.0), orientation=Quaternion(x=0.0, y=0.0, z=0.0, w=1.0))
 
@@ -121,158 +129,146 @@ def moved(message: TFMessage, x: float, y: float) -> TFMessage:
     return TFMessage(transforms=(first.model_copy(update={"transform": shifted}), *message.transforms[1:]))
 
 
-async def test_a_pose_in_map_gives_the_room_and_is_published_once() -> None:
-    async with house() as one:
-        await one.say("/robot/pose", stamped(1, 1))
-        await one.say("/robot/pose", stamped(1.02, 1))
-        [known] = one.news()
-        assert (known.robot, known.room, known.x, known.source) == ("rosie", "Hall", 1.0, "/robot/pose")
-        await one.say("/rosie/pose", stamped(5, 1))
-        assert (await one.ask()).pose[0].room == "Hall"  # both count, and are of the same error
-        await anyio.sleep(5)
-        assert [(told.room, told.source) for told in one.news()][-2:] == [("Kitchen", "/rosie/pose")] * 2
+async def test_a_pose_in_map_gives_the_room_and_is_published_once(one: House) -> None:
+    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/robot/pose", stamped(1.02, 1))
+    [known] = one.news()
+    assert (known.robot, known.room, known.x, known.source) == ("rosie", "Hall", 1.0, "/robot/pose")
+    await one.say("/rosie/pose", stamped(5, 1))
+    assert (await one.ask()).pose[0].room == "Hall"  # both count, and are of the same error
+    await anyio.sleep(5)
+    assert [(told.room, told.source) for told in one.news()][-2:] == [("Kitchen", "/rosie/pose")] * 2
 
 
-async def test_a_chain_of_transforms_counts_for_two_seconds_and_expires_once() -> None:
-    async with house() as one:
-        chain = tf("map>odom", "odom>base_link")
-        await one.say("/tf", moved(chain, 5, 2))
-        assert [(told.room, told.x, told.source, told.counts) for told in one.news()] == [("Kitchen", 5.0, "/tf", True)]
-        await anyio.sleep(1.5)
-        assert one.news() == []
-        await anyio.sleep(10)
-        assert [(told.room, told.counts) for told in one.news()] == [("Kitchen", False)]
-        answer = await one.ask("rosie")
-        assert (answer.success, answer.message) == (False, "rosie's pose is 12 s old (limit 2 s)")
-        assert answer.pose[0].room == "Kitchen"
+async def test_a_chain_of_transforms_counts_for_two_seconds_and_expires_once(one: House) -> None:
+    chain = tf("map>odom", "odom>base_link")
+    await one.say("/tf", moved(chain, 5, 2))
+    assert [(told.room, told.x, told.source, told.counts) for told in one.news()] == [("Kitchen", 5.0, "/tf", True)]
+    await anyio.sleep(1.5)
+    assert one.news() == []
+    await anyio.sleep(10)
+    assert [(told.room, told.counts) for told in one.news()] == [("Kitchen", False)]
+    answer = await one.ask("rosie")
+    assert (answer.success, answer.message) == (False, "rosie's pose is 12 s old (limit 2 s)")
+    assert answer.pose[0].room == "Kitchen"
 
 
-async def test_the_pose_of_a_robot_that_stands_is_renewed_every_five_seconds() -> None:
-    async with house() as one:
-        for _ in range(200):
-            await one.say("/tf", tf("map>odom", "odom>base_link"))
-        told = [pose.received_at.to_seconds() for pose in one.news()]
-        assert len(told) == 6
-        assert all(5 <= after - before < 5.3 for before, after in pairwise(told))
+async def test_the_pose_of_a_robot_that_stands_is_renewed_every_five_seconds(one: House) -> None:
+    for _ in range(200):
+        await one.say("/tf", tf("map>odom", "odom>base_link"))
+    told = [pose.received_at.to_seconds() for pose in one.news()]
+    assert len(told) == 6
+    assert all(5 <= after - before < 5.3 for before, after in pairwise(told))
 
 
-async def test_half_a_chain_that_is_still_received_gives_no_place() -> None:
-    async with house() as one:
-        await one.say("/tf", moved(tf("map>odom", "odom>base_link"), 5, 2))
-        for _ in range(20):
-            await one.say("/tf", tf("odom>base_link"))
-        assert [told.counts for told in one.news()] == [True, False]
-
-
-async def test_odometry_alone_gives_no_place() -> None:
-    async with house() as one:
+async def test_half_a_chain_that_is_still_received_gives_no_place(one: House) -> None:
+    await one.say("/tf", moved(tf("map>odom", "odom>base_link"), 5, 2))
+    for _ in range(20):
         await one.say("/tf", tf("odom>base_link"))
-        await one.say("/robot/pose", stamped(1, 1, "odom"))
-        await one.say("/odom", odometry(1.0))
-        assert (await one.ask()).message == "nothing has told yet where rosie is"
+    assert [told.counts for told in one.news()] == [True, False]
 
 
-async def test_a_static_frame_of_the_robot_s_map_gives_a_place() -> None:
-    async with house() as one:
-        await one.say("/tf_static", moved(tf("map>rosie/map"), 4, 0))
-        await one.say("/rosie/pose", stamped(1, 1, "map"))
-        await one.say("/robot/pose", stamped(1, 1, "rosie/map"))
-        assert [(told.source, told.x) for told in one.news()] == [("/rosie/pose", 1.0), ("/robot/pose", 5.0)]
+async def test_odometry_alone_gives_no_place(one: House) -> None:
+    await one.say("/tf", tf("odom>base_link"))
+    await one.say("/robot/pose", stamped(1, 1, "odom"))
+    await one.say("/odom", odometry(1.0))
+    assert (await one.ask()).message == "nothing has told yet where rosie is"
 
 
-async def test_a_parked_robot_counts_while_it_lives_and_no_longer_once_its_odometry_moved() -> None:
-    async with house() as one:
-        await one.say("/amcl_pose", amcl(1, 1))
-        for _ in range(30):
-            await anyio.sleep(2)
-            await one.say("/odom", odometry(7.0))
-        assert [told.counts for told in one.news()] == [True]
-        await one.say("/odom", odometry(7.3))
-        assert [told.counts for told in one.news()] == [False]
-        await one.say("/amcl_pose", amcl(1.3, 1))
-        assert [told.counts for told in one.news()] == [True]
-        await anyio.sleep(9.7)
-        assert one.news() == []
-        await anyio.sleep(0.5)
-        assert [told.counts for told in one.news()] == [False]
+async def test_a_static_frame_of_the_robot_s_map_gives_a_place(one: House) -> None:
+    await one.say("/tf_static", moved(tf("map>rosie/map"), 4, 0))
+    await one.say("/rosie/pose", stamped(1, 1, "map"))
+    await one.say("/robot/pose", stamped(1, 1, "rosie/map"))
+    assert [(told.source, told.x) for told in one.news()] == [("/rosie/pose", 1.0), ("/robot/pose", 5.0)]
 
 
-async def test_the_smaller_error_wins_while_it_counts() -> None:
-    async with house() as one:
-        await one.say("/robot/pose", stamped(1, 1))
-        await one.say("/amcl_pose", amcl(5, 1, 0.05))
-        await one.say("/robot/pose", stamped(1, 1))
-        assert [told.source for told in one.news()] == ["/robot/pose", "/amcl_pose"]
-        for _ in range(4):
-            await anyio.sleep(3)
-            await one.say("/rosie/room", RobotRoom(robot="rosie", room="Hall"))
-        assert {told.source for told in one.news()} == set()  # each is a sign of life
-        await anyio.sleep(11)
-        assert [told.source for told in one.news()] == ["/rosie/room"]
+async def test_a_parked_robot_counts_while_it_lives_and_no_longer_once_its_odometry_moved(one: House) -> None:
+    await one.say("/amcl_pose", amcl(1, 1))
+    for _ in range(30):
+        await anyio.sleep(2)
+        await one.say("/odom", odometry(7.0))
+    assert [told.counts for told in one.news()] == [True]
+    await one.say("/odom", odometry(7.3))
+    assert [told.counts for told in one.news()] == [False]
+    await one.say("/amcl_pose", amcl(1.3, 1))
+    assert [told.counts for told in one.news()] == [True]
+    await anyio.sleep(9.7)
+    assert one.news() == []
+    await anyio.sleep(0.5)
+    assert [told.counts for told in one.news()] == [False]
 
 
-async def test_frames_follow_a_driving_robot_closer_than_the_poses_of_amcl() -> None:
-    async with house() as one:
-        await one.say("/amcl_pose", amcl(1, 1))
-        for step in range(30):
-            await one.say("/tf", moved(tf("map>odom", "odom>base_link"), 1 + step / 10, 1))
-        assert [told.source for told in one.news()][-1] == "/tf"
-        assert (await one.ask()).pose[0].x == 3.9
+async def test_the_smaller_error_wins_while_it_counts(one: House) -> None:
+    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/amcl_pose", amcl(5, 1, 0.05))
+    await one.say("/robot/pose", stamped(1, 1))
+    assert [told.source for told in one.news()] == ["/robot/pose", "/amcl_pose"]
+    for _ in range(4):
+        await anyio.sleep(3)
+        await one.say("/rosie/room", RobotRoom(robot="rosie", room="Hall"))
+    assert {told.source for told in one.news()} == set()  # each is a sign of life
+    await anyio.sleep(11)
+    assert [told.source for told in one.news()] == ["/rosie/room"]
 
 
-async def test_a_robot_that_is_carried_away_is_unsure_until_three_poses_are_consistent() -> None:
-    async with house() as one:
-        await one.say("/robot/pose", stamped(1, 1))
+async def test_frames_follow_a_driving_robot_closer_than_the_poses_of_amcl(one: House) -> None:
+    await one.say("/amcl_pose", amcl(1, 1))
+    for step in range(30):
+        await one.say("/tf", moved(tf("map>odom", "odom>base_link"), 1 + step / 10, 1))
+    assert [told.source for told in one.news()][-1] == "/tf"
+    assert (await one.ask()).pose[0].x == 3.9
+
+
+async def test_a_robot_that_is_carried_away_is_unsure_until_three_poses_are_consistent(one: House) -> None:
+    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/robot/pose", stamped(6, 1))
+    assert [(told.room, told.is_sure) for told in one.news()] == [("Hall", True), ("Kitchen", False)]
+    assert "jumped by 5.0 m" in (await one.ask()).message
+    for _ in range(2):
         await one.say("/robot/pose", stamped(6, 1))
-        assert [(told.room, told.is_sure) for told in one.news()] == [("Hall", True), ("Kitchen", False)]
-        assert "jumped by 5.0 m" in (await one.ask()).message
-        for _ in range(2):
-            await one.say("/robot/pose", stamped(6, 1))
-        assert one.news() == []
-        await one.say("/robot/pose", stamped(6, 1))
-        assert [told.is_sure for told in one.news()] == [True]
-        await one.say("/initialpose", amcl(1, 1))
-        assert [told.is_sure for told in one.news()] == [False]
+    assert one.news() == []
+    await one.say("/robot/pose", stamped(6, 1))
+    assert [told.is_sure for told in one.news()] == [True]
+    await one.say("/initialpose", amcl(1, 1))
+    assert [told.is_sure for told in one.news()] == [False]
 
 
-async def test_a_robot_that_drives_fast_is_sure() -> None:
-    async with house() as one:
-        for step in range(8):
-            await one.say("/robot/pose", stamped(step * 0.7, 1))
-        assert all(told.is_sure for told in one.news())
+async def test_a_robot_that_drives_fast_is_sure(one: House) -> None:
+    for step in range(8):
+        await one.say("/robot/pose", stamped(step * 0.7, 1))
+    assert all(told.is_sure for told in one.news())
 
 
-async def test_an_uncertain_localization_is_unsure() -> None:
-    async with house() as one:
-        await one.say("/amcl_pose", amcl(1, 1, 1.5))
-        assert [told.is_sure for told in one.news()] == [False]
+async def test_an_uncertain_localization_is_unsure(one: House) -> None:
+    await one.say("/amcl_pose", amcl(1, 1, 1.5))
+    assert [told.is_sure for told in one.news()] == [False]
 
 
-async def test_a_stamp_far_ahead_of_our_clock_is_refused() -> None:
-    async with house() as one:
-        now = one.graph.clock.now()
-        await one.say("/robot/pose", stamped(1, 1, stamp=now + 20))
-        chain = tf("map>odom", "odom>base_link")
-        ahead = tuple(each.model_copy(update={"header": header("map", now + 20)}) for each in chain.transforms[:1])
-        await one.say("/tf", TFMessage(transforms=(*ahead, *chain.transforms[1:])))
-        assert one.news() == []
+async def test_a_stamp_far_ahead_of_our_clock_is_refused(one: House) -> None:
+    now = one.graph.clock.now()
+    await one.say("/robot/pose", stamped(1, 1, stamp=now + 20))
+    chain = tf("map>odom", "odom>base_link")
+    ahead = tuple(each.model_copy(update={"header": header("map", now + 20)}) for each in chain.transforms[:1])
+    await one.say("/tf", TFMessage(transforms=(*ahead, *chain.transforms[1:])))
+    assert one.news() == []
 
 
 @pytest.mark.parametrize("huge", [1e200, 1e308, float("inf"), float("nan")])
-async def test_a_number_that_is_too_large_is_refused_or_counts_as_no_rotation_and_ends_nothing(huge: float) -> None:
-    async with house() as one:
-        await one.say("/robot/pose", stamped(1, huge))
-        assert one.news() == []
+async def test_a_number_that_is_too_large_is_refused_or_counts_as_no_rotation_and_ends_nothing(
+    one: House, huge: float
+) -> None:
+    await one.say("/robot/pose", stamped(1, huge))
+    assert one.news() == []
 
-        turned = Quaternion(x=huge, y=0.0, z=0.0, w=1.0)
-        at = stamped(1, 1).pose.model_copy(update={"orientation": turned})
-        await one.say("/robot/pose", stamped(1, 1).model_copy(update={"pose": at}))
-        await anyio.sleep(0.1)
-        assert [(told.room, told.yaw) for told in one.news()] == [("Hall", 0.0)]
+    turned = Quaternion(x=huge, y=0.0, z=0.0, w=1.0)
+    at = stamped(1, 1).pose.model_copy(update={"orientation": turned})
+    await one.say("/robot/pose", stamped(1, 1).model_copy(update={"pose": at}))
+    await anyio.sleep(0.1)
+    assert [(told.room, told.yaw) for told in one.news()] == [("Hall", 0.0)]
 
-        await one.say("/tf", moved(tf("map>odom", "odom>base_link"), huge, 1))
-        await anyio.sleep(0.1)
-        assert one.news() == []
+    await one.say("/tf", moved(tf("map>odom", "odom>base_link"), huge, 1))
+    await anyio.sleep(0.1)
+    assert one.news() == []
 
 
 async def test_the_frames_of_one_robot_leave_room_for_those_of_another() -> None:
@@ -297,13 +293,12 @@ async def test_a_clock_that_is_set_makes_no_pose_old_and_refuses_none() -> None:
         assert (pose.x, clock.now() - pose.received_at.to_seconds() < 1) == (2.0, True)
 
 
-async def test_a_room_alone_is_no_position() -> None:
-    async with house() as one:
-        await one.say("/rosie/room", RobotRoom(robot="rosie", room="Hall"))
-        await one.say("/rosie/room", RobotRoom(robot="bob", room="Kitchen"))
-        [known] = one.news()
-        assert (known.room, known.has_position, known.limit) == ("Hall", False, 600.0)
-        assert known.error == pytest.approx(3.2, abs=0.01)
+async def test_a_room_alone_is_no_position(one: House) -> None:
+    await one.say("/rosie/room", RobotRoom(robot="rosie", room="Hall"))
+    await one.say("/rosie/room", RobotRoom(robot="bob", room="Kitchen"))
+    [known] = one.news()
+    assert (known.room, known.has_position, known.limit) == ("Hall", False, 600.0)
+    assert known.error == pytest.approx(3.2, abs=0.01)
 
 
 async def test_two_robots_by_namespace_and_by_prefixed_frames() -> None:
@@ -319,14 +314,13 @@ async def test_two_robots_by_namespace_and_by_prefixed_frames() -> None:
         assert (await one.ask("ROSIE")).pose[0].robot == "rosie"
 
 
-async def test_in_a_doorway_the_robot_stays_in_its_room() -> None:
-    async with house() as one:
-        await one.say("/robot/pose", stamped(3.8, 1))
-        for x in (4.05, 3.95, 4.1, 3.9, 4.15):
-            await one.say("/robot/pose", stamped(x, 1))
-        assert {told.room for told in one.news()} == {"Hall"}
-        await one.say("/robot/pose", stamped(4.3, 1))
-        assert [told.room for told in one.news()] == ["Kitchen"]
+async def test_in_a_doorway_the_robot_stays_in_its_room(one: House) -> None:
+    await one.say("/robot/pose", stamped(3.8, 1))
+    for x in (4.05, 3.95, 4.1, 3.9, 4.15):
+        await one.say("/robot/pose", stamped(x, 1))
+    assert {told.room for told in one.news()} == {"Hall"}
+    await one.say("/robot/pose", stamped(4.3, 1))
+    assert [told.room for told in one.news()] == ["Kitchen"]
 
 
 @contextmanager
@@ -346,29 +340,27 @@ def counted_calls() -> Iterator[Counter[str]]:
         sys.setprofile(before)
 
 
-async def test_of_frames_that_come_often_only_the_last_of_a_tenth_of_a_second_cost_time() -> None:
-    async with house() as one:
-        chain = tf("map>odom", "odom>base_link")
-        await one.say("/tf", chain)
-        messages = [moved(chain, step / 1000, 1) for step in range(1000)]
+async def test_of_frames_that_come_often_only_the_last_of_a_tenth_of_a_second_cost_time(one: House) -> None:
+    chain = tf("map>odom", "odom>base_link")
+    await one.say("/tf", chain)
+    messages = [moved(chain, step / 1000, 1) for step in range(1000)]
 
-        async def stream(pause: float) -> int:
-            with counted_calls() as calls:
-                for message in messages:
-                    one.publishers["/tf"].publish(message)
-                    await anyio.sleep(pause)
-            return calls.total()
+    async def stream(pause: float) -> int:
+        with counted_calls() as calls:
+            for message in messages:
+                one.publishers["/tf"].publish(message)
+                await anyio.sleep(pause)
+        return calls.total()
 
-        seldom, often = await stream(0.2), await stream(0.01)
-        assert often < 0.15 * seldom
-        assert len(one.news()) <= 100
+    seldom, often = await stream(0.2), await stream(0.01)
+    assert often < 0.15 * seldom
+    assert len(one.news()) <= 100
 
 
-async def test_a_pose_is_current_when_asked() -> None:
-    async with house() as one:
-        chain = tf("map>odom", "odom>base_link")
-        await one.say("/tf", chain)
-        for step in range(1, 20):
-            one.publishers["/tf"].publish(moved(chain, step / 10, 1))
-            assert (await one.ask()).pose[0].x == step / 10
-            await anyio.sleep(0.01)
+async def test_a_pose_is_current_when_asked(one: House) -> None:
+    chain = tf("map>odom", "odom>base_link")
+    await one.say("/tf", chain)
+    for step in range(1, 20):
+        one.publishers["/tf"].publish(moved(chain, step / 10, 1))
+        assert (await one.ask()).pose[0].x == step / 10
+        await anyio.sleep(0.01)

@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import aiohttp
 import anyio
 import pytest
+from tests.one_task import in_one_task
 from tests.patience import PATIENCE
 
 from homebot.bridges.thing_directory import DirectoryBridgeSettings
@@ -104,3 +105,10 @@ async def open_house(**settings: object) -> AsyncIterator[ServedHouse]:
 def served_house() -> Callable[..., AbstractAsyncContextManager[ServedHouse]]:
     """Give what opens a house with a directory of things on a free port."""
     return open_house
+
+
+@pytest.fixture
+async def house() -> AsyncIterator[ServedHouse]:
+    """A house with a directory of things on a free port."""
+    async with in_one_task(open_house()) as house:
+        yield house

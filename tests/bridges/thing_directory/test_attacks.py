@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.bridges.thing_directory.conftest import OpenHouse
+from tests.bridges.thing_directory.conftest import OpenHouse, ServedHouse
 from tests.patience import PATIENCE
 
 from homebot.devices.health import HealthRequest
@@ -46,12 +46,11 @@ async def answer_to(port: int, request: bytes) -> bytes:
     ],
 )
 async def test_an_invalid_request_is_refused_and_the_next_one_is_answered(
-    served_house: OpenHouse, request_: bytes, status: tuple[bytes, ...]
+    house: ServedHouse, request_: bytes, status: tuple[bytes, ...]
 ) -> None:
-    async with served_house() as house:
-        answer = await answer_to(house.bridge.port, request_)
-        assert any(one in answer if one else not answer for one in status), answer
-        assert len(await house.things(2)) == 2
+    answer = await answer_to(house.bridge.port, request_)
+    assert any(one in answer if one else not answer for one in status), answer
+    assert len(await house.things(2)) == 2
 
 
 async def test_connections_beyond_the_limit_are_refused_until_others_close(served_house: OpenHouse) -> None:

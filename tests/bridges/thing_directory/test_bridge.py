@@ -62,30 +62,28 @@ async def test_each_device_is_listed_as_a_thing_that_homebot_itself_can_read(ser
     assert forms["level"].ops == ("readproperty", "writeproperty")
 
 
-async def test_values_are_read_and_set_at_the_addresses_of_the_description(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        lamp, path = await lamp_of(house)
-        assert await house.get(f"{path}/properties") == (200, {"on_off": True, "level": 40.0})
-        href = lamp["properties"]["level"]["forms"][0]["href"]
-        assert await house.put(href, b"70") == (204, None)
-        assert [(one.capability, one.value.plain()) for one in house.gateway.commands] == [("level", 70.0)]
-        with anyio.fail_after(PATIENCE):
-            while await house.get(href) != (200, 70.0):  # noqa: ASYNC110 - it is another program's
-                await anyio.sleep(0.02)
+async def test_values_are_read_and_set_at_the_addresses_of_the_description(house: ServedHouse) -> None:
+    lamp, path = await lamp_of(house)
+    assert await house.get(f"{path}/properties") == (200, {"on_off": True, "level": 40.0})
+    href = lamp["properties"]["level"]["forms"][0]["href"]
+    assert await house.put(href, b"70") == (204, None)
+    assert [(one.capability, one.value.plain()) for one in house.gateway.commands] == [("level", 70.0)]
+    with anyio.fail_after(PATIENCE):
+        while await house.get(href) != (200, 70.0):  # noqa: ASYNC110 - it is another program's
+            await anyio.sleep(0.02)
 
 
-async def test_a_client_that_waits_until_it_may_send_the_body_is_told_so(served_house: OpenHouse) -> None:
+async def test_a_client_that_waits_until_it_may_send_the_body_is_told_so(house: ServedHouse) -> None:
     """As .NET Framework does for each PUT, and curl for large ones."""
-    async with served_house() as house:
-        lamp, _ = await lamp_of(house)
-        href = lamp["properties"]["level"]["forms"][0]["href"]
-        head = f"PUT {href} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 2\r\nExpect: 100-continue\r\n\r\n"
-        async with await anyio.connect_tcp("127.0.0.1", house.bridge.port) as stream:
-            with anyio.fail_after(PATIENCE):
-                await stream.send(head.encode())
-                assert await stream.receive() == b"HTTP/1.1 100 Continue\r\n\r\n"
-                await stream.send(b"70")
-                assert (await stream.receive()).startswith(b"HTTP/1.1 204 ")
+    lamp, _ = await lamp_of(house)
+    href = lamp["properties"]["level"]["forms"][0]["href"]
+    head = f"PUT {href} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 2\r\nExpect: 100-continue\r\n\r\n"
+    async with await anyio.connect_tcp("127.0.0.1", house.bridge.port) as stream:
+        with anyio.fail_after(PATIENCE):
+            await stream.send(head.encode())
+            assert await stream.receive() == b"HTTP/1.1 100 Continue\r\n\r\n"
+            await stream.send(b"70")
+            assert (await stream.receive()).startswith(b"HTTP/1.1 204 ")
 
 
 @pytest.mark.parametrize(
@@ -104,14 +102,13 @@ async def test_a_client_that_waits_until_it_may_send_the_body_is_told_so(served_
     ],
 )
 async def test_an_invalid_value_is_refused_with_a_reason(
-    served_house: OpenHouse, name: str, body: bytes, status: int
+    house: ServedHouse, name: str, body: bytes, status: int
 ) -> None:
-    async with served_house() as house:
-        _, path = await lamp_of(house)
-        found, problem = await house.put(f"{path}/properties/{name}", body)
-        assert (found, problem["status"]) == (status, status)
-        assert problem["detail"]
-        assert not house.gateway.commands
+    _, path = await lamp_of(house)
+    found, problem = await house.put(f"{path}/properties/{name}", body)
+    assert (found, problem["status"]) == (status, status)
+    assert problem["detail"]
+    assert not house.gateway.commands
 
 
 @pytest.mark.parametrize(
@@ -125,11 +122,10 @@ async def test_an_invalid_value_is_refused_with_a_reason(
     ],
 )
 async def test_a_body_without_a_value_is_refused_with_the_expected_one(
-    served_house: OpenHouse, name: str, body: bytes, said: str
+    house: ServedHouse, name: str, body: bytes, said: str
 ) -> None:
-    async with served_house() as house:
-        _, path = await lamp_of(house)
-        assert (await house.put(f"{path}/properties/{name}", body))[1]["detail"] == said
+    _, path = await lamp_of(house)
+    assert (await house.put(f"{path}/properties/{name}", body))[1]["detail"] == said
 
 
 async def test_a_read_only_property_is_not_set(served_house: OpenHouse) -> None:
@@ -156,55 +152,52 @@ async def controlled(house: ServedHouse, grants: Mapping[str, tuple[str, ...]]) 
         tasks.cancel_scope.cancel()
 
 
-async def test_a_lock_is_not_unlocked_until_the_owner_allows_it(served_house: OpenHouse) -> None:
+async def test_a_lock_is_not_unlocked_until_the_owner_allows_it(house: ServedHouse) -> None:
     """The refusal says how: the line of the table, which works as it stands after a restart."""
-    async with served_house() as house:
-        house.gateway.devices.put(
-            GatewayDevice("door", "Front door", (simple_part("door_lock", settable=("lock",)),)), "new"
-        )
-        lock = next(one["id"] for one in await house.things(3) if one["title"] == "Front door")
-        where = f"/things/{quote(lock, safe='')}/properties/lock"
-        async with controlled(house, {}):
-            status, problem = await house.put(where, b'"unlocked"')
-        assert status == 403
-        line = problem["detail"].partition("; ")[2].removesuffix(" gives one")
-        assert line.startswith("[thing_directory] act = [")
-        config = parse_config(tomllib.loads(line.replace("] act", "]\nact")), "homebot.toml")
-        assert not house.gateway.commands
-        async with controlled(house, make_plan(config).grants):
-            assert await house.put(where, b'"unlocked"') == (204, None)
-        assert [one.value.plain() for one in house.gateway.commands] == ["unlocked"]
+    house.gateway.devices.put(
+        GatewayDevice("door", "Front door", (simple_part("door_lock", settable=("lock",)),)), "new"
+    )
+    lock = next(one["id"] for one in await house.things(3) if one["title"] == "Front door")
+    where = f"/things/{quote(lock, safe='')}/properties/lock"
+    async with controlled(house, {}):
+        status, problem = await house.put(where, b'"unlocked"')
+    assert status == 403
+    line = problem["detail"].partition("; ")[2].removesuffix(" gives one")
+    assert line.startswith("[thing_directory] act = [")
+    config = parse_config(tomllib.loads(line.replace("] act", "]\nact")), "homebot.toml")
+    assert not house.gateway.commands
+    async with controlled(house, make_plan(config).grants):
+        assert await house.put(where, b'"unlocked"') == (204, None)
+    assert [one.value.plain() for one in house.gateway.commands] == ["unlocked"]
 
 
-async def test_the_list_is_read_only(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        _, path = await lamp_of(house)
-        for method, where in (("POST", "/things"), ("PUT", path), ("PATCH", path), ("DELETE", path)):
-            async with house.client.request(method, f"{house.url}{where}", data=b"{}") as answer:
-                assert answer.status == 405
-                assert answer.headers["Allow"] == "GET, HEAD"
-                assert answer.content_type == "application/problem+json"
-                assert (await answer.json(content_type=None))["title"] == "Method Not Allowed"
+async def test_the_list_is_read_only(house: ServedHouse) -> None:
+    _, path = await lamp_of(house)
+    for method, where in (("POST", "/things"), ("PUT", path), ("PATCH", path), ("DELETE", path)):
+        async with house.client.request(method, f"{house.url}{where}", data=b"{}") as answer:
+            assert answer.status == 405
+            assert answer.headers["Allow"] == "GET, HEAD"
+            assert answer.content_type == "application/problem+json"
+            assert (await answer.json(content_type=None))["title"] == "Method Not Allowed"
 
 
-async def test_the_list_comes_in_pages_that_name_the_next(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        for number in range(6):
-            house.gateway.devices.put(GatewayDevice(f"plug {number}", f"Plug {number}", LAMP.parts), "new")
-        everything = [one["id"] for one in await house.things(8)]
-        found, where = [], "/things?limit=3"
-        while where:
-            async with house.client.get(f"{house.url}{where}") as answer:
-                page = [one["id"] for one in await answer.json(content_type=None)]
-                assert 0 < len(page) <= 3
-                found += page
-                where = URL(str(answer.links["next"]["url"])).path_qs if "next" in answer.links else ""
-        assert found == everything
-        backwards = (await house.get("/things?sort_by=id&sort_order=desc"))[1]
-        assert [one["id"] for one in backwards] == everything[::-1]
-        collection = (await house.get("/things?limit=5&format=collection"))[1]
-        assert (collection["total"], len(collection["members"])) == (8, 5)
-        assert len((await house.get(collection["next"]))[1]["members"]) == 3
+async def test_the_list_comes_in_pages_that_name_the_next(house: ServedHouse) -> None:
+    for number in range(6):
+        house.gateway.devices.put(GatewayDevice(f"plug {number}", f"Plug {number}", LAMP.parts), "new")
+    everything = [one["id"] for one in await house.things(8)]
+    found, where = [], "/things?limit=3"
+    while where:
+        async with house.client.get(f"{house.url}{where}") as answer:
+            page = [one["id"] for one in await answer.json(content_type=None)]
+            assert 0 < len(page) <= 3
+            found += page
+            where = URL(str(answer.links["next"]["url"])).path_qs if "next" in answer.links else ""
+    assert found == everything
+    backwards = (await house.get("/things?sort_by=id&sort_order=desc"))[1]
+    assert [one["id"] for one in backwards] == everything[::-1]
+    collection = (await house.get("/things?limit=5&format=collection"))[1]
+    assert (collection["total"], len(collection["members"])) == (8, 5)
+    assert len((await house.get(collection["next"]))[1]["members"]) == 3
 
 
 @pytest.mark.parametrize(
@@ -227,59 +220,55 @@ async def test_the_list_comes_in_pages_that_name_the_next(served_house: OpenHous
         ("/a/b/c/d/e/f/g/h/i/j/k", 404),
     ],
 )
-async def test_an_unknown_thing_is_answered_with_a_problem(served_house: OpenHouse, path: str, status: int) -> None:
-    async with served_house() as house:
-        found, problem = await house.get(path)
-        assert (found, problem["status"]) == (status, status)
+async def test_an_unknown_thing_is_answered_with_a_problem(house: ServedHouse, path: str, status: int) -> None:
+    found, problem = await house.get(path)
+    assert (found, problem["status"]) == (status, status)
 
 
-async def test_a_client_that_has_the_newest_gets_no_body(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        _, path = await lamp_of(house)
-        etag = ""
-        for where in ("/things", path):
-            async with house.client.get(f"{house.url}{where}") as answer:
-                etag = answer.headers["ETag"]
-            assert await house.get(where, **{"If-None-Match": f'"other", W/{etag}'}) == (304, None)
-            assert (await house.get(where, **{"If-None-Match": '"other"'}))[0] == 200
-        async with house.client.head(f"{house.url}{path}") as answer:
-            assert (answer.status, answer.headers["ETag"], await answer.read()) == (200, etag, b"")
+async def test_a_client_that_has_the_newest_gets_no_body(house: ServedHouse) -> None:
+    _, path = await lamp_of(house)
+    etag = ""
+    for where in ("/things", path):
+        async with house.client.get(f"{house.url}{where}") as answer:
+            etag = answer.headers["ETag"]
+        assert await house.get(where, **{"If-None-Match": f'"other", W/{etag}'}) == (304, None)
+        assert (await house.get(where, **{"If-None-Match": '"other"'}))[0] == 200
+    async with house.client.head(f"{house.url}{path}") as answer:
+        assert (answer.status, answer.headers["ETag"], await answer.read()) == (200, etag, b"")
 
 
-async def test_changes_are_told_as_events_and_again_from_where_a_client_left(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        await house.things(2)
-        async with house.client.get(f"{house.url}/events?diff=true") as answer:
-            assert answer.content_type == "text/event-stream"
-            house.gateway.devices.put(GatewayDevice("desk", "Desk", LAMP.parts), "new")
-            created = await next_event(answer)
-            assert created["event"] == "thing_created"
-            described = json.loads(created["data"])
-            assert (described["title"], described["base"]) == ("Desk", f"{house.url}/")
-            house.gateway.devices.put(GatewayDevice("desk", "My desk", LAMP.parts), "renamed")
+async def test_changes_are_told_as_events_and_again_from_where_a_client_left(house: ServedHouse) -> None:
+    await house.things(2)
+    async with house.client.get(f"{house.url}/events?diff=true") as answer:
+        assert answer.content_type == "text/event-stream"
+        house.gateway.devices.put(GatewayDevice("desk", "Desk", LAMP.parts), "new")
+        created = await next_event(answer)
+        assert created["event"] == "thing_created"
+        described = json.loads(created["data"])
+        assert (described["title"], described["base"]) == ("Desk", f"{house.url}/")
+        house.gateway.devices.put(GatewayDevice("desk", "My desk", LAMP.parts), "renamed")
+        updated = await next_event(answer)
+        while "title" not in updated["data"]:
             updated = await next_event(answer)
-            while "title" not in updated["data"]:
-                updated = await next_event(answer)
-            assert updated["event"] == "thing_updated"
-            assert json.loads(updated["data"])["title"] == "My desk"
-            assert "properties" not in json.loads(updated["data"])
+        assert updated["event"] == "thing_updated"
+        assert json.loads(updated["data"])["title"] == "My desk"
+        assert "properties" not in json.loads(updated["data"])
+    house.gateway.devices.remove("desk", "gone")
+    headers = {"Last-Event-ID": updated["id"]}
+    async with house.client.get(f"{house.url}/events", headers=headers) as answer:
+        deleted = await next_event(answer)
+    assert deleted["event"] == "thing_deleted"
+    assert json.loads(deleted["data"]) == {"id": described["id"]}
+
+
+async def test_one_kind_of_event_can_be_asked_for(house: ServedHouse) -> None:
+    await house.things(2)
+    async with house.client.get(f"{house.url}/events/thing_deleted") as answer:
+        house.gateway.devices.put(GatewayDevice("desk", "Desk", LAMP.parts), "new")
+        await house.things(3)
         house.gateway.devices.remove("desk", "gone")
-        headers = {"Last-Event-ID": updated["id"]}
-        async with house.client.get(f"{house.url}/events", headers=headers) as answer:
-            deleted = await next_event(answer)
-        assert deleted["event"] == "thing_deleted"
-        assert json.loads(deleted["data"]) == {"id": described["id"]}
-
-
-async def test_one_kind_of_event_can_be_asked_for(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        await house.things(2)
-        async with house.client.get(f"{house.url}/events/thing_deleted") as answer:
-            house.gateway.devices.put(GatewayDevice("desk", "Desk", LAMP.parts), "new")
-            await house.things(3)
-            house.gateway.devices.remove("desk", "gone")
-            event = await next_event(answer)
-        assert event["event"] == "thing_deleted"
+        event = await next_event(answer)
+    assert event["event"] == "thing_deleted"
 
 
 async def test_a_client_without_the_token_is_rejected(served_house: OpenHouse) -> None:
@@ -298,11 +287,10 @@ async def test_a_client_without_the_token_is_rejected(served_house: OpenHouse) -
         assert any("127.0.0.1" in one for one in health.troubles)
 
 
-async def test_a_page_of_another_site_is_refused(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        assert (await house.get("/things", Origin="https://evil.example"))[0] == 403
-        assert (await house.get("/things", Host="evil.example"))[0] == 403
-        assert (await house.get("/things", Origin="http://localhost:3000"))[0] == 200
+async def test_a_page_of_another_site_is_refused(house: ServedHouse) -> None:
+    assert (await house.get("/things", Origin="https://evil.example"))[0] == 403
+    assert (await house.get("/things", Host="evil.example"))[0] == 403
+    assert (await house.get("/things", Origin="http://localhost:3000"))[0] == 200
 
 
 async def test_an_address_for_others_needs_a_token() -> None:
@@ -311,12 +299,11 @@ async def test_an_address_for_others_needs_a_token() -> None:
         ThingDirectoryBridge(Node(Graph(), "thing_directory"), settings, "villa", OWNER)
 
 
-async def test_a_port_that_is_taken_is_named(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        node = Node(Graph(), "thing_directory")
-        other = ThingDirectoryBridge(node, DirectoryBridgeSettings(port=house.bridge.port), "villa", OWNER)
-        with pytest.raises(UsageError, match=rf"thing_directory: 127.0.0.1:{house.bridge.port} is in use"):
-            await other.run()
+async def test_a_port_that_is_taken_is_named(house: ServedHouse) -> None:
+    node = Node(Graph(), "thing_directory")
+    other = ThingDirectoryBridge(node, DirectoryBridgeSettings(port=house.bridge.port), "villa", OWNER)
+    with pytest.raises(UsageError, match=rf"thing_directory: 127.0.0.1:{house.bridge.port} is in use"):
+        await other.run()
 
 
 async def test_more_clients_than_allowed_are_turned_away(served_house: OpenHouse) -> None:
@@ -342,10 +329,9 @@ async def test_it_is_announced_while_it_runs(served_house: OpenHouse) -> None:
     assert house.announced[-1].is_withdrawn
 
 
-async def test_devices_of_another_homebots_directory_are_not_listed_again(served_house: OpenHouse) -> None:
+async def test_devices_of_another_homebots_directory_are_not_listed_again(house: ServedHouse) -> None:
     """Two that follow each other would describe them back and forth, as new devices each time."""
-    async with served_house() as house:
-        key = "urn:homebot:0123456789abcdef:lamp"
-        house.gateway.devices.put(GatewayDevice(key, "Theirs", LAMP.parts[:1]), "new")
-        house.gateway.devices.put(GatewayDevice("desk", "Desk", (simple_part("switch", settable=("on_off",)),)), "new")
-        assert "Theirs" not in {one["title"] for one in await house.things(3)}
+    key = "urn:homebot:0123456789abcdef:lamp"
+    house.gateway.devices.put(GatewayDevice(key, "Theirs", LAMP.parts[:1]), "new")
+    house.gateway.devices.put(GatewayDevice("desk", "Desk", (simple_part("switch", settable=("on_off",)),)), "new")
+    assert "Theirs" not in {one["title"] for one in await house.things(3)}

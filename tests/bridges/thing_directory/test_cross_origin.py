@@ -22,17 +22,16 @@ async def headers_of(
         return answer.status, found
 
 
-async def test_a_page_that_is_let_in_may_read_the_answers_and_their_headers(served_house: OpenHouse) -> None:
-    async with served_house() as house:
-        for path, status in (("/things", 200), ("/.well-known/wot", 200), ("/events", 200), ("/nowhere", 404)):
-            assert await headers_of(house, "GET", path, PAGE) == (
-                status,
-                {
-                    "Access-Control-Allow-Origin": PAGE,
-                    "Access-Control-Expose-Headers": "Allow, ETag, Link, Retry-After",
-                    "Vary": "Origin",
-                },
-            )
+async def test_a_page_that_is_let_in_may_read_the_answers_and_their_headers(house: ServedHouse) -> None:
+    for path, status in (("/things", 200), ("/.well-known/wot", 200), ("/events", 200), ("/nowhere", 404)):
+        assert await headers_of(house, "GET", path, PAGE) == (
+            status,
+            {
+                "Access-Control-Allow-Origin": PAGE,
+                "Access-Control-Expose-Headers": "Allow, ETag, Link, Retry-After",
+                "Vary": "Origin",
+            },
+        )
 
 
 async def test_a_preflight_is_answered_with_the_allowed_headers_and_needs_no_token(served_house: OpenHouse) -> None:
@@ -49,11 +48,10 @@ async def test_a_preflight_is_answered_with_the_allowed_headers_and_needs_no_tok
 
 
 @pytest.mark.parametrize("origin", ["https://evil.example", "null"])
-async def test_a_page_that_is_not_let_in_is_told_nothing(served_house: OpenHouse, origin: str) -> None:
-    async with served_house() as house:
-        assert await headers_of(house, "GET", "/things", origin) == (403, {})
-        asked = await headers_of(house, "OPTIONS", "/things", origin, Access_Control_Request_Method="PUT")
-        assert asked == (403, {})
+async def test_a_page_that_is_not_let_in_is_told_nothing(house: ServedHouse, origin: str) -> None:
+    assert await headers_of(house, "GET", "/things", origin) == (403, {})
+    asked = await headers_of(house, "OPTIONS", "/things", origin, Access_Control_Request_Method="PUT")
+    assert asked == (403, {})
 
 
 async def test_the_pages_of_the_configuration_are_let_in(served_house: OpenHouse) -> None:
@@ -63,8 +61,8 @@ async def test_the_pages_of_the_configuration_are_let_in(served_house: OpenHouse
             assert (status, headers["Access-Control-Allow-Origin"]) == (200, origin)
 
 
-async def test_a_program_that_is_no_page_is_told_nothing_about_sharing(served_house: OpenHouse) -> None:
-    async with served_house() as house, house.client.get(f"{house.url}/things") as answer:
+async def test_a_program_that_is_no_page_is_told_nothing_about_sharing(house: ServedHouse) -> None:
+    async with house.client.get(f"{house.url}/things") as answer:
         assert not [name for name in answer.headers if name.startswith("Access-Control")]
 
 

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager
 
 import anyio
 import pytest
-from tests.bridges.thing_directory.conftest import LAMP, OpenHouse
+from tests.bridges.thing_directory.conftest import LAMP, OpenHouse, ServedHouse
 from tests.patience import PATIENCE
 
 from homebot.devices import Devices
@@ -62,8 +62,8 @@ async def test_a_lamp_is_found_read_and_commanded_through_the_directory(
         await light_of(devices, "Hall lamp", on=False)
 
 
-async def test_devices_that_come_and_go_do_so_there_as_well(served_house: OpenHouse) -> None:
-    async with served_house() as house, follower(house.url) as devices:
+async def test_devices_that_come_and_go_do_so_there_as_well(house: ServedHouse) -> None:
+    async with follower(house.url) as devices:
         await light_of(devices, "Hall lamp", on=True)
         with anyio.fail_after(PATIENCE):
             async for change in devices.follow():

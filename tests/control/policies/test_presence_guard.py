@@ -26,6 +26,11 @@ GUARD = {"absent_after": 300}
 """Five minutes in place of twenty."""
 
 
+@pytest.fixture
+def home_settings() -> dict[str, object]:
+    return {"presence_guard": GUARD}
+
+
 def put_hall(home: Home) -> None:
     home.put("lamp", "light", "on_off", "level", area="Hall")
     home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
@@ -45,66 +50,61 @@ async def detect(home: Home) -> None:
     await anyio.sleep(0.01)
 
 
-async def test_a_lamp_is_not_turned_off_over_somebody(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("motion", "occupancy", True)
-        outcome = await (await home.handle(Light, "lamp")).turn_off()
-        assert isinstance(outcome, Refused)
-        assert (outcome.policy, outcome.reason) == (
-            "presence_guard",
-            "somebody is in Hall: occupancy of motion is on",
-        )
-        assert home.commands == []
+async def test_a_lamp_is_not_turned_off_over_somebody(home: Home) -> None:
+    put_hall(home)
+    await home.report("motion", "occupancy", True)
+    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    assert isinstance(outcome, Refused)
+    assert (outcome.policy, outcome.reason) == (
+        "presence_guard",
+        "somebody is in Hall: occupancy of motion is on",
+    )
+    assert home.commands == []
 
 
-async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        home.put("lamp", "light", "on_off", area="Hall")
-        part = simple_part("occupancy_sensor", readable=("occupancy",)).model_copy(update={"id": "pir"})
-        home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
-        lamp = await home.handle(Light, "lamp")
-        for occupied, reason in (
-            (None, "nothing tells whether somebody is in Hall: no current occupancy of motion"),
-            (False, "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"),
-            (True, "somebody is in Hall: occupancy of motion is on"),
-        ):
-            if occupied is not None:
-                await home.gateway.devices.report("motion", {"occupancy": occupied}, "pir")
-                await anyio.sleep(0.01)
-            outcome = await lamp.turn_off()
-            assert isinstance(outcome, Refused)
-            assert outcome.reason == reason
-
-
-async def test_level_0_is_off(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("motion", "occupancy", True)
-        assert isinstance(await (await home.handle(Light, "lamp")).set_level(0), Refused)
-
-
-async def test_it_may_be_turned_on_and_dimmed(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("motion", "occupancy", True)
-        lamp = await home.handle(Light, "lamp")
-        assert (await lamp.turn_on()).succeeded
-        assert (await lamp.set_level(20)).succeeded
-
-
-async def test_somebody_who_sits_still_is_there_for_a_while(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        lamp = await home.handle(Light, "lamp")
-        await detect(home)
-        await home.report("motion", "occupancy", False)
-        await anyio.sleep(299)
+async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(home: Home) -> None:
+    home.put("lamp", "light", "on_off", area="Hall")
+    part = simple_part("occupancy_sensor", readable=("occupancy",)).model_copy(update={"id": "pir"})
+    home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
+    lamp = await home.handle(Light, "lamp")
+    for occupied, reason in (
+        (None, "nothing tells whether somebody is in Hall: no current occupancy of motion"),
+        (False, "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"),
+        (True, "somebody is in Hall: occupancy of motion is on"),
+    ):
+        if occupied is not None:
+            await home.gateway.devices.report("motion", {"occupancy": occupied}, "pir")
+            await anyio.sleep(0.01)
         outcome = await lamp.turn_off()
         assert isinstance(outcome, Refused)
-        assert "somebody was in Hall 299 s ago" in outcome.reason
-        await anyio.sleep(2)
-        assert (await lamp.turn_off()).succeeded
+        assert outcome.reason == reason
+
+
+async def test_level_0_is_off(home: Home) -> None:
+    put_hall(home)
+    await home.report("motion", "occupancy", True)
+    assert isinstance(await (await home.handle(Light, "lamp")).set_level(0), Refused)
+
+
+async def test_it_may_be_turned_on_and_dimmed(home: Home) -> None:
+    put_hall(home)
+    await home.report("motion", "occupancy", True)
+    lamp = await home.handle(Light, "lamp")
+    assert (await lamp.turn_on()).succeeded
+    assert (await lamp.set_level(20)).succeeded
+
+
+async def test_somebody_who_sits_still_is_there_for_a_while(home: Home) -> None:
+    put_hall(home)
+    lamp = await home.handle(Light, "lamp")
+    await detect(home)
+    await home.report("motion", "occupancy", False)
+    await anyio.sleep(299)
+    outcome = await lamp.turn_off()
+    assert isinstance(outcome, Refused)
+    assert "somebody was in Hall 299 s ago" in outcome.reason
+    await anyio.sleep(2)
+    assert (await lamp.turn_off()).succeeded
 
 
 @pytest.mark.parametrize("by", [-1e9, -400.0, 400.0, 1e9])
@@ -124,57 +124,53 @@ async def test_a_computer_whose_clock_is_set_forgets_nobody(open_home: OpenHome,
         assert (await lamp.turn_off()).succeeded
 
 
-async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(open_home: OpenHome) -> None:
+async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(home: Home) -> None:
     """It is faster than the sensor, which may not see the switch at all."""
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("lamp", "on_off", False)
-        await leave(home)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(100)
-        lamp = await home.handle(Light, "lamp")
-        refused = await lamp.turn_off()
-        assert isinstance(refused, Refused)
-        assert refused.reason == "somebody may be in Hall: lamp changed 100 s ago, and no command explains it"
-        await anyio.sleep(200)
-        assert isinstance(await lamp.turn_off(), Confirmed)
+    put_hall(home)
+    await home.report("lamp", "on_off", False)
+    await leave(home)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(100)
+    lamp = await home.handle(Light, "lamp")
+    refused = await lamp.turn_off()
+    assert isinstance(refused, Refused)
+    assert refused.reason == "somebody may be in Hall: lamp changed 100 s ago, and no command explains it"
+    await anyio.sleep(200)
+    assert isinstance(await lamp.turn_off(), Confirmed)
 
 
-async def test_the_first_report_after_a_start_is_no_hand(open_home: OpenHome) -> None:
+async def test_the_first_report_after_a_start_is_no_hand(home: Home) -> None:
     """A lamp that says how it is may have been so for long."""
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(10)
-        await home.report("lamp", "on_off", True)
-        assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Confirmed)
+    put_hall(home)
+    await leave(home)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(10)
+    await home.report("lamp", "on_off", True)
+    assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Confirmed)
 
 
 @pytest.mark.parametrize(("told_for", "is_hand"), [(590.0, False), (700.0, True)])
 async def test_the_first_level_of_a_lamp_that_was_told_to_be_on_for_long_is_a_hand(
-    open_home: OpenHome, told_for: float, *, is_hand: bool
+    home: Home, told_for: float, *, is_hand: bool
 ) -> None:
     """A text such as ``0.5`` of a lamp that said nothing but ``on`` before; soon after a start all is told."""
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(told_for)
-        await home.report("lamp", "level", 50.0)
-        outcome = await (await home.handle(Light, "lamp")).turn_off()
-        assert isinstance(outcome, Refused if is_hand else Confirmed)
+    put_hall(home)
+    await leave(home)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(told_for)
+    await home.report("lamp", "level", 50.0)
+    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    assert isinstance(outcome, Refused if is_hand else Confirmed)
 
 
-async def test_what_a_command_did_is_no_hand(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        lamp = await home.handle(Light, "lamp")
-        home.behaviours["lamp"] = report_both
-        assert (await lamp.turn_on()).succeeded
-        await anyio.sleep(1)
-        assert isinstance(await lamp.turn_off(), Confirmed)
+async def test_what_a_command_did_is_no_hand(home: Home) -> None:
+    put_hall(home)
+    await leave(home)
+    lamp = await home.handle(Light, "lamp")
+    home.behaviours["lamp"] = report_both
+    assert (await lamp.turn_on()).succeeded
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_off(), Confirmed)
 
 
 async def report_both(home: Home, command: Command) -> None:
@@ -183,92 +179,84 @@ async def report_both(home: Home, command: Command) -> None:
     await home.report(command.key, "level", 70.0 if command.value.plain() else 0.0)
 
 
-async def test_what_undoes_a_command_is_a_hand(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        lamp = await home.handle(Light, "lamp")
-        assert (await lamp.turn_off()).succeeded
-        await anyio.sleep(5)
-        await home.report("lamp", "on_off", True)
-        await anyio.sleep(1)
-        assert isinstance(await lamp.turn_off(), Refused)
+async def test_what_undoes_a_command_is_a_hand(home: Home) -> None:
+    put_hall(home)
+    await leave(home)
+    lamp = await home.handle(Light, "lamp")
+    assert (await lamp.turn_off()).succeeded
+    await anyio.sleep(5)
+    await home.report("lamp", "on_off", True)
+    await anyio.sleep(1)
+    assert isinstance(await lamp.turn_off(), Refused)
 
 
-async def test_a_room_without_a_sensor_is_unknown_which_means_no(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        home.put("lamp", "light", "on_off", area="attic")
-        outcome = await (await home.handle(Light, "lamp")).turn_off()
-        assert isinstance(outcome, Refused)
-        assert "attic" in outcome.reason
-        assert "no motion sensor" in outcome.reason
+async def test_a_room_without_a_sensor_is_unknown_which_means_no(home: Home) -> None:
+    home.put("lamp", "light", "on_off", area="attic")
+    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    assert isinstance(outcome, Refused)
+    assert "attic" in outcome.reason
+    assert "no motion sensor" in outcome.reason
 
 
-async def test_a_device_without_a_room_is_not_turned_off(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        home.put("lamp", "light", "on_off")
-        outcome = await (await home.handle(Light, "lamp")).turn_off()
-        assert isinstance(outcome, Refused)
-        assert "the room of the device is unknown" in outcome.reason
+async def test_a_device_without_a_room_is_not_turned_off(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    assert isinstance(outcome, Refused)
+    assert "the room of the device is unknown" in outcome.reason
 
 
-async def test_a_sensor_that_reported_nothing_tells_nothing(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        outcome = await (await home.handle(Light, "lamp")).turn_off()
-        assert isinstance(outcome, Refused)
-        assert "no current occupancy of motion" in outcome.reason
+async def test_a_sensor_that_reported_nothing_tells_nothing(home: Home) -> None:
+    put_hall(home)
+    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    assert isinstance(outcome, Refused)
+    assert "no current occupancy of motion" in outcome.reason
 
 
-async def test_a_sensor_that_never_detected_anybody_tells_nothing(open_home: OpenHome) -> None:
+async def test_a_sensor_that_never_detected_anybody_tells_nothing(home: Home) -> None:
     """It may look at a wall."""
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("motion", "occupancy", False)
-        lamp = await home.handle(Light, "lamp")
-        await anyio.sleep(301)
-        refused = await lamp.turn_off()
-        assert isinstance(refused, Refused)
-        assert refused.reason == (
-            "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"
-        )
-        await leave(home)
-        assert (await lamp.turn_off()).succeeded
+    put_hall(home)
+    await home.report("motion", "occupancy", False)
+    lamp = await home.handle(Light, "lamp")
+    await anyio.sleep(301)
+    refused = await lamp.turn_off()
+    assert isinstance(refused, Refused)
+    assert refused.reason == (
+        "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"
+    )
+    await leave(home)
+    assert (await lamp.turn_off()).succeeded
 
 
-async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anybody(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        home.put("elsewhere", "occupancy_sensor", readable=("occupancy",))
-        await anyio.sleep(1)
-        assert (await home.control.health(HealthRequest())).notes == (
-            "1 motion sensor has never detected anybody, so apps turn off nothing there; walk past: Motion",
-        )
-        await detect(home)
-        assert (await home.control.health(HealthRequest())).notes == ()
+async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anybody(home: Home) -> None:
+    put_hall(home)
+    home.put("elsewhere", "occupancy_sensor", readable=("occupancy",))
+    await anyio.sleep(1)
+    assert (await home.control.health(HealthRequest())).notes == (
+        "1 motion sensor has never detected anybody, so apps turn off nothing there; walk past: Motion",
+    )
+    await detect(home)
+    assert (await home.control.health(HealthRequest())).notes == ()
 
 
-async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
-        await home.report("other", "occupancy", False)
-        await leave(home)
-        assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused)
+async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(home: Home) -> None:
+    put_hall(home)
+    home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
+    await home.report("other", "occupancy", False)
+    await leave(home)
+    assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused)
 
 
-async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        home.gateway.devices.remove("motion", "the test says so")
-        await anyio.sleep(1)
-        put_hall(home)
-        await home.report("motion", "occupancy", False)
-        await anyio.sleep(301)
-        refused = await (await home.handle(Light, "lamp")).turn_off()
-        assert isinstance(refused, Refused)
-        assert "walk past it once" in refused.reason
+async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(home: Home) -> None:
+    put_hall(home)
+    await leave(home)
+    home.gateway.devices.remove("motion", "the test says so")
+    await anyio.sleep(1)
+    put_hall(home)
+    await home.report("motion", "occupancy", False)
+    await anyio.sleep(301)
+    refused = await (await home.handle(Light, "lamp")).turn_off()
+    assert isinstance(refused, Refused)
+    assert "walk past it once" in refused.reason
 
 
 async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: OpenHome) -> None:
@@ -299,61 +287,56 @@ async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> No
     assert {(kind, name) for kind, name in store.rows} == {("profile", "plug"), ("detection", "motion")}
 
 
-async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
-        lamp = await home.handle(Light, "lamp")
-        await leave(home)
-        assert isinstance(await lamp.turn_off(), Refused)
+async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(home: Home) -> None:
+    put_hall(home)
+    home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
+    lamp = await home.handle(Light, "lamp")
+    await leave(home)
+    assert isinstance(await lamp.turn_off(), Refused)
 
 
-async def test_a_person_at_a_client_of_the_door_may(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("motion", "occupancy", True)
-        lamp = await home.handle(Light, "lamp")
-        off = Setting(capability="on_off", value=Value.of(plain=False))
-        request = CommandRequest(device=lamp.device.id, part="", settings=(off,), issuer="client:phone")
-        assert (await home.control.perform(request)).succeeded
+async def test_a_person_at_a_client_of_the_door_may(home: Home) -> None:
+    put_hall(home)
+    await home.report("motion", "occupancy", True)
+    lamp = await home.handle(Light, "lamp")
+    off = Setting(capability="on_off", value=Value.of(plain=False))
+    request = CommandRequest(device=lamp.device.id, part="", settings=(off,), issuer="client:phone")
+    assert (await home.control.perform(request)).succeeded
 
 
-async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        lamp = await home.handle(Light, "lamp")
-        await leave(home)
-        home.behaviours["lamp"] = ignore
-        home.later(1.0, "motion", "occupancy", True)
-        assert isinstance(await lamp.turn_off(), NoAnswer)
-        assert len(home.commands) == 1
+async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(home: Home) -> None:
+    put_hall(home)
+    lamp = await home.handle(Light, "lamp")
+    await leave(home)
+    home.behaviours["lamp"] = ignore
+    home.later(1.0, "motion", "occupancy", True)
+    assert isinstance(await lamp.turn_off(), NoAnswer)
+    assert len(home.commands) == 1
 
 
-async def test_a_blind_may_be_raised_and_not_lowered(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        home.put("blind", "window_covering", "position", area="hall")
-        await home.report("motion", "occupancy", True)
-        await home.report("blind", "position", 20.0)
-        blind = await home.handle(WindowCovering, "blind")
-        assert (await blind.set_position(50)).succeeded
-        assert isinstance(await blind.set_position(40), Refused)
-        assert (await blind.set_position(70)).succeeded
+async def test_a_blind_may_be_raised_and_not_lowered(home: Home) -> None:
+    put_hall(home)
+    home.put("blind", "window_covering", "position", area="hall")
+    await home.report("motion", "occupancy", True)
+    await home.report("blind", "position", 20.0)
+    blind = await home.handle(WindowCovering, "blind")
+    assert (await blind.set_position(50)).succeeded
+    assert isinstance(await blind.set_position(40), Refused)
+    assert (await blind.set_position(70)).succeeded
 
 
-async def test_a_blind_that_was_sent_up_and_has_not_reported_may_not_be_lowered(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        home.put("blind", "window_covering", "position", "movement", area="hall")
-        await detect(home)
-        await home.report("blind", "position", 0.0)
-        blind = await home.handle(WindowCovering, "blind")
-        home.behaviours["blind"] = ignore
-        home.tasks.start_soon(blind.open)
-        await anyio.sleep(0.1)
-        assert isinstance(await blind.set_position(0), Refused)
-        assert isinstance(await blind.set_position(30), Refused)
-        assert [one.value.plain() for one in home.commands] == ["open"]
+async def test_a_blind_that_was_sent_up_and_has_not_reported_may_not_be_lowered(home: Home) -> None:
+    put_hall(home)
+    home.put("blind", "window_covering", "position", "movement", area="hall")
+    await detect(home)
+    await home.report("blind", "position", 0.0)
+    blind = await home.handle(WindowCovering, "blind")
+    home.behaviours["blind"] = ignore
+    home.tasks.start_soon(blind.open)
+    await anyio.sleep(0.1)
+    assert isinstance(await blind.set_position(0), Refused)
+    assert isinstance(await blind.set_position(30), Refused)
+    assert [one.value.plain() for one in home.commands] == ["open"]
 
 
 async def test_which_commands_is_up_to_the_owner(open_home: OpenHome) -> None:
@@ -372,67 +355,63 @@ def test_a_verb_that_is_none_is_an_error_of_the_configuration() -> None:
     assert raised.value.key == "control.presence_guard.commands"
 
 
-async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(open_home: OpenHome) -> None:
+async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(home: Home) -> None:
     """The lamp is as it was commanded within the last minute, but it was not all the time."""
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        lamp = await home.handle(Light, "lamp")
+    put_hall(home)
+    await leave(home)
+    lamp = await home.handle(Light, "lamp")
+    assert (await lamp.turn_on()).succeeded
+    home.later(20.0, "lamp", "on_off", False)
+    home.later(22.0, "lamp", "on_off", True)
+    await anyio.sleep(30)
+    refused = await lamp.turn_off()
+    assert isinstance(refused, Refused)
+    assert refused.reason == "somebody may be in Hall: lamp changed 8 s ago, and no command explains it"
+
+
+async def test_a_command_that_is_given_again_still_explains_what_it_did(home: Home) -> None:
+    put_hall(home)
+    await leave(home)
+    lamp = await home.handle(Light, "lamp")
+    assert (await lamp.turn_on()).succeeded
+    await home.report("lamp", "on_off", False)
+    await anyio.sleep(400)
+    assert (await lamp.turn_on()).succeeded
+    for _ in range(2):
+        await anyio.sleep(65)
         assert (await lamp.turn_on()).succeeded
-        home.later(20.0, "lamp", "on_off", False)
-        home.later(22.0, "lamp", "on_off", True)
-        await anyio.sleep(30)
-        refused = await lamp.turn_off()
-        assert isinstance(refused, Refused)
-        assert refused.reason == "somebody may be in Hall: lamp changed 8 s ago, and no command explains it"
+    assert (await lamp.turn_off()).succeeded
 
 
-async def test_a_command_that_is_given_again_still_explains_what_it_did(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await leave(home)
-        lamp = await home.handle(Light, "lamp")
-        assert (await lamp.turn_on()).succeeded
-        await home.report("lamp", "on_off", False)
-        await anyio.sleep(400)
-        assert (await lamp.turn_on()).succeeded
-        for _ in range(2):
-            await anyio.sleep(65)
-            assert (await lamp.turn_on()).succeeded
-        assert (await lamp.turn_off()).succeeded
-
-
-async def test_a_hand_before_the_newest_command_is_not_forgotten(open_home: OpenHome) -> None:
+async def test_a_hand_before_the_newest_command_is_not_forgotten(home: Home) -> None:
     """The lamp is as that command wanted, but somebody was at its switch a moment before."""
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("lamp", "on_off", True)
-        await leave(home)
-        lamp = await home.handle(Light, "lamp")
-        await home.report("lamp", "on_off", False)
-        await anyio.sleep(10)
-        assert (await lamp.turn_on()).succeeded
-        await anyio.sleep(10)
-        refused = await lamp.turn_off()
-        assert isinstance(refused, Refused)
-        assert refused.reason == "somebody may be in Hall: lamp changed 20 s ago, and no command explains it"
-        await anyio.sleep(300)
-        assert (await lamp.turn_off()).succeeded
+    put_hall(home)
+    await home.report("lamp", "on_off", True)
+    await leave(home)
+    lamp = await home.handle(Light, "lamp")
+    await home.report("lamp", "on_off", False)
+    await anyio.sleep(10)
+    assert (await lamp.turn_on()).succeeded
+    await anyio.sleep(10)
+    refused = await lamp.turn_off()
+    assert isinstance(refused, Refused)
+    assert refused.reason == "somebody may be in Hall: lamp changed 20 s ago, and no command explains it"
+    await anyio.sleep(300)
+    assert (await lamp.turn_off()).succeeded
 
 
-async def test_a_hand_after_a_lamp_was_dimmed_is_somebody(open_home: OpenHome) -> None:
-    async with open_home(presence_guard=GUARD) as home:
-        put_hall(home)
-        await home.report("lamp", "on_off", False)
-        await leave(home)
-        lamp = await home.handle(Light, "lamp")
+async def test_a_hand_after_a_lamp_was_dimmed_is_somebody(home: Home) -> None:
+    put_hall(home)
+    await home.report("lamp", "on_off", False)
+    await leave(home)
+    lamp = await home.handle(Light, "lamp")
 
-        async def light_up(home: Home, command: Command) -> None:
-            await home.gateway.devices.report("lamp", {"on_off": True, "level": command.value.plain()})
+    async def light_up(home: Home, command: Command) -> None:
+        await home.gateway.devices.report("lamp", {"on_off": True, "level": command.value.plain()})
 
-        home.behaviours["lamp"] = light_up
-        assert (await lamp.set_level(40.0)).succeeded
-        home.later(20.0, "lamp", "on_off", False)
-        home.later(25.0, "lamp", "on_off", True)
-        await anyio.sleep(30)
-        assert isinstance(await lamp.turn_off(), Refused)
+    home.behaviours["lamp"] = light_up
+    assert (await lamp.set_level(40.0)).succeeded
+    home.later(20.0, "lamp", "on_off", False)
+    home.later(25.0, "lamp", "on_off", True)
+    await anyio.sleep(30)
+    assert isinstance(await lamp.turn_off(), Refused)

@@ -20,6 +20,11 @@ pytestmark = pytest.mark.virtual_time
 NAMED = {"light": "Lux"}
 
 
+@pytest.fixture
+def home_settings() -> dict[str, object]:
+    return {"witnesses": NAMED}
+
+
 def shining(lux: float, after: float = 0.2) -> Behaviour:
     """Obey, and let the sensor measure so much, or nothing, so many seconds later."""
 
@@ -46,64 +51,58 @@ async def lie(home: Home, command: Command) -> None:
         home.later(seconds, "lux", "illuminance", 0.0)
 
 
-async def test_a_named_sensor_that_sees_the_effect_is_the_witness(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-        lamp = await room(home, shining(150.0))
-        for _ in range(2):
-            for outcome in (await lamp.turn_on(), await lamp.turn_off()):
-                assert isinstance(outcome, Confirmed)
-                assert (outcome.evidence, outcome.witness) == (Evidence.WITNESSED, "Lux")
-                assert outcome.latency == pytest.approx(0.2)
-
-
-async def test_a_lamp_that_only_says_that_it_is_on_is_contradicted(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-        lamp = await room(home, lie)
-        outcome = await lamp.turn_on()
-        assert outcome == Contradicted("Lux measured no change", "Lux", command_id=outcome.command_id)
-
-
-async def test_a_contradicted_lamp_is_told_the_same_again(open_home: OpenHome) -> None:
-    """Its report counts no more, until the sensor sees it obey."""
-    async with open_home(witnesses=NAMED) as home:
-        lamp = await room(home, lie)
-        assert isinstance(await lamp.turn_on(), Contradicted)
-        assert len((await home.control.health(HealthRequest())).notes) == 1
-        home.commands.clear()
-        home.behaviours["lamp"] = shining(150.0)
-        assert isinstance(await lamp.turn_on(), Confirmed)
-        assert len(home.commands) == 1
-        assert (await home.control.health(HealthRequest())).notes == ()
-
-
-async def test_the_owner_trusts_a_contradicted_lamp_again(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-        lamp = await room(home, lie)
-        await lamp.turn_on()
-        trust, request = home.app.create_client(TrustDevice, TRUST_DEVICE), TrustDeviceRequest(device=lamp.device.id)
-        assert (await trust.call(request)).witnesses == ("Lux",)
-        assert (await trust.call(request)).witnesses == ()
-        assert (await home.control.health(HealthRequest())).notes == ()
-
-
-async def test_a_silent_sensor_contradicts_no_lamp(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-        outcome = await (await room(home, obey)).turn_on()
-        assert isinstance(outcome, Confirmed)
-        assert outcome.evidence is Evidence.REPORTED
-
-
-async def test_a_lamp_in_daylight_is_not_contradicted(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-
-        async def obey_by_day(home: Home, command: Command) -> None:
-            await obey(home, command)
-            home.later(1.0, "lux", "illuminance", 5000.0)
-
-        lamp = await room(home, obey_by_day, lux=5010.0)
+async def test_a_named_sensor_that_sees_the_effect_is_the_witness(home: Home) -> None:
+    lamp = await room(home, shining(150.0))
+    for _ in range(2):
         for outcome in (await lamp.turn_on(), await lamp.turn_off()):
             assert isinstance(outcome, Confirmed)
-            assert outcome.evidence is Evidence.REPORTED
+            assert (outcome.evidence, outcome.witness) == (Evidence.WITNESSED, "Lux")
+            assert outcome.latency == pytest.approx(0.2)
+
+
+async def test_a_lamp_that_only_says_that_it_is_on_is_contradicted(home: Home) -> None:
+    lamp = await room(home, lie)
+    outcome = await lamp.turn_on()
+    assert outcome == Contradicted("Lux measured no change", "Lux", command_id=outcome.command_id)
+
+
+async def test_a_contradicted_lamp_is_told_the_same_again(home: Home) -> None:
+    """Its report counts no more, until the sensor sees it obey."""
+    lamp = await room(home, lie)
+    assert isinstance(await lamp.turn_on(), Contradicted)
+    assert len((await home.control.health(HealthRequest())).notes) == 1
+    home.commands.clear()
+    home.behaviours["lamp"] = shining(150.0)
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    assert len(home.commands) == 1
+    assert (await home.control.health(HealthRequest())).notes == ()
+
+
+async def test_the_owner_trusts_a_contradicted_lamp_again(home: Home) -> None:
+    lamp = await room(home, lie)
+    await lamp.turn_on()
+    trust, request = home.app.create_client(TrustDevice, TRUST_DEVICE), TrustDeviceRequest(device=lamp.device.id)
+    assert (await trust.call(request)).witnesses == ("Lux",)
+    assert (await trust.call(request)).witnesses == ()
+    assert (await home.control.health(HealthRequest())).notes == ()
+
+
+async def test_a_silent_sensor_contradicts_no_lamp(home: Home) -> None:
+    outcome = await (await room(home, obey)).turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert outcome.evidence is Evidence.REPORTED
+
+
+async def test_a_lamp_in_daylight_is_not_contradicted(home: Home) -> None:
+
+    async def obey_by_day(home: Home, command: Command) -> None:
+        await obey(home, command)
+        home.later(1.0, "lux", "illuminance", 5000.0)
+
+    lamp = await room(home, obey_by_day, lux=5010.0)
+    for outcome in (await lamp.turn_on(), await lamp.turn_off()):
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
 
 
 async def test_a_sensor_that_nobody_named_is_no_witness_and_is_not_waited_for(open_home: OpenHome) -> None:
@@ -115,55 +114,54 @@ async def test_a_sensor_that_nobody_named_is_no_witness_and_is_not_waited_for(op
         assert (outcome.evidence, anyio.current_time() - began) == (Evidence.REPORTED, 0.0)
 
 
-async def test_a_witness_makes_up_for_a_lost_report(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
+async def test_a_witness_makes_up_for_a_lost_report(home: Home) -> None:
 
-        async def obey_in_silence(home: Home, command: Command) -> None:
-            home.later(0.3, "lux", "illuminance", 150.0)
+    async def obey_in_silence(home: Home, command: Command) -> None:
+        home.later(0.3, "lux", "illuminance", 150.0)
 
-        outcome = await (await room(home, obey_in_silence)).turn_on()
+    outcome = await (await room(home, obey_in_silence)).turn_on()
+    assert isinstance(outcome, Confirmed)
+    assert outcome.evidence is Evidence.WITNESSED
+
+
+async def test_a_deaf_lamp_gives_no_answer_as_before(home: Home) -> None:
+    assert isinstance(await (await room(home, ignore)).turn_on(), NoAnswer)
+
+
+async def test_a_newer_command_ends_the_wait_for_a_witness(home: Home) -> None:
+    lamp = await room(home, obey)
+    found: list[Outcome] = []
+
+    async def turn_on() -> None:
+        found.append(await lamp.turn_on())
+
+    home.tasks.start_soon(turn_on)
+    await anyio.sleep(1)
+    home.behaviours["lamp"] = shining(0.0)
+    await lamp.turn_off()
+    assert [type(one) for one in found] == [Superseded]
+
+
+async def test_the_power_of_a_plug_witnesses_it_without_a_wait(open_home: OpenHome) -> None:
+    async with open_home() as home:
+
+        async def draw(home: Home, command: Command) -> None:
+            is_on = command.value.plain() is True
+            await home.gateway.devices.report("plug", {"power": 40.0 if is_on else 0.0, "on_off": is_on})
+
+        home.put("plug", "switch", "on_off", readable=("power",))
+        home.behaviours["plug"] = draw
+        await home.gateway.devices.report("plug", {"on_off": False, "power": 0.0})
+        plug = await home.handle(Switch, "plug")
+        outcome = await plug.turn_on()
         assert isinstance(outcome, Confirmed)
-        assert outcome.evidence is Evidence.WITNESSED
-
-
-async def test_a_deaf_lamp_gives_no_answer_as_before(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-        assert isinstance(await (await room(home, ignore)).turn_on(), NoAnswer)
-
-
-async def test_a_newer_command_ends_the_wait_for_a_witness(open_home: OpenHome) -> None:
-    async with open_home(witnesses=NAMED) as home:
-        lamp = await room(home, obey)
-        found: list[Outcome] = []
-
-        async def turn_on() -> None:
-            found.append(await lamp.turn_on())
-
-        home.tasks.start_soon(turn_on)
-        await anyio.sleep(1)
-        home.behaviours["lamp"] = shining(0.0)
-        await lamp.turn_off()
-        assert [type(one) for one in found] == [Superseded]
-
-
-async def test_the_power_of_a_plug_witnesses_it_without_a_wait(home: Home) -> None:
-    async def draw(home: Home, command: Command) -> None:
-        is_on = command.value.plain() is True
-        await home.gateway.devices.report("plug", {"power": 40.0 if is_on else 0.0, "on_off": is_on})
-
-    home.put("plug", "switch", "on_off", readable=("power",))
-    home.behaviours["plug"] = draw
-    await home.gateway.devices.report("plug", {"on_off": False, "power": 0.0})
-    plug = await home.handle(Switch, "plug")
-    outcome = await plug.turn_on()
-    assert isinstance(outcome, Confirmed)
-    assert (outcome.evidence, outcome.witness) == (Evidence.WITNESSED, "Plug")
-    home.behaviours["plug"] = obey_after(0.1)  # nothing is plugged in any more
-    began = anyio.current_time()
-    outcome = await plug.turn_off()
-    assert isinstance(outcome, Confirmed)
-    assert outcome.evidence is Evidence.REPORTED
-    assert anyio.current_time() - began == pytest.approx(0.1)
+        assert (outcome.evidence, outcome.witness) == (Evidence.WITNESSED, "Plug")
+        home.behaviours["plug"] = obey_after(0.1)  # nothing is plugged in any more
+        began = anyio.current_time()
+        outcome = await plug.turn_off()
+        assert isinstance(outcome, Confirmed)
+        assert outcome.evidence is Evidence.REPORTED
+        assert anyio.current_time() - began == pytest.approx(0.1)
 
 
 async def test_a_contact_sees_a_blind_and_a_bolt_sensor_a_lock(open_home: OpenHome) -> None:
