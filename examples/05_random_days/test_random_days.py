@@ -30,7 +30,7 @@ def lamps_left_on(day: Day, world: World) -> list[str]:
     return left_on
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=10, deadline=None, derandomize=True)
 @given(days(HOMES, max_length="4h"))
 def test_whatever_happens_a_lamp_that_says_on_is_told_off(day: Day) -> None:
     assert lamps_left_on(day, live_day(day, "light_service")) == []

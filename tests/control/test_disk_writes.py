@@ -1,4 +1,4 @@
-"""What is written to the disk, which may be an SD card: counted over simulated hours, for all files together."""
+"""What is written to the disk, which may be an SD card: counted over half a simulated hour, for all files together."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
 from homebot.graph import Graph, Node
 
-HOURS = 1
+HOURS = 0.5
 SENSORS = 30
 MOST_A_DAY = 8_000_000
 """Handed to the system. A disk writes blocks of 4 KiB, twice as much, and may write 20 MB."""
@@ -68,7 +68,7 @@ async def test_a_day_of_sensors_and_commands_writes_less_than_8_mb(tmp_path: Pat
         for number in range(SENSORS):
             tasks.start_soon(report, number)
         before = bytes_written()
-        for turn in range(HOURS * 120):
+        for turn in range(int(HOURS * 120)):
             outcome = await (light.turn_on() if turn % 2 else light.turn_off())
             assert isinstance(outcome, Confirmed)
             await anyio.sleep(30)
