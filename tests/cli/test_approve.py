@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from tests.cli.conftest import Homebot
 from tests.cli.test_places import NOW, sighting
 
 from homebot.cli import main
@@ -17,9 +18,6 @@ from homebot.discovery import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.graph import Graph, Node
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 Run = Callable[..., tuple[int, str]]
 

@@ -9,10 +9,12 @@ import os
 import sqlite3
 import tarfile
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from tests.cli.conftest import Homebot
 
 from homebot.apps.store_file import StoreFile
 from homebot.cli import main
@@ -27,11 +29,6 @@ from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
 from homebot.runtime.kept_files import serve_copies
 from homebot.support.sqlite_file import SqliteFile
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from tests.cli.conftest import Homebot
 
 Text = pytest.CaptureFixture[str]
 

@@ -6,11 +6,13 @@ import json
 import re
 import socket
 import sqlite3
+from collections.abc import Callable, Iterator
 from itertools import chain, starmap
 from pathlib import Path
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import pytest
+from tests.cli.conftest import Homebot
 from tests.cli.golden.conftest import StillHouse, ago, attic, told
 
 from homebot.cli import main
@@ -19,11 +21,6 @@ from homebot.cli.findings import FindingKind, print_finding
 from homebot.devices import Fact, GatewayState
 from homebot.devices.health import Count, HealthResponse
 from homebot.discovery.store import index_path
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from tests.cli.conftest import Homebot
 
 Text = pytest.CaptureFixture[str]
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
+from tests.cli.conftest import Homebot
 
 from homebot.cli import main
 from homebot.clock import ManualClock
@@ -14,9 +15,6 @@ from homebot.graph import Graph, Node, ParameterDescriptor
 from homebot.graph.actions import ActionServer, ServerGoal
 from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 Text = pytest.CaptureFixture[str]
 FIBONACCI = find_action("example_interfaces/action/Fibonacci")

@@ -6,9 +6,10 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from tests.cli.conftest import Homebot
 from tests.cli.test_approve import index_node
 from tests.cli.test_places import NOW
 from tests.patience import PATIENCE
@@ -17,9 +18,6 @@ from websockets.sync.client import connect
 from homebot.cli import main
 from homebot.clock import Clock, ManualClock
 from homebot.graph import Graph, Node
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from tests.cli.conftest import Homebot
 from tests.cli.test_places import NOW, sighting
 from tests.gateways.test_pairing import CODE, Bulbs
 
@@ -16,9 +17,6 @@ from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.gateways.pairing import PairingServices
 from homebot.graph import Graph, Node
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 Run = Callable[..., tuple[int, str]]
 

@@ -8,10 +8,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from tests.announcements import LAMP, sighting_of
+from tests.cli.conftest import Homebot
 
 from homebot.cli import main
 from homebot.clock import Clock, ManualClock
@@ -22,9 +23,6 @@ from homebot.discovery.services import DirectoryServices
 from homebot.graph import Graph, Node
 from homebot.places import read_places
 from homebot.places.plan import door_name
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 NOW = 1_800_000_000
 TABLE = {

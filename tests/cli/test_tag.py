@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from threading import Event
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from tests.cli.conftest import Homebot
 from tests.cli.test_places import NOW, index_node, sighting
 from tests.gateways.nfc.test_gateway import HOUSE
 from tests.gateways.nfc.world import UID, card
@@ -23,10 +24,6 @@ from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Graph, Node
 from homebot.house.nfc import Type4Card
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
-
 
 Text = pytest.CaptureFixture[str]
 

@@ -13,11 +13,11 @@ import sys
 import termios
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from typing import TYPE_CHECKING, cast
+from typing import TextIO, cast
 
 import pytest
 from rich.cells import cell_len
-from tests.cli.conftest import _lamp
+from tests.cli.conftest import Homebot, _lamp
 
 from homebot.cli import main
 from homebot.cli.terminal import print_line, print_rows, print_table, progress, to_lines, to_table
@@ -27,11 +27,6 @@ from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
 from homebot.graph import Graph, Node
 from homebot.messages import Time
 from homebot.support.output import clean_output
-
-if TYPE_CHECKING:
-    from typing import TextIO
-
-    from tests.cli.conftest import Homebot
 
 HEAD = ("DEVICE", "SAYS", "GATEWAY", "STATE")
 ROWS = (("lamp", "on", "mqtt", "fresh"), ("客廳的燈", "關, 40 %", "mqtt", "stale, unreachable"))

@@ -228,13 +228,3 @@ def rows_of(convention: str) -> list[dict[str, Any]]:
 @pytest.fixture(params=range(PARTS))
 def fuzz(request: pytest.FixtureRequest) -> Fuzz:
     return Fuzz(request.param)
-
-
-@pytest.fixture
-def mutator() -> type[Mutator]:
-    return Mutator
-
-
-@pytest.fixture
-def devices() -> Callable[[str], list[dict[str, Any]]]:
-    return rows_of

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import random
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.bluetooth.beacons import APPLE, EDDYSTONE, BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
@@ -17,9 +17,6 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.gateways.announced.value_check import can_report
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 BTHOME = full_uuid("fcd2")
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")
@@ -46,9 +43,9 @@ IBEACON = bytes.fromhex("0215f7826da64fa24e988024bc5b71e0893e00010002c5")
 UID = bytes.fromhex("00ee00112233445566778899aabbccddeeff0000")
 
 
-def test_damaged_bthome_packets_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_bthome_packets_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         parser = BTHomeParser({SEALED: KEY})
         now = 0.0
         for _ in range(rng.randrange(1, 6)):
@@ -79,11 +76,11 @@ def check_bthome(parser: BTHomeParser, advertisement: Advertisement, now: float)
         assert one.capability in CAPABILITIES
 
 
-def test_a_recorded_encrypted_packet_is_never_reported_again(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_a_recorded_encrypted_packet_is_never_reported_again(fuzz: Fuzz) -> None:
     """Somebody sends packets of a device again, some of them damaged, at any time, also after a new battery."""
 
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         parser = BTHomeParser({SEALED: KEY})
         now, counter = 0.0, rng.choice((0, 90, 2**31 - 3, 2**32 - 3, rng.randrange(2**32)))
         sent: list[bytes] = []
@@ -110,9 +107,9 @@ def test_a_recorded_encrypted_packet_is_never_reported_again(fuzz: Fuzz, mutator
     fuzz.run("bthome-replay", case)
 
 
-def test_damaged_beacons_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_beacons_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         parser = BeaconParser({})
         advertisement = Advertisement(
             OPEN,
@@ -133,13 +130,13 @@ def test_damaged_beacons_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator])
     fuzz.run("beacons", case)
 
 
-def test_damaged_advertisements_of_other_sensors_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_advertisements_of_other_sensors_are_refused_or_read(fuzz: Fuzz) -> None:
     """The libraries that read them raise whatever they like."""
     pytest.importorskip("ruuvitag_ble")
     from homebot.conventions.bluetooth.sensor_libraries import SensorLibraryParser  # noqa: PLC0415 - an extra
 
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         parser = SensorLibraryParser({SEALED: KEY})
         for _ in range(rng.randrange(1, 4)):
             company, data, name = rng.choice(OTHER_SENSORS)
@@ -165,9 +162,9 @@ def test_damaged_advertisements_of_other_sensors_are_refused_or_read(fuzz: Fuzz,
     fuzz.run("sensor-libraries", case)
 
 
-def test_damaged_reports_and_values_of_a_profile_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_reports_and_values_of_a_profile_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         profile = BUILT_IN["gatt_light"]
         state = profile.unknown_state()
         try:

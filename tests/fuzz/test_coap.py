@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import random
 from contextlib import suppress
-from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.cbor import decode_cbor, encode_cbor
 from homebot.conventions.coap.endpoint import endpoint_of_link
@@ -18,9 +19,6 @@ from homebot.wot.coap.resource_types import thing_of_links
 from homebot.wot.parse import CONTEXT, read_thing
 from homebot.wot.payload import decode_document, encode_document
 from homebot.wot.thing import Thing
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 LINKS = (
     b'</a/light>;rt="oic.r.switch.binary";if="oic.if.a oic.if.baseline";obs;ct="50 60",'
@@ -56,13 +54,13 @@ DOCUMENTS = (
 TYPES = ("application/cbor", "application/senml+cbor", "application/senml+json", "application/json", "text/plain")
 
 
-def test_damaged_links_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_links_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        damaged = mutator(rng).damaged_bytes(rng.choice((LINKS, ENDPOINTS)))
+        damaged = Mutator(rng).damaged_bytes(rng.choice((LINKS, ENDPOINTS)))
         with suppress(WireError):
             links = parse_links(damaged)
             check_parts(
-                mutator(rng), thing_of_links(links, {one.target: f"coap://h/{one.target}" for one in links}, "x")
+                Mutator(rng), thing_of_links(links, {one.target: f"coap://h/{one.target}" for one in links}, "x")
             )
             for link in links:
                 with suppress(WireError):
@@ -71,9 +69,9 @@ def test_damaged_links_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -
     fuzz.run("coap links", case)
 
 
-def test_damaged_payloads_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_payloads_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate, document = mutator(rng), rng.choice(DOCUMENTS)
+        mutate, document = Mutator(rng), rng.choice(DOCUMENTS)
         encoded = encode_cbor(document) if rng.random() < 0.7 else json.dumps(document, default=str).encode()
         damaged = mutate.damaged_bytes(encoded)
         found = coap_formats(rng.choice(TYPES))
@@ -86,9 +84,9 @@ def test_damaged_payloads_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]
     fuzz.run("coap payloads", case)
 
 
-def test_damaged_descriptions_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_descriptions_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, ("coap", "coap://h/x", "cov:observe", "readproperty", "application/cbor", "..", "//["))
+        mutate = Mutator(rng, ("coap", "coap://h/x", "cov:observe", "readproperty", "application/cbor", "..", "//["))
         try:
             thing = read_thing(json.loads(mutate.damaged_json(json.dumps(THING))), "coap://h/.well-known/wot")
         except (WireError, ValueError):

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
 
 import pytest
+from tests.fuzz.conftest import Fuzz, rows_of
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
@@ -13,9 +13,6 @@ from homebot.conventions.homie import Homie, HomieSettings
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz
 
 CONVENTIONS: dict[str, Callable[[], Convention]] = {
     "homeassistant": lambda: HomeAssistantDiscovery(HomeAssistantSettings()),
@@ -27,7 +24,5 @@ CONVENTIONS: dict[str, Callable[[], Convention]] = {
 
 
 @pytest.mark.parametrize("name", CONVENTIONS)
-def test_damaged_devices_are_refused_or_read(
-    fuzz: Fuzz, devices: Callable[[str], list[dict[str, Any]]], name: str
-) -> None:
-    fuzz.convention(name, CONVENTIONS[name], devices(name))
+def test_damaged_devices_are_refused_or_read(fuzz: Fuzz, name: str) -> None:
+    fuzz.convention(name, CONVENTIONS[name], rows_of(name))

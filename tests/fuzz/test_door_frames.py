@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import random
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
 from tests.bridges.frames import parse_frame
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.bridges.rosbridge.protocol import FrameError, Operation
 from homebot.devices import RawMessage
@@ -15,9 +15,6 @@ from homebot.devices.gateway_messages import Command
 from homebot.errors import TypeMismatchError
 from homebot.messages import Message
 from homebot.messages.json import message_from_json
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 FRAMES = (
     {"op": "advertise", "topic": "/t", "type": "std_msgs/String", "id": "1", "latch": True, "queue_size": 10},
@@ -35,9 +32,9 @@ WORDS = tuple(sorted({word for one in FRAMES for word in (*one, str(one["op"]))}
 MESSAGES: tuple[type[Message], ...] = (RawMessage, Command)
 
 
-def test_any_frame_is_an_operation_or_refused(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_any_frame_is_an_operation_or_refused(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, WORDS)
+        mutate = Mutator(rng, WORDS)
         text = mutate.damaged_json(json.dumps(rng.choice(FRAMES))).decode(errors="surrogateescape")
         with suppress(FrameError):
             assert isinstance(parse_frame(text), Operation)

@@ -5,18 +5,15 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from aioesphomeapi import model
 from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.gateways.announced.value_check import can_report, check_command
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 KINDS = {kind: info for kind, info in model.COMPONENT_TYPE_TO_INFO.items() if kind != "camera"}
 STATES = {info: state for state, info in STATE_TYPE_TO_INFO_TYPE.items()}
@@ -47,9 +44,9 @@ def fields(mutator: Mutator, cls: type) -> dict[str, object]:
     return found
 
 
-def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz, mutator: Callable[..., Mutator]) -> None:
+def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, CLASSES)
+        mutate = Mutator(rng, CLASSES)
         listed = [(kind, fields(mutate, KINDS[kind])) for kind in rng.choices(tuple(KINDS), k=rng.choice((1, 2, 4)))]
         device = EsphomeDevice(fields(mutate, model.DeviceInfo), listed)
         parts = {part.id: part for part in device.parts()}

@@ -5,17 +5,14 @@ from __future__ import annotations
 import random
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from tests.announcements import LAMP, sighting_of
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.discovery import DeviceIndex
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone
 from homebot.discovery.store import IndexFile
 from homebot.errors import LinkError, UsageError, WireError
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 STONE = '{"keys": [["mqtt", "lamp"]], "hardware": ["mac:00158d0001abcdef"], "is_ghost": false, "at": 5.0}'
 
@@ -32,7 +29,7 @@ def a_record() -> str:
     return entry_record(entry)
 
 
-def test_a_damaged_index_is_refused_or_read(fuzz: Fuzz, mutator: type[Mutator], tmp_path: Path) -> None:
+def test_a_damaged_index_is_refused_or_read(fuzz: Fuzz, tmp_path: Path) -> None:
     record = a_record()
     whole = tmp_path / "whole.sqlite"
     file = IndexFile(whole)
@@ -42,7 +39,7 @@ def test_a_damaged_index_is_refused_or_read(fuzz: Fuzz, mutator: type[Mutator], 
     image = whole.read_bytes()
 
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, ("mqtt", "lamp", "sighting", "claims", "part_ids"))
+        mutate = Mutator(rng, ("mqtt", "lamp", "sighting", "claims", "part_ids"))
         for read, text in ((read_entry, record), (read_tombstone, STONE)):
             with suppress(WireError):
                 read("lamp", mutate.damaged_json(text).decode(errors="replace"))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import random
-from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.matter.cluster_row import MatterCommand
 from homebot.conventions.matter.switch_cluster import press_of
@@ -19,9 +20,6 @@ from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter.clusters import DEVICE_TYPES, attributes_of
 
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
-
 STATE = DeviceState(text="on", is_on=True, value=5.0)
 NODES = tuple(attributes_of(SimulatedDeviceInfo("home", kind, "x", "x", "hall"), STATE) for kind in DEVICE_TYPES)
 CLUSTERS = (3, 6, 8, 29, 40, 47, 51, 57, 59, 64, 65, 69, 80, 84, 91, 92, 96, 97, 129, 144, 145, 153, 257, 258, 260, 261)
@@ -32,9 +30,9 @@ WANTED: tuple[PlainValue, ...] = (True, False, 0.0, 50.0, 4000.0, 20.0, (120.0, 
 FEATURES = (0, 1, 2, 5, 31, 4096, 0xFFFF)
 
 
-def test_damaged_nodes_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_nodes_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         attributes = dict(rng.choice(NODES))
         for _ in range(rng.randrange(12)):
             cluster = rng.choice((*CLUSTERS, *CLUSTERS_MORE, *CLUSTERS_MEASURED))
@@ -77,7 +75,7 @@ def check_device(rng: random.Random, device: NodeDevice) -> None:
                     json.dumps(order.server_call(1, endpoint.id), allow_nan=False)
 
 
-def test_damaged_frames_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
     frames = (
         {"event": "attribute_updated", "data": [1, "1/6/0", True]},
         {"message_id": "1", "result": []},
@@ -86,7 +84,7 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) 
     )
 
     def case(rng: random.Random) -> None:
-        damage = mutator(rng)
+        damage = Mutator(rng)
         frame = damage.damaged_bytes(json.dumps(rng.choice(frames)).encode())
         try:
             found = read_frame(parse_json(frame, MAX_FRAME_BYTES))

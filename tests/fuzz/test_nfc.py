@@ -5,9 +5,8 @@ from __future__ import annotations
 import json
 import random
 from contextlib import suppress
-from typing import TYPE_CHECKING
 
-from tests.fuzz.conftest import Mutator
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.nfc.card_tag import CardTag
 from homebot.conventions.nfc.ndef_message import NdefRecord, TagError, read_ndef, write_ndef
@@ -15,9 +14,6 @@ from homebot.conventions.nfc.pointer import pointer_of_code, pointer_of_records
 from homebot.errors import WireError
 from homebot.house.nfc import Type4Card
 from homebot.wot.parse import read_thing
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz
 
 THING = json.dumps(
     {

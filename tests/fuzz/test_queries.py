@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import random
 from contextlib import suppress
-from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.query import parse_query
 from homebot.devices.query.tokens import quoted
 from homebot.discovery import DeviceIndex
 from homebot.errors import UsageError
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 PIECES = (
     "on",
@@ -61,11 +59,11 @@ PIECES = (
 )
 
 
-def test_any_text_is_a_query_or_refused(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_any_text_is_a_query_or_refused(fuzz: Fuzz) -> None:
     index = DeviceIndex(forget_after=1.0)
 
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, PIECES)
+        mutate = Mutator(rng, PIECES)
         text = rng.choice((" ", "")).join(mutate.word() for _ in range(rng.randrange(1, 12)))
         if rng.random() < 0.3:
             text = mutate.damaged_text(text)

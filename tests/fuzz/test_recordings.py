@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.devices import RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult, Setting
@@ -17,9 +18,6 @@ from homebot.recording.recording import read_recording
 from homebot.recording.repetitions import Repetition
 from homebot.recording.secrets import without_secrets
 from homebot.replay.replay import replay_config
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 AT = Time(sec=1_767_225_600, nanosec=0)
 APP = RecordedApp(name="lights_out", kind="homebot.apps.lights_out:LightsOut", settings='{"quiet_after": 60.0}')
@@ -58,9 +56,9 @@ LINES = [line_text(RecordingLine(float(number), message)) for number, message in
 WORDS = ("at", "kind", "message", "recording", "raw", "format", "on_off", "mqtt")
 
 
-def test_a_damaged_recording_is_read_or_refused(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_a_damaged_recording_is_read_or_refused(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, WORDS)
+        mutate = Mutator(rng, WORDS)
         damaged = rng.randrange(len(LINES))
         lines = [mutate.damaged_json(text) if number == damaged else text.encode() for number, text in enumerate(LINES)]
         try:
@@ -72,9 +70,9 @@ def test_a_damaged_recording_is_read_or_refused(fuzz: Fuzz, mutator: type[Mutato
     fuzz.run("recordings", case)
 
 
-def test_what_is_read_is_written_in_the_same_way(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_what_is_read_is_written_in_the_same_way(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        text = mutator(rng, WORDS).damaged_json(rng.choice(LINES))
+        text = Mutator(rng, WORDS).damaged_json(rng.choice(LINES))
         try:
             line = read_line(text)
         except UsageError:
@@ -85,9 +83,9 @@ def test_what_is_read_is_written_in_the_same_way(fuzz: Fuzz, mutator: type[Mutat
     fuzz.run("recording lines", case)
 
 
-def test_any_payload_can_be_recorded(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_any_payload_can_be_recorded(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        payload = mutator(rng, ("code", "pin", *WORDS)).damaged_json('{"code": "1234", "state": {"on": true}}')
+        payload = Mutator(rng, ("code", "pin", *WORDS)).damaged_json('{"code": "1234", "state": {"on": true}}')
         kept = without_secrets(payload)
         assert without_secrets(kept) == kept
 

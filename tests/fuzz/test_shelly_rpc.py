@@ -5,27 +5,24 @@ from __future__ import annotations
 import json
 import math
 import random
-from typing import TYPE_CHECKING
 
 from pydantic import SecretStr
 from tests.conventions.shelly.rpc_documents import MODELS
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.payload import as_fields, parse_object
 from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.errors import RefusedError, WireError
 
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
-
 CHALLENGE = '{"auth_type":"digest","nonce":1625038762,"nc":1,"realm":"shellypro4pm-f008d1d8b8b8","algorithm":"SHA-256"}'
 EVENTS = '{"method":"NotifyEvent","params":{"ts":1.0,"events":[{"component":"input:0","event":"single_push"}]}}'
 WORDS = tuple(sorted({key for model in MODELS.values() for key in (*model.status, *model.config)}))
 
 
-def test_damaged_frames_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, WORDS)
+        mutate = Mutator(rng, WORDS)
         model = rng.choice(list(MODELS.values()))
         device = Gen2RpcDevice(model.info["id"])
         frame = b"{}"
@@ -58,11 +55,11 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) 
     fuzz.run("shelly rpc", case)
 
 
-def test_damaged_challenges_are_refused_or_signed(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_challenges_are_refused_or_signed(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
         login = RpcLogin(SecretStr("correct horse"))
         try:
-            login.accept_challenge(mutator(rng).damaged_json(CHALLENGE).decode(errors="replace"))
+            login.accept_challenge(Mutator(rng).damaged_json(CHALLENGE).decode(errors="replace"))
         except WireError:
             assert not login.is_challenged
             return

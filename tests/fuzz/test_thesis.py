@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 import random
 from contextlib import suppress
-from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.thesis import Thesis, ThesisSettings
 from homebot.devices.capabilities import CAPABILITIES
@@ -15,19 +16,16 @@ from homebot.devices.text.commands import decode_command, encode_command
 from homebot.devices.text.states import decoder_for
 from homebot.errors import RefusedError, WireError
 
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
-
 LEVELS = ("lights", "windows", "locks", "plugs", "fans", "thermostats", "out", "in", "", "home425", *DEVICE_TYPES)
 SPOKEN = ("on", "off", "0.4", "2700 K", "open", "closed, 0 %", "21.5", "locked", "nan", "1e999", "-5", "300 50")
 KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
 
 
-def test_any_topic_is_refused_or_a_device(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_any_topic_is_refused_or_a_device(fuzz: Fuzz) -> None:
     layouts = (Thesis(ThesisSettings(root="home425")), Thesis(ThesisSettings()))
 
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, LEVELS)
+        mutate = Mutator(rng, LEVELS)
         levels = ["home425", rng.choice(LEVELS), mutate.word(), "out"]
         topic = "/".join(levels[: rng.choice((4, 4, 4, 2, 3))] + [mutate.word()] * rng.choice((0, 0, 0, 1, 2)))
         with suppress(WireError):

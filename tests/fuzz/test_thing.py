@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from tests.fuzz.conftest import Fuzz
 
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 from homebot.wot.parse import CONTEXT
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz
 
 
 def prop(topic: str, **more: Any) -> dict[str, Any]:

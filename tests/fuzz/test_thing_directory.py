@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+import random
+from typing import Any
 
 import pytest
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.long_json import parse_in_slices
 from homebot.conventions.payload import parse_json
@@ -15,11 +17,6 @@ from homebot.gateways.thing_directory.documents import id_of, lifetime_of, membe
 from homebot.gateways.things.http_port import HTTP_BINDING
 from homebot.gateways.things.thing_device import describe_thing
 from homebot.wot.parse import CONTEXT, read_thing
-
-if TYPE_CHECKING:
-    import random
-
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 LIMIT = 200_000
 THING: dict[str, Any] = {
@@ -45,9 +42,9 @@ PAGES = [json.dumps([THING]), json.dumps({"members": [THING, THING], "next": "/t
 LINKS = ['</things?offset=50&limit=50>; rel="next"; title="a, b"', "</a>;rel=prev,</b>;rel=next"]
 
 
-def test_damaged_documents_of_directories(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_documents_of_directories(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        damage = mutator(rng, ("id", "members", "next", "rel", "forms", "href", "http://x", "registration", "ttl"))
+        damage = Mutator(rng, ("id", "members", "next", "rel", "forms", "href", "http://x", "registration", "ttl"))
         body = damage.damaged_json(rng.choice(PAGES))
         link = damage.damaged_text(rng.choice(LINKS))
         try:

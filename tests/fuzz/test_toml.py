@@ -5,14 +5,12 @@ from __future__ import annotations
 import random
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
 from homebot.gateways.mqtt import MqttGatewaySettings
-
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
 
 WHOLE = """\
 [home]
@@ -44,11 +42,11 @@ host = "127.0.0.1"
 LINES = WHOLE.splitlines()
 
 
-def test_any_file_is_a_configuration_or_refused(fuzz: Fuzz, mutator: type[Mutator], tmp_path: Path) -> None:
+def test_any_file_is_a_configuration_or_refused(fuzz: Fuzz, tmp_path: Path) -> None:
     file = tmp_path / "homebot.toml"
 
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, LINES)
+        mutate = Mutator(rng, LINES)
         lines = [line for line in LINES if rng.random() < 0.9]
         for _ in range(rng.choice((0, 1, 2))):
             lines.insert(rng.randrange(len(lines) + 1), f"{mutate.word()} = {mutate.value()!r}")

@@ -5,25 +5,22 @@ from __future__ import annotations
 import json
 import math
 import random
-from typing import TYPE_CHECKING
 
 from tests.conventions.wled.wled_documents import BEFORE_0_13, RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.conventions.payload import parse_object
 from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.errors import RefusedError, WireError
 from homebot.gateways.announced.value_check import can_report
 
-if TYPE_CHECKING:
-    from tests.fuzz.conftest import Fuzz, Mutator
-
 TEXTS = [json.dumps(one) for one in (RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13, BEFORE_0_13)]
 WORDS = ("seg", "seglc", "lc", "col", "cct", "bri", "on", "id", "state", "info", "leds")
 
 
-def test_damaged_documents_are_refused_or_read(fuzz: Fuzz, mutator: type[Mutator]) -> None:
+def test_damaged_documents_are_refused_or_read(fuzz: Fuzz) -> None:
     def case(rng: random.Random) -> None:
-        mutate = mutator(rng, WORDS)
+        mutate = Mutator(rng, WORDS)
         try:
             document = parse_object(mutate.damaged_json(rng.choice(TEXTS)))
             strip = WledStrip(document, effect_names(mutate.value()) or ("Solid", "Blink"))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from tests.cli.conftest import Homebot
 
 from homebot.clock import Clock, ManualClock
 from homebot.control.explanations import Explanations
@@ -74,9 +75,6 @@ from homebot.devices.value import PlainValue, Value
 from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 NOW = 1_800_000_000
 LAMP_KEY = "homeassistant:light/0x00158d0001abcdef/light"

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
+from tests.cli.conftest import Homebot
 from tests.cli.golden.test_golden import check
 from tests.cli.test_do import Service, answer
 from tests.devices.test_outcomes import EXAMPLES
@@ -21,9 +20,6 @@ from homebot.devices.outcomes import (
     Reverted,
     Superseded,
 )
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
 
 Text = pytest.CaptureFixture[str]
 

@@ -9,10 +9,10 @@ import json
 import os
 import re
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
-from tests.cli.golden.conftest import NOW
+from tests.cli.conftest import Homebot
+from tests.cli.golden.conftest import NOW, StillHouse
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
@@ -20,10 +20,6 @@ from homebot.devices.health import PartFailure
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.wot.parse import CONTEXT, read_thing
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
-    from tests.cli.golden.conftest import StillHouse
 
 HERE = Path(__file__).parent
 Text = pytest.CaptureFixture[str]

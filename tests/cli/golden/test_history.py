@@ -6,10 +6,10 @@ import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
-from tests.cli.golden.conftest import ago, kitchen_lamp
+from tests.cli.conftest import Homebot
+from tests.cli.golden.conftest import StillHouse, ago, kitchen_lamp
 from tests.cli.golden.test_golden import check
 
 from homebot.cli import main
@@ -29,10 +29,6 @@ from homebot.devices.outcomes import (
 )
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Reading, Value
-
-if TYPE_CHECKING:
-    from tests.cli.conftest import Homebot
-    from tests.cli.golden.conftest import StillHouse
 
 Text = pytest.CaptureFixture[str]
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
+from tests.devices.handles.conftest import House
 
 from homebot.devices import Route
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import EVERYTHING
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.handles import Handle, Light
-
-if TYPE_CHECKING:
-    from tests.devices.handles.conftest import House
 
 pytestmark = pytest.mark.virtual_time
 

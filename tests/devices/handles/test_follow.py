@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.devices.handles.conftest import House
 
 from homebot.devices.handles import FollowHandles, Light, Switch
-
-if TYPE_CHECKING:
-    from tests.devices.handles.conftest import House
 
 pytestmark = pytest.mark.virtual_time
 

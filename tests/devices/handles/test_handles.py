@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import anyio
 import pytest
+from tests.devices.handles.conftest import House
 
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.handles import (
@@ -39,9 +40,6 @@ from homebot.devices.outcomes import Gone
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceUnavailableError, UsageError
-
-if TYPE_CHECKING:
-    from tests.devices.handles.conftest import House
 
 pytestmark = pytest.mark.virtual_time
 

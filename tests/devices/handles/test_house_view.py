@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import anyio
 import pytest
@@ -11,16 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from tests.devices.handles.conftest import House, device, part
 
-from homebot.devices import Follow
+from homebot.devices import Device, Follow
 from homebot.devices.device import ChangeKind
 from homebot.devices.follow import LiveQuery
 from homebot.devices.handles import Light
 from homebot.graph import Graph, Node
 from homebot.testing import VirtualTimeLoop
-
-if TYPE_CHECKING:
-    from homebot.devices import Device
-
 
 LAMP, PLUG = device("lamp", part("light", "on_off")), device("lamp", part("plug", "on_off"))
 

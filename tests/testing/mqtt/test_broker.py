@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING
 
 import anyio
 import paho.mqtt.client as paho
 import pytest
 from paho.mqtt.enums import CallbackAPIVersion
+from tests.testing.mqtt.conftest import Join
 
 from homebot.errors import InvalidNameError, UsageError
 from homebot.mqtt.packets import (
@@ -21,9 +21,6 @@ from homebot.mqtt.packets import (
     Will,
 )
 from homebot.testing.mqtt import BlockingTestBroker, ClientView, RecordedMessage, TestBroker
-
-if TYPE_CHECKING:
-    from tests.testing.mqtt.conftest import Join
 
 LAMP = Subscribe(1, (FilterRequest("lamp/#", 1),))
 

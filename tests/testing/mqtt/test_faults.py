@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
+from tests.testing.mqtt.conftest import Join
 
 from homebot.errors import InvalidNameError, UsageError
 from homebot.mqtt.broker import BrokerLimits
@@ -25,9 +25,6 @@ from homebot.mqtt.packets import (
     encode,
 )
 from homebot.testing.mqtt import BlockingTestBroker, BrokerSettings, TestBroker, broker_thread, serve_broker
-
-if TYPE_CHECKING:
-    from tests.testing.mqtt.conftest import Join
 
 V311 = ProtocolVersion.V311
 SMALL = BrokerSettings(limits=BrokerLimits(write_buffer=1000))

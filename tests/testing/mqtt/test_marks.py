@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import ssl
-from typing import TYPE_CHECKING
 
 import aiomqtt
 import anyio
 import pytest
+from tests.testing.mqtt.conftest import Join
 
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
@@ -24,9 +24,6 @@ from homebot.mqtt.packets import (
     Subscribe,
 )
 from homebot.testing.mqtt import BlockingTestBroker, TestBroker
-
-if TYPE_CHECKING:
-    from tests.testing.mqtt.conftest import Join
 
 
 @pytest.mark.mqtt_broker(user="u", password="right")
