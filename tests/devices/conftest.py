@@ -1,4 +1,4 @@
-"""A gateway and a directory, in virtual time."""
+"""A gateway, a directory and an app on one graph, in virtual time."""
 
 from __future__ import annotations
 
@@ -7,21 +7,27 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 import anyio
 import pytest
+from tests.one_task import in_one_task
 
 from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import Graph, Node
 from homebot.testing import FakeGateway, FakeGatewaySettings
 
 RunGateway = Callable[..., AbstractAsyncContextManager[FakeGateway]]
-RunDirectory = Callable[[Graph], AbstractAsyncContextManager[Directory]]
+RunDirectory = Callable[[], AbstractAsyncContextManager[Directory]]
 
 
 @pytest.fixture
-def gateway_on() -> RunGateway:
-    """Runs the gateway ``fake`` on a graph."""
+async def graph() -> Graph:
+    return Graph()
+
+
+@pytest.fixture
+def run_gateway(graph: Graph) -> RunGateway:
+    """Runs the gateway ``fake`` on the graph."""
 
     @asynccontextmanager
-    async def run(graph: Graph, **settings: object) -> AsyncIterator[FakeGateway]:
+    async def run(**settings: object) -> AsyncIterator[FakeGateway]:
         async with Node(graph, "fake", namespace="/gateway") as node:
             yield FakeGateway(node, FakeGatewaySettings.model_validate(settings))
 
@@ -29,11 +35,11 @@ def gateway_on() -> RunGateway:
 
 
 @pytest.fixture
-def directory_on() -> RunDirectory:
-    """Runs a directory on a graph."""
+def run_directory(graph: Graph) -> RunDirectory:
+    """Runs a directory on the graph."""
 
     @asynccontextmanager
-    async def run(graph: Graph) -> AsyncIterator[Directory]:
+    async def run() -> AsyncIterator[Directory]:
         async with Node(graph, "discovery") as node, anyio.create_task_group() as tasks:
             directory = Directory(node, DirectorySettings())
             await tasks.start(directory.serve)
@@ -41,3 +47,17 @@ def directory_on() -> RunDirectory:
             tasks.cancel_scope.cancel()
 
     return run
+
+
+@pytest.fixture
+async def gateway(run_gateway: RunGateway) -> AsyncIterator[FakeGateway]:
+    """The gateway ``fake``."""
+    async with in_one_task(run_gateway()) as gateway:
+        yield gateway
+
+
+@pytest.fixture
+async def node(graph: Graph, run_directory: RunDirectory) -> AsyncIterator[Node]:
+    """The node of an app, beside a directory."""
+    async with in_one_task(run_directory()), in_one_task(Node(graph, "app")) as node:
+        yield node

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from contextlib import AbstractAsyncContextManager
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.devices.conftest import RunDirectory, RunGateway
 
 from homebot.devices import Device, Devices, Endpoint, GatewayState, RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.follow import Follow
@@ -15,7 +15,6 @@ from homebot.devices.handles import Light
 from homebot.devices.names import PLACE_DEVICE
 from homebot.devices.places_messages import PlaceDevice
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.discovery import Directory
 from homebot.errors import (
     LinkError,
     RefusedError,
@@ -29,9 +28,6 @@ from homebot.messages import Time
 from homebot.testing import FakeGateway
 
 pytestmark = pytest.mark.virtual_time
-
-RunGateway = Callable[..., AbstractAsyncContextManager[FakeGateway]]
-RunDirectory = Callable[[Graph], AbstractAsyncContextManager[Directory]]
 
 BOTH_WAYS = pytest.mark.parametrize("delivery", ["inbox", "mirror"])
 
@@ -60,11 +56,10 @@ async def find(devices: Devices, device_id: str) -> Device:
 
 @BOTH_WAYS
 async def test_a_listener_receives_its_devices_in_order_and_no_others(
-    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+    graph: Graph, run_gateway: RunGateway, run_directory: RunDirectory, delivery: str
 ) -> None:
     """Also what they said since it came into being, but not what they said before."""
-    graph = Graph()
-    async with gateway_on(graph, delivery=delivery) as gateway, directory_on(graph):
+    async with run_gateway(delivery=delivery) as gateway, run_directory():
         await gateway.says("lights/a", "before")
         await anyio.sleep(1)
         async with Node(graph, "app") as node:
@@ -78,15 +73,10 @@ async def test_a_listener_receives_its_devices_in_order_and_no_others(
 
 @BOTH_WAYS
 async def test_listening_again_replaces_the_handler_and_brings_nothing_twice(
-    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+    run_gateway: RunGateway, node: Node, delivery: str
 ) -> None:
     """An app that listens at every change of a device must not answer old messages anew."""
-    graph = Graph()
-    async with (
-        gateway_on(graph, delivery=delivery) as gateway,
-        directory_on(graph),
-        Node(graph, "app") as node,
-    ):
+    async with run_gateway(delivery=delivery) as gateway:
         devices, first, second = Devices(node), Ear(), Ear()
         await gateway.says("lights/a", "one")
         lamp = await find(devices, "lights/a")
@@ -100,15 +90,10 @@ async def test_listening_again_replaces_the_handler_and_brings_nothing_twice(
 
 @BOTH_WAYS
 async def test_a_device_that_was_removed_and_is_back_is_heard_once(
-    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
+    run_gateway: RunGateway, node: Node, delivery: str
 ) -> None:
     """Its first word after the return comes live; listening again does not repeat it."""
-    graph = Graph()
-    async with (
-        gateway_on(graph, delivery=delivery) as gateway,
-        directory_on(graph),
-        Node(graph, "app") as node,
-    ):
+    async with run_gateway(delivery=delivery) as gateway:
         devices, ear = Devices(node), Ear()
         await gateway.says("lights/a", "one")
         await devices.listen(await find(devices, "lights/a"), ear)
@@ -120,46 +105,37 @@ async def test_a_device_that_was_removed_and_is_back_is_heard_once(
 
 
 @BOTH_WAYS
-async def test_a_restarted_gateway_is_asked_again(
-    gateway_on: RunGateway, directory_on: RunDirectory, delivery: str
-) -> None:
+async def test_a_restarted_gateway_is_asked_again(run_gateway: RunGateway, node: Node, delivery: str) -> None:
     """It has forgotten who listens; what it heard before it was asked is not lost."""
-    graph = Graph()
-    async with directory_on(graph), Node(graph, "app") as node:
-        devices, ear = Devices(node), Ear()
-        async with gateway_on(graph, delivery=delivery) as gateway:
-            for key in ("lights/a", "lights/b"):
-                await gateway.says(key, "one")
-                await devices.listen(await find(devices, key), ear)
-            assert await ear.heard() == ["lights/a one", "lights/b one"]
-        async with gateway_on(graph, delivery=delivery) as gateway:
-            await gateway.says("lights/a", "two")
-            assert await ear.heard() == ["lights/a two"]
-            await gateway.says("lights/b", "three")
-            assert await ear.heard() == ["lights/b three"]
+    devices, ear = Devices(node), Ear()
+    async with run_gateway(delivery=delivery) as gateway:
+        for key in ("lights/a", "lights/b"):
+            await gateway.says(key, "one")
+            await devices.listen(await find(devices, key), ear)
+        assert await ear.heard() == ["lights/a one", "lights/b one"]
+    async with run_gateway(delivery=delivery) as gateway:
+        await gateway.says("lights/a", "two")
+        assert await ear.heard() == ["lights/a two"]
+        await gateway.says("lights/b", "three")
+        assert await ear.heard() == ["lights/b three"]
 
 
-async def test_a_gateway_that_is_away_is_asked_when_it_comes(
-    gateway_on: RunGateway, directory_on: RunDirectory
-) -> None:
+async def test_a_gateway_that_is_away_is_asked_when_it_comes(run_gateway: RunGateway, node: Node) -> None:
     """The wish to listen stands."""
-    graph = Graph()
-    async with directory_on(graph), Node(graph, "app") as node:
-        devices, ear = Devices(node), Ear()
-        async with gateway_on(graph) as gateway:
-            gateway.sees("lights/a")
-            lamp = await find(devices, "lights/a")
-        await devices.listen(lamp, ear)
-        async with gateway_on(graph) as gateway:
-            await anyio.sleep(0.001)
-            await gateway.says("lights/a", "hello")
-            assert await ear.heard() == ["lights/a hello"]
+    devices, ear = Devices(node), Ear()
+    async with run_gateway() as gateway:
+        gateway.sees("lights/a")
+        lamp = await find(devices, "lights/a")
+    await devices.listen(lamp, ear)
+    async with run_gateway() as gateway:
+        await anyio.sleep(0.001)
+        await gateway.says("lights/a", "hello")
+        assert await ear.heard() == ["lights/a hello"]
 
 
-async def test_a_refusal_is_raised_and_may_be_tried_again(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+async def test_a_refusal_is_raised_and_may_be_tried_again(run_gateway: RunGateway, node: Node) -> None:
     """With the gateway's reason."""
-    graph = Graph()
-    async with gateway_on(graph, refused=("lights/a/out",)) as gateway, directory_on(graph), Node(graph, "app") as node:
+    async with run_gateway(refused=("lights/a/out",)) as gateway:
         gateway.sees("lights/a")
         devices = Devices(node)
         lamp = await find(devices, "lights/a")
@@ -169,25 +145,21 @@ async def test_a_refusal_is_raised_and_may_be_tried_again(gateway_on: RunGateway
 
 
 async def test_a_restarted_gateway_that_now_refuses_is_told_and_ends_nothing(
-    gateway_on: RunGateway, directory_on: RunDirectory
+    run_gateway: RunGateway, node: Node
 ) -> None:
     """The app goes on with its other devices."""
-    graph = Graph()
-    async with directory_on(graph), Node(graph, "app") as node:
-        devices, ear = Devices(node), Ear()
-        async with gateway_on(graph) as gateway:
-            for key in ("lights/a", "lights/b"):
-                gateway.sees(key)
-                await devices.listen(await find(devices, key), ear)
-        with capture_logs() as lines:
-            async with gateway_on(graph, refused=("lights/a/out",)) as gateway:
-                await anyio.sleep(0.001)
-                await gateway.says("lights/b", "hello")
-                assert await ear.heard() == ["lights/b hello"]
-        told = [line["message"] for line in lines if line["event"] == "devices.not_heard"]
-        assert told == [
-            "lights/a/out is no longer received: listening to lights/a/out was refused: the test refuses it"
-        ]
+    devices, ear = Devices(node), Ear()
+    async with run_gateway() as gateway:
+        for key in ("lights/a", "lights/b"):
+            gateway.sees(key)
+            await devices.listen(await find(devices, key), ear)
+    with capture_logs() as lines:
+        async with run_gateway(refused=("lights/a/out",)) as gateway:
+            await anyio.sleep(0.001)
+            await gateway.says("lights/b", "hello")
+            assert await ear.heard() == ["lights/b hello"]
+    told = [line["message"] for line in lines if line["event"] == "devices.not_heard"]
+    assert told == ["lights/a/out is no longer received: listening to lights/a/out was refused: the test refuses it"]
 
 
 async def test_a_gateway_that_fails_to_answer_is_an_error() -> None:
@@ -204,45 +176,37 @@ async def test_a_gateway_that_fails_to_answer_is_an_error() -> None:
 
 
 async def test_a_gateway_that_flickers_is_asked_at_its_next_start(
-    gateway_on: RunGateway, directory_on: RunDirectory
+    run_gateway: RunGateway, node: Node, graph: Graph
 ) -> None:
     """It is gone again before it could be asked."""
-    graph = Graph()
-    async with directory_on(graph), Node(graph, "app") as node:
-        devices, ear = Devices(node), Ear()
-        async with gateway_on(graph) as gateway:
-            gateway.sees("lights/a")
-            await devices.listen(await find(devices, "lights/a"), ear)
-        FakeGateway(flicker := Node(graph, "fake", namespace="/gateway"))
-        flicker.close()
-        await anyio.sleep(0.01)
-        async with gateway_on(graph) as gateway:
-            await anyio.sleep(0.01)
-            await gateway.says("lights/a", "hello")
-            assert await ear.heard() == ["lights/a hello"]
-
-
-async def test_a_command_reaches_the_device_through_its_gateway(
-    gateway_on: RunGateway, directory_on: RunDirectory
-) -> None:
-    """On the address where it listens."""
-    graph = Graph()
-    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
+    devices, ear = Devices(node), Ear()
+    async with run_gateway() as gateway:
         gateway.sees("lights/a")
-        devices = Devices(node)
-        await devices.tell(await find(devices, "lights/a"), "off")
-        await anyio.sleep(0.001)
-        assert gateway.told == [("lights/a/in", "off")]
+        await devices.listen(await find(devices, "lights/a"), ear)
+    FakeGateway(flicker := Node(graph, "fake", namespace="/gateway"))
+    flicker.close()
+    await anyio.sleep(0.01)
+    async with run_gateway() as gateway:
+        await anyio.sleep(0.01)
+        await gateway.says("lights/a", "hello")
+        assert await ear.heard() == ["lights/a hello"]
 
 
-async def test_a_device_that_takes_no_commands_refuses_them(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
+async def test_a_command_reaches_the_device_through_its_gateway(gateway: FakeGateway, node: Node) -> None:
+    """On the address where it listens."""
+    gateway.sees("lights/a")
+    devices = Devices(node)
+    await devices.tell(await find(devices, "lights/a"), "off")
+    await anyio.sleep(0.001)
+    assert gateway.told == [("lights/a/in", "off")]
+
+
+async def test_a_device_that_takes_no_commands_refuses_them(gateway: FakeGateway, node: Node) -> None:
     """A sensor, for one."""
-    graph = Graph()
-    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
-        gateway.sees("sensors/t", takes_commands=False)
-        devices = Devices(node)
-        with pytest.raises(RefusedError, match="a command to sensors/t was refused: it takes no commands"):
-            await devices.tell(await find(devices, "sensors/t"), "off")
+    gateway.sees("sensors/t", takes_commands=False)
+    devices = Devices(node)
+    with pytest.raises(RefusedError, match="a command to sensors/t was refused: it takes no commands"):
+        await devices.tell(await find(devices, "sensors/t"), "off")
 
 
 async def test_a_command_for_a_gateway_that_is_away_is_not_lost_in_silence() -> None:
@@ -367,29 +331,25 @@ async def read_all(query: Follow) -> None:
 
 @pytest.mark.parametrize(("problem", "ask"), REFUSED.items(), ids=REFUSED)
 async def test_a_misspelt_query_is_refused(
-    gateway_on: RunGateway, directory_on: RunDirectory, problem: str, ask: Callable[[Node], Awaitable[object]]
+    gateway: FakeGateway, node: Node, problem: str, ask: Callable[[Node], Awaitable[object]]
 ) -> None:
-    graph = Graph()
-    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
-        await hall_lamp(gateway, node)
-        with pytest.raises(UsageError) as caught:
-            await ask(node)
+    await hall_lamp(gateway, node)
+    with pytest.raises(UsageError) as caught:
+        await ask(node)
     assert str(caught.value) == problem
 
 
-async def test_what_may_yet_be_announced_is_not_refused(gateway_on: RunGateway, directory_on: RunDirectory) -> None:
-    graph = Graph()
-    async with gateway_on(graph) as gateway, directory_on(graph), Node(graph, "app") as node:
-        await hall_lamp(gateway, node)
-        devices = Devices(node)
-        assert await devices.find(Light, area="Hall") == ()
-        assert await devices.find(Light, area="Cellar") == ()
-        assert await devices.find("xyzzy") == ()
-        query = devices.follow("robots")
-        with anyio.move_on_after(400):
-            await anext(query)
-        await gateway.says("robots/robi", "x")
-        assert (await anext(query)).device.id == "robots/robi"
+async def test_what_may_yet_be_announced_is_not_refused(gateway: FakeGateway, node: Node) -> None:
+    await hall_lamp(gateway, node)
+    devices = Devices(node)
+    assert await devices.find(Light, area="Hall") == ()
+    assert await devices.find(Light, area="Cellar") == ()
+    assert await devices.find("xyzzy") == ()
+    query = devices.follow("robots")
+    with anyio.move_on_after(400):
+        await anext(query)
+    await gateway.says("robots/robi", "x")
+    assert (await anext(query)).device.id == "robots/robi"
 
 
 async def hall_lamp(gateway: FakeGateway, node: Node) -> None:
