@@ -18,7 +18,7 @@ from typing_extensions import TypeVar
 from homebot.clock import read_zone
 from homebot.devices import Devices
 from homebot.devices.handles.handle import Handle
-from homebot.errors import UsageError
+from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.log import LogLimit
 from homebot.support.isolation import isolated
@@ -346,9 +346,20 @@ class App(ABC, Generic[SettingsT]):
         Returns:
             The outcomes, in the order of the handles; of a command that makes no sense to its device ``Refused``.
         """
-        from homebot.devices.group_command import give_each  # noqa: PLC0415 - some apps only watch
+        from homebot.devices.outcomes import Refused  # noqa: PLC0415 - some apps only watch
 
-        return await give_each(command, handles)
+        outcomes: dict[int, Outcome] = {}
+
+        async def give(number: int, handle: HandleT) -> None:
+            try:
+                outcomes[number] = await command(handle)
+            except RefusedError as exc:
+                outcomes[number] = Refused("device", exc.reason)
+
+        async with anyio.create_task_group() as tasks:
+            for number, handle in enumerate(handles):
+                tasks.start_soon(give, number, handle)
+        return [outcomes[number] for number in sorted(outcomes)]
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
         """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.

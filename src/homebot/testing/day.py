@@ -43,7 +43,7 @@ from homebot.units import parse_duration
 if TYPE_CHECKING:
     from homebot.testing.virtual_house import VirtualHouse
 
-__all__ = ["Day", "read_tables"]
+__all__ = ["Day"]
 
 HAPPENINGS = "happenings"
 HEAD = "day"
@@ -89,7 +89,7 @@ class Day:
         Raises:
             ConfigError: The file cannot be read or is no TOML, or a key or value is wrong; names file, key and reason.
         """
-        return cls._from_tables(read_tables(Path(path)), str(path))
+        return cls._from_tables(read_toml(Path(path), any_text=True), str(path))
 
     @classmethod
     def parse(cls, text: str, source: str = "day") -> Day:
@@ -203,15 +203,6 @@ class Day:
                 raise ConfigError(self.source, f"{key}.at", f"{write_time(event.at)} is not in the day, {day}")
             if event.device and event.device not in devices:
                 raise ConfigError(self.source, f"{key}.device", f"there is no device {event.device!r}")
-
-
-def read_tables(path: Path) -> Table:
-    """Return the tables of a TOML file.
-
-    Raises:
-        ConfigError: It cannot be read or is no TOML.
-    """
-    return read_toml(path, any_text=True)
 
 
 class _Printer(Protocol):

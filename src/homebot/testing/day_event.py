@@ -13,14 +13,12 @@ from homebot.config import parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.units import parse_duration
 
-__all__ = ["HAPPENINGS", "DayEvent", "What"]
-
 try:
     import tomli_w
 except ModuleNotFoundError as exc:
     raise ImportError("days of a house need tomli-w: pip install 'homebot[testing]'") from exc
 
-__all__ = ["LONGEST", "read_time", "write_duration", "write_tables", "write_time"]
+__all__ = ["HAPPENINGS", "LONGEST", "DayEvent", "What", "read_time", "write_duration", "write_tables", "write_time"]
 
 LONGEST: Final = 7 * 86_400.0
 """Seconds: no time in a day is later than a week after its midnight."""

@@ -18,7 +18,7 @@ def command_address(device: Device, endpoint: Endpoint, text: str) -> str:
     the command.
     """
     address = endpoint.command_address
-    part = _part_of(device, endpoint) if is_text_address(address) else None
+    part = _part_at(device, address, endpoint.gateway) if is_text_address(address) else None
     if part is None or len(part.routes) == 1:
         return address
     try:
@@ -87,10 +87,12 @@ def _takes(part: DevicePart, text: str) -> bool:
     return True
 
 
-def _part_at(device: Device, address: str) -> DevicePart | None:
+def _part_at(device: Device, address: str, gateway: str = "") -> DevicePart | None:
+    """Return the first part with a route, of *gateway* if one is given, to *address*."""
     for part in device.parts:
-        if any(text_address(route.key, route.part) == address for route in part.routes):
-            return part
+        for route in part.routes:
+            if text_address(route.key, route.part) == address and gateway in {"", route.gateway}:
+                return part
     return None
 
 
@@ -99,12 +101,3 @@ def _leads_to(device: Device, route: Route, gateway: str, address: str) -> bool:
         one.gateway == gateway == route.gateway and one.command_address == address and one.key == route.key
         for one in device.endpoints
     )
-
-
-def _part_of(device: Device, endpoint: Endpoint) -> DevicePart | None:
-    for part in device.parts:
-        for route in part.routes:
-            is_there = route.gateway == endpoint.gateway
-            if is_there and text_address(route.key, route.part) == endpoint.command_address:
-                return part
-    return None
