@@ -77,7 +77,6 @@ class ActingLease:
         self._is_candidate = False
         self._answer = anyio.Event()
         self._restate = anyio.Event()
-        self._doubt = anyio.Event()
         self.rival = ""
 
     @property
@@ -110,7 +109,6 @@ class ActingLease:
         is_first = self._id < word.id
         if word.says == "act" and not (self._is_sure and is_first):
             self._is_candidate, self._sure_of = False, None
-            self._doubt.set()
             self._yield_to(word)
         elif self._is_sure or (self._is_candidate and is_first):
             self._answer.set()
@@ -135,27 +133,20 @@ class ActingLease:
             tasks.start_soon(self._restate_status)
             if self._wants:
                 tasks.start_soon(self._answer_others)
-                tasks.start_soon(self._follow_link)
-                tasks.start_soon(self._ask_while_unsure)
+                tasks.start_soon(self._ask_on_each_link)
 
     @property
     def _is_sure(self) -> bool:
         """True if no answer came on this link: while the one before was down another may have begun."""
         return self._sure_of is not None and self._sure_of is self._connection.state
 
-    async def _follow_link(self) -> None:
-        async for _ in self._connection.states():
-            self._doubt.set()
-
-    async def _ask_while_unsure(self) -> None:
-        while True:
-            state = self._connection.state
-            if self._is_sure or state.phase is not LinkPhase.CONNECTED:
-                await self._doubt.wait()
-                self._doubt = anyio.Event()
+    async def _ask_on_each_link(self) -> None:
+        async for state in self._connection.states():
+            if state.phase is not LinkPhase.CONNECTED:
                 continue
-            await self._ask(state)
-            if not self._is_sure:
+            while self._connection.state is state:
+                if not self._is_sure:
+                    await self._ask(state)
                 await anyio.sleep(ASK_EVERY)
 
     async def _ask(self, state: ConnectionState) -> None:

@@ -1,8 +1,7 @@
 """Responses of devices to commands, by the request and response of MQTT 5.
 
 A command carries a topic for the response, and data by which the response is matched with it; and its id in the
-journal, for debugging. No standard defines responses: one with an error, as of Zigbee2MQTT and Shelly, is a refusal;
-any other accepts the command.
+journal, for debugging.
 
 Source: MQTT Version 5.0, section 4.10.
 """
@@ -11,18 +10,17 @@ from __future__ import annotations
 
 import math
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.conventions.payload import clean_text, parse_object
+from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
-from homebot.errors import WireError
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["COMMAND_ID", "ResponseCounters", "Responses", "problem_of"]
+__all__ = ["COMMAND_ID", "ResponseCounters", "Responses"]
 
 COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
@@ -31,9 +29,6 @@ MOST_AWAITED: Final = 1000
 """Commands with awaited responses at once; the oldest is forgotten, and its response is then unknown."""
 
 _TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and they are hard to guess
-
-_LONGEST: Final = 4096  # bytes of a response
-_LONGEST_REASON: Final = 200
 
 
 @dataclass(slots=True)
@@ -103,16 +98,3 @@ class Responses:
                 message=problem,
             )
         )
-
-
-def problem_of(response: bytes) -> str:
-    """Return the reason of a refusing response; empty for any other."""
-    try:
-        fields = parse_object(response[:_LONGEST])
-    except WireError:
-        return ""
-    error = fields.get("error")
-    if not (error or fields.get("status") == "error" or fields.get("success") is False):
-        return ""
-    text = error.get("message") if isinstance(error, Mapping) else error or fields.get("message")
-    return clean_text(text, _LONGEST_REASON) if isinstance(text, str) and text.strip() else "the device refuses"
