@@ -10,7 +10,8 @@ import json
 import math
 import re
 from collections.abc import Callable
-from typing import Protocol, TypeAlias
+from dataclasses import dataclass
+from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.conventions.payload import MAX_STATE_BYTES, clean_text, is_unknown, parse_json, shown
@@ -44,50 +45,44 @@ _MAX_TEXT = 500
 _FULL = 255
 
 
-class PayloadFormat(Protocol):
-    """A format of payloads."""
+@dataclass(frozen=True, slots=True)
+class PayloadFormat:
+    """A format of payloads.
 
-    def parse(self, payload: bytes) -> object:
-        """Return the document that *payload* spells.
+    Attributes:
+        parse: Returns the document that a payload spells; a WireError where it spells none.
+        encode: Returns the payload that spells a document.
+    """
 
-        Raises:
-            WireError: It spells none.
-        """
-        ...
-
-    def encode(self, document: object) -> bytes:
-        """Return the payload that spells *document*."""
-        ...
+    parse: Callable[[bytes], object]
+    encode: Callable[[object], bytes]
 
 
 PayloadFormats: TypeAlias = Callable[[str], PayloadFormat | None]
 """Returns the format that a content type names; None if it is not understood."""
 
 
-class _JsonOrWords:
-    """JSON, or bare words, which many devices send under any content type."""
-
-    def parse(self, payload: bytes) -> object:
-        if len(payload) > MAX_STATE_BYTES:
-            raise WireError(f"a payload of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
-        try:
-            return parse_json(payload)
-        except WireError:
-            return payload.decode(errors="replace").strip()
-
-    def encode(self, document: object) -> bytes:
-        return json.dumps(document, ensure_ascii=False).encode(errors="replace")
+def _parse_words(payload: bytes) -> object:
+    """Parse JSON, or bare words, which many devices send under any content type."""
+    if len(payload) > MAX_STATE_BYTES:
+        raise WireError(f"a payload of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
+    try:
+        return parse_json(payload)
+    except WireError:
+        return payload.decode(errors="replace").strip()
 
 
-class _PlainWords(_JsonOrWords):
-    """Plain text; a number or a boolean is spelt as in JSON."""
-
-    def encode(self, document: object) -> bytes:
-        return document.encode(errors="replace") if isinstance(document, str) else super().encode(document)
+def _as_json(document: object) -> bytes:
+    return json.dumps(document, ensure_ascii=False).encode(errors="replace")
 
 
-_JSON_OR_WORDS = _JsonOrWords()
-_WORDS = _PlainWords()
+def _as_words(document: object) -> bytes:
+    """Spell plain text; a number or a boolean is spelt as in JSON."""
+    return document.encode(errors="replace") if isinstance(document, str) else _as_json(document)
+
+
+_JSON_OR_WORDS = PayloadFormat(_parse_words, _as_json)
+_WORDS = PayloadFormat(_parse_words, _as_words)
 
 
 def basic_formats(content_type: str) -> PayloadFormat | None:

@@ -8,8 +8,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
@@ -60,20 +59,6 @@ def coap_formats(content_type: str) -> PayloadFormat | None:
     if found := _SENML.get(kind):
         return found
     return _PLAIN_CBOR if _CBOR.fullmatch(kind) else basic_formats(content_type)
-
-
-@dataclass(frozen=True, slots=True)
-class _BinaryFormat:
-    """A format made of two functions: from a payload to a document, and back."""
-
-    read: Callable[[bytes], object]
-    write: Callable[[object], bytes]
-
-    def parse(self, payload: bytes) -> object:
-        return self.read(payload)
-
-    def encode(self, document: object) -> bytes:
-        return self.write(document)
 
 
 _LABELS: Mapping[int, str] = MappingProxyType(
@@ -155,8 +140,8 @@ def _as_senml_cbor(document: object) -> bytes:
     return encode_cbor([{_LABEL_NUMBERS[label]: value for label, value in _record(document).items()}])
 
 
-_PLAIN_CBOR = _BinaryFormat(decode_cbor, encode_cbor)
+_PLAIN_CBOR = PayloadFormat(decode_cbor, encode_cbor)
 _SENML: Mapping[str, PayloadFormat] = {
-    "application/senml+json": _BinaryFormat(lambda payload: read_senml(parse_json(payload)), _as_senml_json),
-    "application/senml+cbor": _BinaryFormat(lambda payload: read_senml(decode_cbor(payload)), _as_senml_cbor),
+    "application/senml+json": PayloadFormat(lambda payload: read_senml(parse_json(payload)), _as_senml_json),
+    "application/senml+cbor": PayloadFormat(lambda payload: read_senml(decode_cbor(payload)), _as_senml_cbor),
 }
