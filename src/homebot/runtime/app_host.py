@@ -88,15 +88,9 @@ class AppHost:
 
     def counts(self) -> dict[str, int]:
         """Return counters for health reports."""
-        notifier = self._notifier
-        return (
-            {}
-            if notifier is None
-            else {
-                "notifications_dropped": notifier.dropped,
-                "notifications_failed": notifier.failed,
-            }
-        )
+        if self._notifier is None:
+            return {}
+        return {"notifications_dropped": self._notifier.dropped, "notifications_failed": self._notifier.failed}
 
     def notification_problem(self) -> str:
         """Return why the last notification was not sent; empty if it was."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from anyio.abc import TaskGroup
 
@@ -21,14 +21,6 @@ if TYPE_CHECKING:
     from homebot.bridges.rosbridge.sent_goals import SentGoals
 
 __all__ = ["Holdings"]
-
-
-class _Kind(Protocol):
-    """Entities of one kind."""
-
-    def close_one(self) -> bool:
-        """Give one back; return whether there was one."""
-        ...
 
 
 class Holdings:
@@ -94,7 +86,8 @@ class Holdings:
     async def close(self) -> None:
         """Give everything back, a little each time the event loop goes round."""
         self._backlog.close()
-        kinds: tuple[_Kind, ...] = (self._provisions, self.publications, self.subscriptions)
+        kinds: tuple[Provisions | Publications | Subscriptions | SentGoals, ...]
+        kinds = (self._provisions, self.publications, self.subscriptions)
         for kind in kinds if self._actions is None else (self._actions[0], *kinds):
             while kind.close_one():
                 await self._shared.turns.turn()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from functools import partial
-from typing import Any, Protocol, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, frame_text
@@ -15,13 +15,13 @@ from homebot.graph import Node
 from homebot.messages.json import message_to_text
 from homebot.messages.message import Message, ServiceType
 
+if TYPE_CHECKING:
+    from homebot.graph import Service
+    from homebot.graph.actions import ActionServer
+
 __all__ = ["ProvidedServices", "Provisions"]
 
-
-class _Server(Protocol):
-    def close(self) -> None:
-        """Leave the graph."""
-        ...
+_Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 
 
 @final

@@ -141,10 +141,7 @@ class Door:
             "messages_lost": self._backlog.lost,
             "clients_now": self.client_count,
         }
-        return HealthResponse(
-            counts=Count.each(counts),
-            troubles=self._entrance.tokens.problems(),
-        )
+        return HealthResponse(counts=Count.each(counts), troubles=self._entrance.tokens.problems())
 
     def update_tokens(self, settings: DoorSettings) -> None:
         """Use the tokens and rights of *settings*, and disconnect each client whose token or rights changed."""

@@ -113,10 +113,7 @@ class ThingDirectoryBridge:
             "event_clients_now": self._feed.clients,
             "clients_now": len(self._server.connections),
         }
-        return HealthResponse(
-            counts=Count.each(counts),
-            troubles=self._tokens.problems(),
-        )
+        return HealthResponse(counts=Count.each(counts), troubles=self._tokens.problems())
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled; ``started()`` once it listens.
