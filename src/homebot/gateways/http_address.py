@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
-from yarl import URL
+from typing import TYPE_CHECKING, Literal
 
 from homebot.conventions.payload import clean_text
 from homebot.errors import WireError
+
+if TYPE_CHECKING:
+    from yarl import URL
 
 __all__ = ["http_origin", "parse_url", "shown_url"]
 
@@ -35,6 +36,8 @@ def parse_url(url: str, *schemes: str) -> URL:
     Raises:
         WireError: It is none, is of another scheme, or contains a user or a password.
     """
+    from yarl import URL  # noqa: PLC0415 - an extra
+
     schemes = schemes or ("http", "https")
     try:
         found = URL(url)
