@@ -79,19 +79,34 @@ class Control:
     ) -> None:
         self._node = node
         self._given_settings = settings
-        self._grants = grants
-        self._trusts_apps = trusts_apps
         self._approves_all = approves_all
         self._journal_file = journal_file
-        self._store = store
-        self._rehearsal = rehearsal
-        self._detected = detected
-        self._lookup = DeviceLookup(node)
+        lookup = DeviceLookup(node)
         self._feed = GatewayFeed(node)
         is_dry_run = rehearsal is not None and rehearsal.is_live
         self._house_watch = HouseWatch(
-            node, self._lookup, lambda: self._layer.journal, self._cause_of_change, is_dry_run=is_dry_run
+            node, lookup, lambda: self._layer.journal, self._cause_of_change, is_dry_run=is_dry_run
         )
+
+        def build() -> ControlLayer:
+            from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
+
+            return ControlLayer(
+                node,
+                self._feed,
+                lookup,
+                self._house_watch,
+                self._given_settings,
+                grants,
+                trusts_apps=trusts_apps,
+                approves_all=approves_all,
+                detected=detected,
+                journal_file=journal_file,
+                store=store,
+                rehearsal=rehearsal,
+            )
+
+        self._build = build
         self._feed.on_gateway = self._house_watch.follow_gateway
         self._begun, self._has_names = anyio.Event(), anyio.Event()
         self._begin_check()
@@ -213,22 +228,7 @@ class Control:
 
     @cached_property
     def _layer(self) -> ControlLayer:
-        from homebot.control.control_layer import ControlLayer  # noqa: PLC0415 - loaded with the first command
-
-        layer = ControlLayer(
-            self._node,
-            self._feed,
-            self._lookup,
-            self._house_watch,
-            self._given_settings,
-            self._grants,
-            trusts_apps=self._trusts_apps,
-            approves_all=self._approves_all,
-            detected=self._detected,
-            journal_file=self._journal_file,
-            store=self._store,
-            rehearsal=self._rehearsal,
-        )
+        layer = self._build()
         self._begun.set()
         return layer
 

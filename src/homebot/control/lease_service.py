@@ -134,7 +134,6 @@ class LeaseService:
         """End all leases of a device, and return them."""
         response = self.held_parts(GetLeasesRequest(device=request.device))
         for lease, (issuer, by, _), _ in self._leases.end(request.device, request.issuer, self._clock.monotonic()):
-            self._end_if_over(lease)
             self._log("control.lease_ended", lease, f"is no longer held by {by} ({issuer}): {request.issuer} ended it")
             self._record("ended", lease, request.issuer, by)
         return response
@@ -235,7 +234,6 @@ class LeaseService:
 
     def _expire(self) -> None:
         for lease, (issuer, _, _), holder in self._leases.expire(self._clock.monotonic()):
-            self._end_if_over(lease)
             self._record("expired", lease, issuer, holder.by)
             self._log(
                 "control.expired", lease, f"is no longer held {held_text(lease.value)} by {holder.by}: time is over"
@@ -244,14 +242,8 @@ class LeaseService:
     def _release(self, key: HolderKey) -> Lease | None:
         lease = self._leases.release(key)
         if lease is not None:
-            self._end_if_over(lease)
             self._record("released", lease, key[0], key[1])
         return lease
-
-    def _end_if_over(self, lease: Lease) -> None:
-        if not lease.holders and lease.stop_watch is not None:
-            lease.stop_watch()
-            lease.stop_watch = None
 
     def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseState:
         self._node.log.info(

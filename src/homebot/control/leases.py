@@ -194,12 +194,14 @@ class Leases:
         return lease
 
     def release(self, key: HolderKey) -> Lease | None:
-        """Remove a holder; return the lease that it had."""
+        """Remove a holder; return the lease that it had, which ends with its last one."""
         lease = self._of.pop(key, None)
         if lease is None:
             return None
         del lease.holders[key]
         if not lease.holders:
+            if lease.stop_watch is not None:
+                lease.stop_watch()
             leases = self.parts[lease.part]
             del leases[lease.capability]
             if not leases:
