@@ -70,8 +70,8 @@ class HubRadio(Protocol):
             BleakBluetoothNotAvailableError: The adapter was taken away.
         """
 
-    def strength(self, address: str) -> int:
-        """Return how strongly a packet from *address* is received now, in dBm."""
+    def strength(self) -> int:
+        """Return how strongly a packet is received now, in dBm."""
 
     def stop_connecting(self) -> None:
         """Give up the connection that the hub is opening, if any."""
@@ -111,7 +111,7 @@ class VirtualScanner(BaseBleakScanner):
         if not self.radio.is_plugged:
             return
         address = sender.to_string(with_type_qualifier=False)
-        data = _advertisement_data(fields, self.radio.strength(address))
+        data = _advertisement_data(fields, self.radio.strength())
         if not self.is_allowed_uuid(data.service_uuids):
             return
         device = self.create_or_update_device(address, address, data.local_name, {"address": sender}, data)

@@ -123,7 +123,6 @@ class VirtualRadio:
         self._link = _Link()  # type: ignore[no-untyped-call]
         self._controller = _Controller("hub", link=self._link, public_address=HUB)
         self._hub = _device(self._controller, "hub", HUB)
-        self._rssi: dict[str, float] = {}
         self._is_plugged = True
         self.scanners: set[VirtualScanner] = set()
         self.backend = BleBackend(
@@ -145,16 +144,14 @@ class VirtualRadio:
 
     @asynccontextmanager
     async def peripheral(
-        self, name: str, address: str, services: Mapping[str, Sequence[GattValue]] | None = None, rssi: float = RSSI
+        self, name: str, address: str, services: Mapping[str, Sequence[GattValue]] | None = None
     ) -> AsyncIterator[VirtualPeripheral]:
         """Have a device on the radio inside the block.
 
         Args:
             address: Its address, of a random static kind: the first byte is C0 to FF.
             services: The characteristics that it serves, by the UUID of the service.
-            rssi: How strongly it is received, in dBm.
         """
-        self._rssi[address] = rssi
         controller = Controller(name, link=self._link, public_address=address)
         device = _device(controller, name, address)
         served: dict[str, Any] = {}
@@ -186,9 +183,9 @@ class VirtualRadio:
         """Give it back."""
         self._is_plugged = True
 
-    def strength(self, address: str) -> int:
-        """Return how strongly a packet from *address* is received now, in dBm."""
-        return round(self._rng.gauss(self._rssi.get(address, RSSI), JITTER))
+    def strength(self) -> int:
+        """Return how strongly a packet is received now, in dBm."""
+        return round(self._rng.gauss(RSSI, JITTER))
 
     def hub(self) -> Device:
         """Return the stack of the hub.

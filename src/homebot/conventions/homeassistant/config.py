@@ -184,9 +184,9 @@ class DiscoveryConfig:
         topic = self.state_topic(topic_key)
         return ValueSource(topic, self.template(template_key), self.encoding, variables) if topic else None
 
-    def required_source(self, topic_key: str, template_key: str = "value_template") -> ValueSource:
+    def required_source(self, topic_key: str) -> ValueSource:
         """Return a source as :meth:`source`; the topic is required."""
-        source = self.source(topic_key, template_key)
+        source = self.source(topic_key)
         if source is None:
             raise self._refusal(topic_key, None, "a topic")
         return source

@@ -171,7 +171,7 @@ class PublishedDevices:
         address = "" if reachable is None else stored.template.address or key
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)
 
-    async def deliver_raw(self, key: str, payload: bytes, *, retained: bool = False) -> None:
+    async def deliver_raw(self, key: str, payload: bytes) -> None:
         """Deliver a raw message of a device to the listeners of its address."""
         stored = self._devices.get(key)
         if stored is None:
@@ -183,7 +183,7 @@ class PublishedDevices:
             key=key,
             address=self._given[key].raw,
             payload=payload,
-            retained=retained,
+            retained=False,
             received_at=self._reporter.stamp,
         )
         self._raw.record(message, self._reporter.now)

@@ -6,7 +6,7 @@ Source: Philips Hue, CLIP API v2 reference.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Final, TypeAlias
 from uuid import NAMESPACE_DNS, uuid5
 
@@ -75,14 +75,12 @@ def radio_address(device: SimulatedDeviceInfo) -> str:
     return ":".join(digits[at : at + 2] for at in range(0, 16, 2))
 
 
-def device_resources(
-    device: SimulatedDeviceInfo, kind: str, state: DeviceState, *, services: Sequence[str] = ()
-) -> list[Resource]:
+def device_resources(device: SimulatedDeviceInfo, kind: str, state: DeviceState) -> list[Resource]:
     """Return a device and its services, all reachable."""
     owner = {"rid": resource_uuid(device.home, device.device_id), "rtype": "device"}
     found = [
         _base(device, one, owner) | _FIXED.get("plug" if kind == "plug" else one, {}) | state_fields(one, kind, state)
-        for one in (*(services or _SERVICES[kind]), "zigbee_connectivity")
+        for one in (*_SERVICES[kind], "zigbee_connectivity")
     ]
     for one in found:
         if one["type"] == "zigbee_connectivity":

@@ -14,7 +14,6 @@ from homebot.conventions.entity_rows import (
     EntityRow,
     Fields,
     ReadField,
-    WriteField,
     options_of,
     whole_of,
 )
@@ -118,6 +117,6 @@ def moves(name: str, services: Mapping[str, tuple[int, str]], *states: str) -> t
     return EntityRow(name, read, when=lambda info: not can_move(info)), EntityRow(name, read, write, "", can_move)
 
 
-def sensed(name: str, field: str, read: ReadField, write: WriteField | None = None, unit: str = "") -> EntityRow:
+def sensed(name: str, field: str, read: ReadField, unit: str = "") -> EntityRow:
     """Return the row of an attribute that not every entity of a domain has."""
-    return EntityRow(name, read, write, "", lambda info: field in info, unit=unit)
+    return EntityRow(name, read, None, "", lambda info: field in info, unit=unit)
