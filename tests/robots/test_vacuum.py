@@ -8,7 +8,7 @@ from pathlib import Path
 
 import anyio
 import pytest
-from tests.gateways.mqtt.conftest import House, _house
+from tests.gateways.mqtt.simple_house import House, simple_house
 from tests.robots.test_tracker import ALL, HOUSE
 
 from homebot.devices.devices import Devices
@@ -49,7 +49,7 @@ class Vacuum:
 async def vacuum(**settings: object) -> AsyncIterator[Vacuum]:
     table = RobotSettings.model_validate(settings)
     async with (
-        _house() as house,
+        simple_house() as house,
         Node(house.graph, "robots") as node,
         anyio.create_task_group() as tasks,
     ):
@@ -140,7 +140,7 @@ async def test_a_pose_by_mqtt_counts_as_long_as_it_says_also_after_the_link_was_
 
 async def test_a_topic_that_no_device_says_is_for_the_tracker_of_robots_alone_and_no_device() -> None:
     topic = "valetudo/dusty/MapData/map-data"
-    async with _house() as house, Node(house.graph, "robots") as node:
+    async with simple_house() as house, Node(house.graph, "robots") as node:
         await house.say(topic, DREAME, retain=True)
         heard: list[bytes] = []
         with pytest.raises(RefusedError, match="no device publishes"):

@@ -2,12 +2,11 @@
 
 import json
 import logging
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
 from typing import Any
 
 import pytest
 from structlog.testing import capture_logs
+from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.conventions.description import Publication
 from homebot.devices import RawMessage, SubscribeToTopic
@@ -32,8 +31,6 @@ ALARM = {
 SPY = {"unique_id": "s", "state_topic": "alarm/set"}
 """A sensor that listens where the alarm is told."""
 
-MakeHouse = Callable[..., AbstractAsyncContextManager[Any]]
-
 
 async def send(house: Any, value: str, code: str, *, key: str = "alarm_control_panel/x", part: str = "a") -> Any:
     command = Command(key=f"homeassistant:{key}", part=part, capability="alarm", value=Value.of(value), code=code)
@@ -44,12 +41,12 @@ async def send(house: Any, value: str, code: str, *, key: str = "alarm_control_p
 
 
 async def test_a_code_is_sent_to_the_alarm_and_neither_kept_nor_mirrored_nor_logged(
-    make_house: MakeHouse, caplog: pytest.LogCaptureFixture
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     """Not even to who listens to the very topic, and reads it as a state."""
     caplog.set_level(logging.DEBUG)
     with capture_logs() as lines:
-        async with make_house(conventions=(CONVENTION,)) as house:
+        async with simple_house(conventions=(CONVENTION,)) as house:
             await house.listen("alarm/set")
             await house.say("homeassistant/alarm_control_panel/x/config", json.dumps(ALARM))
             await house.say("homeassistant/sensor/s/config", json.dumps(SPY))
@@ -72,8 +69,8 @@ async def test_a_code_is_sent_to_the_alarm_and_neither_kept_nor_mirrored_nor_log
     ("value", "code", "why"),
     [("disarmed", "", "it needs a code"), ("pending", CODE, "it takes disarmed"), ("disarmed", CODE, None)],
 )
-async def test_a_refusal_shows_no_code(make_house: MakeHouse, value: str, code: str, why: str | None) -> None:
-    async with make_house(conventions=(CONVENTION,), act=why is not None) as house:
+async def test_a_refusal_shows_no_code(value: str, code: str, why: str | None) -> None:
+    async with simple_house(conventions=(CONVENTION,), act=why is not None) as house:
         await house.say("homeassistant/alarm_control_panel/x/config", json.dumps(ALARM))
         response = await send(house, value, code)
         assert not response.success
@@ -81,16 +78,16 @@ async def test_a_refusal_shows_no_code(make_house: MakeHouse, value: str, code: 
         assert CODE not in response.message
 
 
-async def test_no_other_way_to_an_alarm_is_tried_with_a_wrong_code(make_house: MakeHouse) -> None:
+async def test_no_other_way_to_an_alarm_is_tried_with_a_wrong_code() -> None:
     """It might ask for none."""
-    async with make_house(conventions=(CONVENTION,)) as house:
+    async with simple_house(conventions=(CONVENTION,)) as house:
         await house.say("homeassistant/alarm_control_panel/x/config", json.dumps({**ALARM, "code": "1"}))
         response = await send(house, "disarmed", CODE)
         assert (response.problem, response.unable) == ("refused", False)
 
 
-async def test_a_part_without_a_code_is_not_commanded_with_one(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_part_without_a_code_is_not_commanded_with_one() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         command = Command(key="simple:lamp1", part="lamp", capability="on_off", value=Value.of(plain=True), code=CODE)
         client = house.watcher.create_client(SendCommand, house.gateway.names.send_command)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.gateways.mqtt.conftest import House, MakeHouse, settled
+from tests.gateways.mqtt.simple_house import House, settled, simple_house
 
 from homebot.devices import GatewayState
 
@@ -16,18 +16,16 @@ async def announce_with_session(house: House, online: str = "") -> None:
     await house.announce("bell", blind="yes", online=online)
 
 
-async def test_the_broker_keeps_a_command_that_will_be_sent_again_no_longer_than_that(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_the_broker_keeps_a_command_that_will_be_sent_again_no_longer_than_that() -> None:
+    async with simple_house() as house:
         await announce_with_session(house)
         await house.command("simple:bell", "lamp", "on_off", True, expires_after=9.9, kept_for=1.9)
         assert [one.properties.expiry for one in await house.heard()] == [1]
 
 
-async def test_a_part_without_reports_gets_no_command_until_it_is_heard_after_the_broker_came_back(
-    make_house: MakeHouse,
-) -> None:
+async def test_a_part_without_reports_gets_no_command_until_it_is_heard_after_the_broker_came_back() -> None:
     """The broker may keep it for a device that does not come back in time."""
-    async with make_house() as house:
+    async with simple_house() as house:
         await announce_with_session(house)
         house.broker.links[-1].abort()
         await anyio.sleep(1.0)
@@ -39,16 +37,16 @@ async def test_a_part_without_reports_gets_no_command_until_it_is_heard_after_th
         assert (await house.command("simple:bell", "lamp", "on_off", True)).success
 
 
-async def test_after_ten_seconds_it_gets_commands_as_before(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_after_ten_seconds_it_gets_commands_as_before() -> None:
+    async with simple_house() as house:
         await announce_with_session(house)
         house.broker.links[-1].abort()
         await anyio.sleep(11.0)
         assert (await house.command("simple:bell", "lamp", "on_off", True)).success
 
 
-async def test_a_device_with_a_later_report_of_availability_is_present(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_device_with_a_later_report_of_availability_is_present() -> None:
+    async with simple_house() as house:
         await announce_with_session(house, online="bell/online")
         house.broker.links[-1].abort()
         await anyio.sleep(1.0)
@@ -58,8 +56,8 @@ async def test_a_device_with_a_later_report_of_availability_is_present(make_hous
         assert (await house.command("simple:bell", "lamp", "on_off", True)).success
 
 
-async def test_a_part_with_reports_shows_by_itself_that_it_obeyed(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_part_with_reports_shows_by_itself_that_it_obeyed() -> None:
+    async with simple_house() as house:
         await house.listen("bell/lamp/set")
         await house.announce("bell")
         house.broker.links[-1].abort()
@@ -67,8 +65,8 @@ async def test_a_part_with_reports_shows_by_itself_that_it_obeyed(make_house: Ma
         assert (await house.command("simple:bell", "lamp", "on_off", True)).success
 
 
-async def test_a_link_that_is_made_again_at_once_was_lost_all_the_same(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_link_that_is_made_again_at_once_was_lost_all_the_same() -> None:
+    async with simple_house() as house:
         states: list[str] = []
         house.watcher.create_subscription(
             GatewayState, house.gateway.names.state, lambda one: states.append(one.state), 10

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
-from typing import Any, TypeAlias
+from typing import Any
 
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.gateways.mqtt.conftest import SimpleCodec
+from tests.gateways.mqtt.simple_house import SimpleCodec, simple_house
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
 from homebot.devices.gateway_messages import Report
@@ -23,15 +21,14 @@ from homebot.mqtt.connection import MqttConnection
 
 pytestmark = pytest.mark.virtual_time
 
-MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
 
 LAMP = "simple:lamp1"
-CONVENTION = "tests.gateways.mqtt.conftest:SimpleConvention"
+CONVENTION = "tests.gateways.mqtt.simple_house:SimpleConvention"
 START = Time(sec=0, nanosec=0)
 
 
-async def test_an_announced_device_is_sighted_with_its_parts(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_an_announced_device_is_sighted_with_its_parts() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", name="Kitchen lamp", area="kitchen", ids="0x00158d0001abcdef")
 
         (sighting,) = house.sighted()
@@ -45,20 +42,18 @@ async def test_an_announced_device_is_sighted_with_its_parts(make_house: MakeHou
         assert {fact.key: fact.value for fact in sighting.metadata} == {"model": "simple"}
 
 
-async def test_an_announcement_that_the_broker_kept_is_found_at_the_start_with_the_state_beside_it(
-    make_house: MakeHouse,
-) -> None:
+async def test_an_announcement_that_the_broker_kept_is_found_at_the_start_with_the_state_beside_it() -> None:
     async def past(devices: MqttConnection) -> None:
         await devices.publish("hello/lamp1", b"{}", retain=True, qos=1)
         await devices.publish("lamp1/state", b"on_off=on", retain=True, qos=1)
 
-    async with make_house(before=past) as house:
+    async with simple_house(before=past) as house:
         assert [(one.key, one.confirmed) for one in house.sighted()] == [(LAMP, False)]
         assert house.told() == [(LAMP, {"lamp.on_off": True}, True)]
 
 
-async def test_only_a_device_that_speaks_itself_is_confirmed_and_that_once_a_second(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_only_a_device_that_speaks_itself_is_confirmed_and_that_once_a_second() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", "nothing of it")
         assert [one.confirmed for one in house.sighted()] == [False]
@@ -71,14 +66,14 @@ async def test_only_a_device_that_speaks_itself_is_confirmed_and_that_once_a_sec
         assert [one.confirmed for one in house.sighted()] == [True]
 
 
-async def test_a_live_announcement_of_the_device_itself_is_a_sign_of_life(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_live_announcement_of_the_device_itself_is_a_sign_of_life() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", is_live=True)
         assert [one.confirmed for one in house.sighted()] == [True]
 
 
-async def test_one_message_of_several_parts_is_one_report_and_unknown_is_a_value(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_one_message_of_several_parts_is_one_report_and_unknown_is_a_value() -> None:
+    async with simple_house() as house:
         await house.announce("strip", parts="left right")
         await house.say("strip/state", "on_off=? level=high")
 
@@ -92,19 +87,17 @@ async def test_one_message_of_several_parts_is_one_report_and_unknown_is_a_value
         }
 
 
-async def test_one_topic_may_be_read_by_several_devices(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_one_topic_may_be_read_by_several_devices() -> None:
+    async with simple_house() as house:
         await house.announce("one", state="shared/state")
         await house.announce("two", state="shared/state")
         await house.say("shared/state", "on_off=on")
         assert [key for key, _, _ in house.told()] == ["simple:one", "simple:two"]
 
 
-async def test_a_device_that_is_described_later_than_its_topic_spoke_is_told_what_was_said(
-    make_house: MakeHouse,
-) -> None:
+async def test_a_device_that_is_described_later_than_its_topic_spoke_is_told_what_was_said() -> None:
     """The broker does not send a kept message again to who has the topic already."""
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.announce("one", state="shared/state", online="bridge/state")
         await house.say("bridge/state", "online", retain=True)
         await house.say("shared/state", "on_off=on")
@@ -116,8 +109,8 @@ async def test_a_device_that_is_described_later_than_its_topic_spoke_is_told_wha
         ]
 
 
-async def test_a_device_that_speaks_on_a_filter_is_heard_on_each_topic(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_device_that_speaks_on_a_filter_is_heard_on_each_topic() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", state="lamp1/+/state")
         await house.say("lamp1/a/state", "on_off=on")
         await house.say("lamp1/b/state", "on_off=off")
@@ -125,11 +118,9 @@ async def test_a_device_that_speaks_on_a_filter_is_heard_on_each_topic(make_hous
 
 
 @pytest.mark.parametrize("state", ["#", "+/state", "$share/a/b", "a#", "x" * 1001])
-async def test_a_state_topic_for_everything_or_for_nothing_is_not_subscribed_to(
-    make_house: MakeHouse, state: str
-) -> None:
+async def test_a_state_topic_for_everything_or_for_nothing_is_not_subscribed_to(state: str) -> None:
     """The device is there all the same."""
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.announce("lamp1", state=state)
         assert len(house.sighted()) == 1
         assert house.gateway.counters.topics_refused == 1
@@ -137,8 +128,8 @@ async def test_a_state_topic_for_everything_or_for_nothing_is_not_subscribed_to(
         assert house.told() == []
 
 
-async def test_a_new_description_takes_the_place_of_the_old_one(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_new_description_takes_the_place_of_the_old_one() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", state="old/state")
         await house.announce("lamp1", state="new/state", name="New")
         assert [(one.kind, one.name) for one in house.sighted()] == [("appeared", "lamp1"), ("updated", "New")]
@@ -148,16 +139,16 @@ async def test_a_new_description_takes_the_place_of_the_old_one(make_house: Make
         assert len(house.told()) == 1
 
 
-async def test_the_same_description_again_is_no_news(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_the_same_description_again_is_no_news() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.announce("lamp1")
         assert len(house.sighted()) == 1
 
 
-async def test_the_first_word_after_an_announcement_is_a_sign_of_life(make_house: MakeHouse) -> None:
+async def test_the_first_word_after_an_announcement_is_a_sign_of_life() -> None:
     """Also within the second in which another one would be passed over, and sighted before it is reported."""
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on")
         await anyio.sleep(5)
@@ -167,8 +158,8 @@ async def test_the_first_word_after_an_announcement_is_a_sign_of_life(make_house
         assert [one.confirmed for one in house.sighted()] == [True]
 
 
-async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("hello/lamp1", "", retain=True)
         await anyio.sleep(9)
@@ -180,9 +171,9 @@ async def test_a_device_that_is_taken_back_is_gone_ten_seconds_later(make_house:
         assert house.told() == []
 
 
-async def test_an_announcement_through_the_gateway_itself_is_heard(make_house: MakeHouse) -> None:
+async def test_an_announcement_through_the_gateway_itself_is_heard() -> None:
     """An imported device, and one whose announcement was purged; the broker does not bring back what we publish."""
-    async with make_house() as house:
+    async with simple_house() as house:
         out = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
         out.publish(RawCommand(address="hello/lamp1", payload="{}", retain=True))
         await anyio.sleep(0.01)
@@ -197,9 +188,9 @@ async def test_an_announcement_through_the_gateway_itself_is_heard(make_house: M
         assert house.told() == []
 
 
-async def test_a_device_that_is_renamed_is_never_gone(make_house: MakeHouse) -> None:
+async def test_a_device_that_is_renamed_is_never_gone() -> None:
     """Taken back, and announced again within ten seconds."""
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("hello/lamp1", "", retain=True)
         await anyio.sleep(2)
@@ -208,15 +199,15 @@ async def test_a_device_that_is_renamed_is_never_gone(make_house: MakeHouse) -> 
         assert [one.kind for one in house.sighted()] == ["appeared", "updated"]
 
 
-async def test_a_device_that_is_known_to_be_gone_is_gone_at_once(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_device_that_is_known_to_be_gone_is_gone_at_once() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("hello/lamp1", "bye")
         assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
 
 
-async def test_the_reachability_of_a_device_is_unknown_before_its_first_report(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_the_reachability_of_a_device_is_unknown_before_its_first_report() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", online="bridge/state lamp1/online")
         await house.say("bridge/state", "online", retain=True)
         assert house.told() == []
@@ -226,8 +217,8 @@ async def test_the_reachability_of_a_device_is_unknown_before_its_first_report(m
         assert house.told() == [(LAMP, {".reachable": True}, False), (LAMP, {".reachable": False}, False)]
 
 
-async def test_a_further_announcement_of_a_device_has_the_reachability_that_is_known(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_further_announcement_of_a_device_has_the_reachability_that_is_known() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", ids="zigbee_17", online="bridge/state lamp1/online")
         await house.say("bridge/state", "online")
         await house.say("lamp1/online", "online")
@@ -238,19 +229,19 @@ async def test_a_further_announcement_of_a_device_has_the_reachability_that_is_k
         assert house.told() == [(LAMP, {".reachable": False}, False), (f"{LAMP}_update", {".reachable": False}, False)]
 
 
-async def test_a_live_word_makes_a_kept_offline_doubtful(make_house: MakeHouse) -> None:
+async def test_a_live_word_makes_a_kept_offline_doubtful() -> None:
     async def past(devices: MqttConnection) -> None:
         await devices.publish("lamp1/online", b"offline", retain=True, qos=1)
         await devices.publish("hello/lamp1", b'{"online": "lamp1/online"}', retain=True, qos=1)
 
-    async with make_house(before=past) as house:
+    async with simple_house(before=past) as house:
         assert house.told() == [(LAMP, {".reachable": False}, True)]
         await house.say("lamp1/state", "on_off=on")
         assert house.told() == [(LAMP, {"lamp.on_off": True}, False), (LAMP, {".reachable": None}, False)]
 
 
-async def test_a_value_fades_and_a_new_one_begins_the_time_anew(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_value_fades_and_a_new_one_begins_the_time_anew() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", fade=True)
         await house.say("lamp1/state", "on_off=on")
         await anyio.sleep(4)
@@ -263,8 +254,8 @@ async def test_a_value_fades_and_a_new_one_begins_the_time_anew(make_house: Make
         assert house.told() == []
 
 
-async def test_a_value_that_ended_before_its_time_does_not_fade(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_value_that_ended_before_its_time_does_not_fade() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", fade=True)
         await house.say("lamp1/state", "on_off=on")
         await house.say("lamp1/state", "on_off=off")
@@ -272,10 +263,8 @@ async def test_a_value_that_ended_before_its_time_does_not_fade(make_house: Make
         assert len(house.told()) == 2
 
 
-async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_removed_devices(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house() as house:
+async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_removed_devices() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", parts="a b", state="lamp1/a lamp1/b")
         await house.announce("lamp2")
         await house.say("lamp1/a", "on_off=on")
@@ -292,10 +281,8 @@ async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_re
         assert kept == [{"a": False}, {"b": True}]
 
 
-async def test_a_device_is_asked_for_its_state_once_its_topics_are_subscribed_to_and_on_each_new_link(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house() as house:
+async def test_a_device_is_asked_for_its_state_once_its_topics_are_subscribed_to_and_on_each_new_link() -> None:
+    async with simple_house() as house:
         await house.listen("+/get")
         await house.announce("lamp1", asks=True, parts="a b")
         assert [one.topic for one in await house.heard()] == ["lamp1/get"]
@@ -307,9 +294,9 @@ async def test_a_device_is_asked_for_its_state_once_its_topics_are_subscribed_to
 
 
 @pytest.mark.parametrize(("seconds", "expiry"), [(0.0, None), (0.2, 1), (2.5, 2), (9.99, 9)])
-async def test_a_command_expires_at_the_broker(make_house: MakeHouse, seconds: float, expiry: int | None) -> None:
+async def test_a_command_expires_at_the_broker(seconds: float, expiry: int | None) -> None:
     """So that none is obeyed minutes later, by a device that was away."""
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.devices.subscribe(MqttSubscription("+/+/set", qos=1))
         await house.announce("lamp1")
         assert (await house.command(LAMP, "lamp", "on_off", True, seconds)).success
@@ -317,8 +304,8 @@ async def test_a_command_expires_at_the_broker(make_house: MakeHouse, seconds: f
         assert (message.qos, message.properties.expiry) == (1, expiry)
 
 
-async def test_a_thousand_devices_are_not_asked_within_a_second(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_thousand_devices_are_not_asked_within_a_second() -> None:
+    async with simple_house() as house:
         await house.listen("+/get")
         for number in range(200):
             await house.devices.publish(f"hello/{number}", b'{"asks": 1}', qos=1)
@@ -329,40 +316,38 @@ async def test_a_thousand_devices_are_not_asked_within_a_second(make_house: Make
         assert house.gateway.counters.asks == 200
 
 
-async def test_a_device_that_identifies_itself_only_on_request_is_asked(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_device_that_identifies_itself_only_on_request_is_asked() -> None:
+    async with simple_house() as house:
         await house.listen("ask/#")
         await house.say("hello/lamp1", "who?")
         assert [(one.topic, one.payload) for one in await house.heard()] == [("ask/lamp1", b"who are you")]
 
 
-async def test_devices_are_asked_to_announce_themselves_on_each_link(make_house: MakeHouse) -> None:
+async def test_devices_are_asked_to_announce_themselves_on_each_link() -> None:
     async def listen(devices: MqttConnection) -> None:
         await devices.subscribe(MqttSubscription("please"))
 
-    async with make_house(before=listen, simple={"birth": "please"}) as house:
+    async with simple_house(before=listen, simple={"birth": "please"}) as house:
         assert [one.payload for one in await house.heard()] == [b"who"]
         await house.cut()
         assert [one.payload for one in await house.heard()] == [b"who"]
 
 
-async def test_a_state_topic_that_an_announcement_filter_covers_is_heard_once(make_house: MakeHouse) -> None:
+async def test_a_state_topic_that_an_announcement_filter_covers_is_heard_once() -> None:
     """Its kept message, which came before the description, is asked for all the same."""
 
     async def past(devices: MqttConnection) -> None:
         await devices.publish("covered/lamp1", b"on_off=on", retain=True, qos=1)
 
-    async with make_house(before=past) as house:
+    async with simple_house(before=past) as house:
         await house.announce("lamp1", state="covered/lamp1")
         assert house.told() == [(LAMP, {"lamp.on_off": True}, True)]
         await house.say("covered/lamp1", "on_off=off")
         assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
 
 
-async def test_a_device_that_speaks_where_others_announce_leaves_that_subscription_when_it_goes(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house() as house:
+async def test_a_device_that_speaks_where_others_announce_leaves_that_subscription_when_it_goes() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", state="hello/+")
         await house.announce("lamp2", state="hello/lamp1")
         await house.say("hello/lamp2", "bye")
@@ -380,27 +365,30 @@ async def subscribe(house: Any, topic: str, since: Time = START) -> SubscribeToT
     return response
 
 
-async def test_the_bytes_of_a_state_topic_can_be_subscribed_to(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_the_bytes_of_a_state_topic_can_be_subscribed_to() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on")
         answer = await subscribe(house, "lamp1/state")
         assert [(one.key, one.payload) for one in answer.missed] == [(LAMP, b"on_off=on")]
         inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
         await house.say("lamp1/state", b"\xff")
-        assert inbox.take().payload == b"\xff"
+        message = inbox.take()
+        assert message is not None
+        assert message.payload == b"\xff"
         assert not (await subscribe(house, "nobody/state")).success
 
 
-async def test_plain_words_may_be_listened_to_before_the_device_is_there(make_house: MakeHouse) -> None:
+async def test_plain_words_may_be_listened_to_before_the_device_is_there() -> None:
     """An application that was there before the gateway asks for them as soon as that is back."""
-    async with make_house() as house:
+    async with simple_house() as house:
         answer = await subscribe(house, text_address(LAMP, "lamp"))
         assert answer.success
         inbox = house.watcher.create_subscription(RawMessage, answer.data_topic, qos_profile=10)
         await house.announce("lamp1")
         await house.say("lamp1/state", "on_off=on level=7")
         message = inbox.take()
+        assert message is not None
         assert (message.key, message.address, message.payload) == (LAMP, text_address(LAMP, "lamp"), b"on")
         assert inbox.take() is None
 
@@ -420,9 +408,9 @@ async def test_plain_words_may_be_listened_to_before_the_device_is_there(make_ho
     ],
 )
 async def test_a_command_that_cannot_be_is_refused_with_the_reason(
-    make_house: MakeHouse, key: str, part: str, capability: str, why: str
+    key: str, part: str, capability: str, why: str
 ) -> None:
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.announce("lamp1")
         answer = await house.command(key, part, capability, True)
         assert (answer.success, answer.problem, answer.unable) == (False, "refused", True)
@@ -430,8 +418,8 @@ async def test_a_command_that_cannot_be_is_refused_with_the_reason(
         assert house.gateway.counters.commands_refused == 1
 
 
-async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks(make_house: MakeHouse) -> None:
-    async with make_house(act=False) as house:
+async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks() -> None:
+    async with simple_house(act=False) as house:
         await house.listen("lamp1/#")
         await house.announce("lamp1", asks=True)
         answer = await house.command(LAMP, "lamp", "on_off", True)
@@ -439,8 +427,8 @@ async def test_a_gateway_that_only_observes_refuses_every_command_and_still_asks
         assert [one.topic for one in await house.heard()] == ["lamp1/get"]
 
 
-async def test_a_broken_announcement_costs_itself_alone(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_broken_announcement_costs_itself_alone() -> None:
+    async with simple_house() as house:
         await house.say("hello/lamp1", "{broken")
         await house.say("hello/lamp2", "crash")
         await house.announce("lamp3")
@@ -449,10 +437,8 @@ async def test_a_broken_announcement_costs_itself_alone(make_house: MakeHouse) -
         assert house.gateway.counters.failures == 1
 
 
-async def test_an_announcement_that_says_a_key_twice_is_counted_and_counts_as_it_says_last(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house(conventions=("homeassistant",)) as house:
+async def test_an_announcement_that_says_a_key_twice_is_counted_and_counts_as_it_says_last() -> None:
+    async with simple_house(conventions=("homeassistant",)) as house:
         config = '{"unique_id": "a", "command_topic": "x/lamp", "command_topic": "lamp/set", "name": "Lamp"}'
         await house.say("homeassistant/switch/lamp/config", config)
         (sighting,) = house.sighted()
@@ -462,8 +448,8 @@ async def test_an_announcement_that_says_a_key_twice_is_counted_and_counts_as_it
         assert house.gateway.counters.announcements_ambiguous == 1
 
 
-async def test_a_part_that_fails_costs_itself_alone(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_part_that_fails_costs_itself_alone() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", "crash")
         await house.say("lamp1/state", "on_off=on")
@@ -475,11 +461,11 @@ async def test_a_part_that_fails_costs_itself_alone(make_house: MakeHouse) -> No
     "error", [asyncio.CancelledError(), SystemExit(1), GeneratorExit(), BaseExceptionGroup("", [SystemExit(1)])]
 )
 async def test_an_exception_of_a_convention_leaves_the_gateway_listening(
-    make_house: MakeHouse, error: BaseException, monkeypatch: pytest.MonkeyPatch
+    error: BaseException, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """None of it ends the task that reads, which nobody would notice."""
     monkeypatch.setattr(SimpleCodec, "crash", error)
-    async with make_house() as house:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await house.say("hello/lamp2", "crash")
         await house.say("lamp1/state", "crash")
@@ -491,17 +477,17 @@ async def test_an_exception_of_a_convention_leaves_the_gateway_listening(
         assert house.gateway.counters.failures == 3
 
 
-async def test_an_announcement_with_half_a_surrogate_in_its_name_is_rejected(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_an_announcement_with_half_a_surrogate_in_its_name_is_rejected() -> None:
+    async with simple_house() as house:
         await house.say("hello/lamp1", '{"model": "\\ud800"}')
         assert house.sighted() == []
         await house.announce("lamp1")
         assert len(house.sighted()) == 1
 
 
-async def test_a_flood_of_broken_announcements_is_counted_and_does_not_flood_the_log(make_house: MakeHouse) -> None:
+async def test_a_flood_of_broken_announcements_is_counted_and_does_not_flood_the_log() -> None:
     """At most 20 culprits are named in ten seconds."""
-    async with make_house() as house:
+    async with simple_house() as house:
         with capture_logs() as lines:
             for number in range(1000):
                 await house.devices.publish(f"hello/{number}", b"{broken", qos=1)
@@ -512,8 +498,8 @@ async def test_a_flood_of_broken_announcements_is_counted_and_does_not_flood_the
         assert (await house.health()).quarantined == ()
 
 
-async def test_a_message_of_state_that_is_too_long_is_not_looked_at(make_house: MakeHouse) -> None:
-    async with make_house(max_payload=2048, conventions=("thesis", CONVENTION)) as house:
+async def test_a_message_of_state_that_is_too_long_is_not_looked_at() -> None:
+    async with simple_house(max_payload=2048, conventions=("thesis", CONVENTION)) as house:
         await house.announce("lamp1")
         await house.say("lamp1/state", b"on_off=on " * 300)
         await house.say("home425/lights/lamp2/out", b"on" * 2000)
@@ -522,8 +508,8 @@ async def test_a_message_of_state_that_is_too_long_is_not_looked_at(make_house: 
         assert house.gateway.counters.oversize == 2
 
 
-async def test_a_long_announcement_is_read_as_nothing_else(make_house: MakeHouse) -> None:
-    async with make_house(max_payload=2048) as house:
+async def test_a_long_announcement_is_read_as_nothing_else() -> None:
+    async with simple_house(max_payload=2048) as house:
         await house.announce("lamp1", state="hello/lamp1")
         before = house.gateway.counters.announcements
         await house.announce("lamp1", state="hello/lamp1", name="x on_off=on " * 90_000)
@@ -532,25 +518,25 @@ async def test_a_long_announcement_is_read_as_nothing_else(make_house: MakeHouse
         assert house.gateway.counters.oversize == 1
 
 
-async def test_an_announcement_may_also_be_a_state_and_as_long(make_house: MakeHouse) -> None:
-    async with make_house(max_payload=2048) as house:
+async def test_an_announcement_may_also_be_a_state_and_as_long() -> None:
+    async with simple_house(max_payload=2048) as house:
         await house.announce("lamp1", state="hello/lamp1")
         await house.announce("lamp1", state="hello/lamp1", name="x on_off=on x" * 300)
         assert len(house.told()) == 1
         assert house.gateway.counters.oversize == 0
 
 
-async def test_the_message_that_makes_a_device_known_is_read_as_its_state_once(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_the_message_that_makes_a_device_known_is_read_as_its_state_once() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1", retain=False, state="hello/lamp1", name="x on_off=on x")
         assert house.told() == [(LAMP, {"lamp.on_off": True}, False)]
         await house.announce("lamp1", retain=False, state="hello/lamp1", name="y on_off=off y")
         assert house.told() == [(LAMP, {"lamp.on_off": False}, False)]
 
 
-async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble(make_house: MakeHouse) -> None:
+async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble() -> None:
     """A link of MQTT 5: nobody is told."""
-    async with make_house(conventions=("zigbee2mqtt",), max_payload=1024, max_announcement=4096) as house:
+    async with simple_house(conventions=("zigbee2mqtt",), max_payload=1024, max_announcement=4096) as house:
         await house.say("zigbee2mqtt/bridge/info", {"version": "2.14.1"}, retain=True)
         await house.say("zigbee2mqtt/bridge/devices", b"[" + b" " * 5000 + b"]", retain=True)
         (trouble,) = (await house.health()).troubles
@@ -559,17 +545,17 @@ async def test_a_list_that_the_broker_drops_for_its_length_is_a_trouble(make_hou
         assert (await house.health()).troubles == ()
 
 
-async def test_dropped_messages_are_among_the_counts_of_health(make_house: MakeHouse) -> None:
+async def test_dropped_messages_are_among_the_counts_of_health() -> None:
     """A link of MQTT 3.1.1 brings what is too large, and its client drops it."""
-    async with make_house(protocol="3.1.1", max_payload=1024, max_announcement=4096) as house:
+    async with simple_house(protocol="3.1.1", max_payload=1024, max_announcement=4096) as house:
         await house.announce("lamp1", name="x" * 5000)
         assert house.sighted() == []
         counts = {one.name: one.count for one in (await house.health()).counts}
         assert (counts["dropped_oversize"], counts["dropped_overflow"], counts["dropped_malformed"]) == (1, 0, 0)
 
 
-async def test_an_announcement_is_no_broken_topic_to_the_layout_of_every_home(make_house: MakeHouse) -> None:
-    async with make_house(conventions=("thesis", CONVENTION), root="") as house:
+async def test_an_announcement_is_no_broken_topic_to_the_layout_of_every_home() -> None:
+    async with simple_house(conventions=("thesis", CONVENTION), root="") as house:
         await house.announce("lamp1", state="a/b/c/d/e")
         await house.say("a/b/c/d/e", "on_off=on")
         await house.say("home/lights/lamp2/out", "on")

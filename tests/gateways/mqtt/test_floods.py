@@ -9,12 +9,11 @@ from typing import ClassVar
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.gateways.mqtt.simple_house import House, SimpleConvention, settled, simple_house
 from tests.sizes import size
 
 from homebot.conventions.description import AnnouncementEvent
 from homebot.gateways.announced.work_budget import BURST, MESSAGE_WORK, RATE, SHARED_BURST
-
-from .conftest import House, MakeHouse, SimpleConvention, settled
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
@@ -59,8 +58,8 @@ async def counts(house: House) -> dict[str, int]:
     return {one.name: one.count for one in (await house.health()).counts}
 
 
-async def test_a_bridge_on_a_flooded_topic_is_heard_within_two_seconds(make_house: MakeHouse) -> None:
-    async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
+async def test_a_bridge_on_a_flooded_topic_is_heard_within_two_seconds() -> None:
+    async with simple_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         await house.announce("lamp1", name="first")
         tasks.start_soon(flood, house, "hello/lamp1", 12.0)
         await anyio.sleep(5)
@@ -74,8 +73,8 @@ async def test_a_bridge_on_a_flooded_topic_is_heard_within_two_seconds(make_hous
         assert "is not JSON" in one.why
 
 
-async def test_after_the_flood_all_is_as_before(make_house: MakeHouse) -> None:
-    async with make_house(conventions=(COUNTED,)) as house:
+async def test_after_the_flood_all_is_as_before() -> None:
+    async with simple_house(conventions=(COUNTED,)) as house:
         await house.announce("lamp1", name="first")
         await flood(house, "hello/lamp1", 5.0)
         event = house.quarantine.take()
@@ -93,9 +92,9 @@ async def test_after_the_flood_all_is_as_before(make_house: MakeHouse) -> None:
 
 
 @pytest.mark.no_cover
-async def test_a_stranger_that_changes_topics_costs_no_more_than_on_one_topic(make_house: MakeHouse) -> None:
+async def test_a_stranger_that_changes_topics_costs_no_more_than_on_one_topic() -> None:
     """Who stood announced is heard meanwhile as ever, and somebody new within seconds after."""
-    async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
+    async with simple_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         await house.announce("lamp1", name="first")
         tasks.start_soon(flood, house, "hello/{}", 5.0, 2000)
         await anyio.sleep(4)
@@ -113,10 +112,8 @@ async def test_a_stranger_that_changes_topics_costs_no_more_than_on_one_topic(ma
         assert health["announcements_rejected"] == 10_000
 
 
-async def test_a_house_that_is_announced_at_once_with_many_broken_devices_is_known_in_seconds(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house() as house:
+async def test_a_house_that_is_announced_at_once_with_many_broken_devices_is_known_in_seconds() -> None:
+    async with simple_house() as house:
         for number in range(1500):
             await house.devices.publish(f"hello/broken{number}", GARBAGE)
             await house.devices.publish(f"hello/{number}", b"{}")
@@ -127,8 +124,8 @@ async def test_a_house_that_is_announced_at_once_with_many_broken_devices_is_kno
             assert house.gateway._described._registry.get(f"simple:{number}") is not None
 
 
-async def test_a_device_withdrawn_in_a_flood_is_gone_and_does_not_come_back(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_device_withdrawn_in_a_flood_is_gone_and_does_not_come_back() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await flood(house, "hello/lamp1", 1.0)
         await house.announce("lamp1", name="late")
@@ -137,16 +134,16 @@ async def test_a_device_withdrawn_in_a_flood_is_gone_and_does_not_come_back(make
         assert [one.kind for one in house.sighted()] == ["appeared", "removed"]
 
 
-async def test_states_of_a_device_are_read_while_its_announcements_wait(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_states_of_a_device_are_read_while_its_announcements_wait() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         await flood(house, "hello/lamp1", 1.0)
         await house.say("lamp1/state", "on_off=on")
         assert house.told() == [(LAMP, {"lamp.on_off": True}, False)]
 
 
-async def test_a_codec_that_fails_takes_nothing_from_the_announcements_of_its_prefix(make_house: MakeHouse) -> None:
-    async with make_house() as house:
+async def test_a_codec_that_fails_takes_nothing_from_the_announcements_of_its_prefix() -> None:
+    async with simple_house() as house:
         await house.announce("lamp1")
         for _ in range(3000):
             await house.devices.publish("lamp1/state", b"crash")
@@ -157,12 +154,10 @@ async def test_a_codec_that_fails_takes_nothing_from_the_announcements_of_its_pr
 
 @pytest.mark.no_cover
 @pytest.mark.parametrize("seed", range(size(6, 12)))
-async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is_bounded(
-    make_house: MakeHouse, seed: int
-) -> None:
+async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is_bounded(seed: int) -> None:
     """Four devices, floods of random topics and rates: each announcement is known two seconds later at most."""
     random = Random(seed)  # noqa: S311 - the same run each time
-    async with make_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
+    async with simple_house(conventions=(COUNTED,)) as house, anyio.create_task_group() as tasks:
         for number in range(4):
             await house.announce(f"d{number}", name="0")
         started, offenders = anyio.current_time(), house.gateway._described.quarantine.budgets
@@ -182,11 +177,11 @@ async def test_in_any_interleaving_no_device_is_unheard_for_long_and_the_work_is
         assert offenders.work <= SHARED_BURST + seconds * (RATE + 4 * (BURST + RATE))
 
 
-async def test_others_get_more_turns_the_longer_announcements_are(make_house: MakeHouse) -> None:
+async def test_others_get_more_turns_the_longer_announcements_are() -> None:
     """A long one has many parts, and each is work."""
 
     async def most_in_a_turn(length: int) -> int:
-        async with make_house() as house, anyio.create_task_group() as tasks:
+        async with simple_house() as house, anyio.create_task_group() as tasks:
             most = 0
 
             async def count() -> None:

@@ -1,11 +1,9 @@
 """Entities at a gateway: what a description that comes again makes of what was said before."""
 
 import json
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
-from typing import Any
 
 import pytest
+from tests.gateways.mqtt.simple_house import simple_house
 
 pytestmark = pytest.mark.virtual_time
 
@@ -17,13 +15,11 @@ LAMP = {
     "rgb_state_topic": "b/rgb",
 }
 
-MakeHouse = Callable[..., AbstractAsyncContextManager[Any]]
-
 
 @pytest.mark.parametrize("again", [{}, {"name": "Hall"}])
-async def test_a_lamp_that_is_announced_again_still_has_its_color(make_house: MakeHouse, again: dict[str, str]) -> None:
+async def test_a_lamp_that_is_announced_again_still_has_its_color(again: dict[str, str]) -> None:
     """Also if its description is the same: it is dimmed by its last colour."""
-    async with make_house(conventions=(CONVENTION,)) as house:
+    async with simple_house(conventions=(CONVENTION,)) as house:
         await house.listen("b/rgb/set")
         await house.say("homeassistant/light/x/config", json.dumps(LAMP), retain=True)
         await house.say("b/rgb", "255,0,0")
@@ -38,13 +34,13 @@ INFO = "zigbee2mqtt/bridge/info"
 
 
 @pytest.mark.parametrize("devices", [1, 2_000])
-async def test_the_info_of_a_large_bridge_tells_its_entities_their_state(make_house: MakeHouse, devices: int) -> None:
+async def test_the_info_of_a_large_bridge_tells_its_entities_their_state(devices: int) -> None:
     """It is as long as an announcement."""
     config = {"unique_id": "v", "state_topic": INFO, "value_template": "{{ value_json.version }}"}
     known = {f"0x{number:016x}": {"friendly_name": "x" * 150, "retain": False} for number in range(devices)}
     info = json.dumps({"version": "2.14.1", "config": {"devices": known}})
     assert (len(info) > 256 * 1024) == (devices > 1)
-    async with make_house(conventions=BRIDGE) as house:
+    async with simple_house(conventions=BRIDGE) as house:
         await house.say("homeassistant/sensor/v/config", json.dumps(config))
         await house.say(INFO, info)
         assert [told for _, told, _ in house.told()] == [{"v.value": "2.14.1"}]

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
 from typing import Any
 
 import pytest
+from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.wot.parse import CONTEXT
 
@@ -43,10 +42,8 @@ def description(**more: Any) -> str:
     )
 
 
-async def test_an_imported_thing_is_sighted_heard_and_told(
-    make_house: Callable[..., AbstractAsyncContextManager[Any]],
-) -> None:
-    async with make_house(conventions=(CONVENTION,)) as house:
+async def test_an_imported_thing_is_sighted_heard_and_told() -> None:
+    async with simple_house(conventions=(CONVENTION,)) as house:
         await house.listen("desk/on/set", "desk/brightness")
         await house.say(TOPIC, description(), retain=True)
         (sighting,) = house.sighted()
@@ -73,11 +70,9 @@ async def test_an_imported_thing_is_sighted_heard_and_told(
         assert (refused.problem, refused.message) == ("refused", "'color' was refused: this part takes on_off, level")
 
 
-async def test_a_broken_description_affects_no_other_device(
-    make_house: Callable[..., AbstractAsyncContextManager[Any]],
-) -> None:
+async def test_a_broken_description_affects_no_other_device() -> None:
     """What was described before stays; where too much is broken is told, and listened to a little at a time."""
-    async with make_house(conventions=(CONVENTION,)) as house:
+    async with simple_house(conventions=(CONVENTION,)) as house:
         await house.say(TOPIC, description(), retain=True)
         for number in range(600):
             await house.say(TOPIC, description(title=number))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.gateways.mqtt.conftest import House, MakeHouse, settled
+from tests.gateways.mqtt.simple_house import House, settled, simple_house
 
 from homebot.devices import GatewayState
 from homebot.graph import qos_profile_latched
@@ -28,9 +28,9 @@ def freeze(house: House) -> None:
 
 
 @pytest.mark.parametrize("at", [0.0, 1.0, 29.9, 30.1])
-async def test_a_frozen_broker_is_reported_within_one_and_a_half_intervals(make_house: MakeHouse, at: float) -> None:
+async def test_a_frozen_broker_is_reported_within_one_and_a_half_intervals(at: float) -> None:
     """The loss is reported when it is known, and not when the next try to connect has failed, too."""
-    async with make_house() as house:
+    async with simple_house() as house:
         states = house.watcher.create_subscription(
             GatewayState, house.gateway.names.state, qos_profile=qos_profile_latched
         )
@@ -45,7 +45,7 @@ async def test_a_frozen_broker_is_reported_within_one_and_a_half_intervals(make_
         assert anyio.current_time() - began <= 41.0
 
 
-async def test_a_gateway_that_stops_has_lost_nothing(make_house: MakeHouse, capsys: pytest.CaptureFixture[str]) -> None:
-    async with make_house():
+async def test_a_gateway_that_stops_has_lost_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    async with simple_house():
         await settled()
     assert "lost the connection" not in capsys.readouterr().out

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
-from contextlib import AbstractAsyncContextManager
+from collections.abc import Iterator
 from itertools import repeat
 from pathlib import Path
-from typing import Any
 
 import anyio
 import anyio.lowlevel
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.gateways.mqtt.conftest import SimpleConvention
 from tests.gateways.mqtt.known_house import known_house
+from tests.gateways.mqtt.simple_house import SimpleConvention, simple_house
 from tests.turns import Turns, longest_turn
 
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, Publication
@@ -131,10 +129,8 @@ class Endless(SimpleConvention):
 
 
 @pytest.mark.virtual_time
-async def test_a_convention_that_never_ends_costs_its_message_alone(
-    make_house: Callable[..., AbstractAsyncContextManager[Any]],
-) -> None:
-    async with make_house(conventions=(f"{__name__}:Endless",)) as house:
+async def test_a_convention_that_never_ends_costs_its_message_alone() -> None:
+    async with simple_house(conventions=(f"{__name__}:Endless",)) as house:
         await house.say("hello/lamp", "endless")
         assert house.gateway.counters.announcements_rejected == 1
         await house.announce("other")

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractAsyncContextManager
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.gateways.mqtt.codes_of_real_devices import CODES
+from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
@@ -139,10 +138,8 @@ def test_large_houses_fit_with_room(devices: int, parts: int) -> None:
 
 
 @pytest.mark.virtual_time
-async def test_an_announcement_too_many_is_counted_and_reported(
-    make_house: Callable[..., AbstractAsyncContextManager[Any]],
-) -> None:
-    async with make_house(max_memory=1024 * KB) as house:
+async def test_an_announcement_too_many_is_counted_and_reported() -> None:
+    async with simple_house(max_memory=1024 * KB) as house:
         for number in range(80):
             await house.announce(f"lamp{number}")
         assert len(house.sighted()) == 64

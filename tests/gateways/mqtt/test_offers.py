@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from contextlib import AbstractAsyncContextManager
-from typing import Any, TypeAlias
+from collections.abc import Mapping
+from typing import Any
 
 import anyio
 import pytest
+from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.devices.exposure import ExposedDevice, ExposedState
 from homebot.devices.gateway_messages import Command
@@ -18,9 +18,8 @@ from homebot.graph import DurabilityPolicy, QoSProfile
 
 pytestmark = pytest.mark.virtual_time
 
-MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-PUBLISHING = {"conventions": ("homeassistant",), "homeassistant": {"publish": True}}
+PUBLISHING: dict[str, Any] = {"conventions": ("homeassistant",), "homeassistant": {"publish": True}}
 ROBOT = ExposedDevice(
     id="robot1",
     name="Robot",
@@ -49,8 +48,8 @@ class App:
         self.reports.publish(ExposedState(id=offer, readings=readings))
 
 
-async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours(make_house: MakeHouse) -> None:
-    async with make_house(**PUBLISHING) as house:
+async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours() -> None:
+    async with simple_house(**PUBLISHING) as house:
         await house.listen("homeassistant/#", "homebot/+/offers/#")
         app = App(house)
         app.offers.publish(ROBOT)
@@ -66,10 +65,8 @@ async def test_an_offer_is_published_and_commanded_and_is_no_device_of_ours(make
         assert house.sighted() == []
 
 
-async def test_exposed_devices_are_published_again_on_a_new_link_and_withdrawn_ones_are_not(
-    make_house: MakeHouse,
-) -> None:
-    async with make_house(**PUBLISHING) as house:
+async def test_exposed_devices_are_published_again_on_a_new_link_and_withdrawn_ones_are_not() -> None:
+    async with simple_house(**PUBLISHING) as house:
         await house.listen("homeassistant/#", "homebot/+/offers/#")
         app = App(house)
         app.offers.publish(ROBOT)
@@ -89,8 +86,8 @@ async def test_exposed_devices_are_published_again_on_a_new_link_and_withdrawn_o
 @pytest.mark.parametrize(
     "settings", [{"conventions": ("homeassistant",)}, {**PUBLISHING, "act": False}], ids=["not wanted", "only observes"]
 )
-async def test_nothing_is_published_unless_it_is_wanted(make_house: MakeHouse, settings: dict[str, object]) -> None:
-    async with make_house(**settings) as house:
+async def test_nothing_is_published_unless_it_is_wanted(settings: dict[str, Any]) -> None:
+    async with simple_house(**settings) as house:
         await house.listen("homeassistant/#", "homebot/+/offers/#")
         house.watcher.create_publisher(ExposedDevice, house.gateway.names.offers, LATCHED).publish(ROBOT)
         await anyio.sleep(0.01)
@@ -117,8 +114,8 @@ LAMP = ExposedDevice(
 )
 
 
-async def test_withdrawing_leaves_nothing_at_the_broker(make_house: MakeHouse) -> None:
-    async with make_house(**PUBLISHING) as house:
+async def test_withdrawing_leaves_nothing_at_the_broker() -> None:
+    async with simple_house(**PUBLISHING) as house:
         app = App(house)
         app.offers.publish(LAMP)
         values: dict[str, PlainValue] = {"on_off": True, "level": 40.0, "effect": "rainbow", "power": 3.0}
@@ -132,8 +129,8 @@ async def test_withdrawing_leaves_nothing_at_the_broker(make_house: MakeHouse) -
         assert await house.heard() == []
 
 
-async def test_a_press_is_told_each_time_and_never_kept(make_house: MakeHouse) -> None:
-    async with make_house(**PUBLISHING) as house:
+async def test_a_press_is_told_each_time_and_never_kept() -> None:
+    async with simple_house(**PUBLISHING) as house:
         await house.listen("homebot/+/offers/#")
         app = App(house)
         app.offers.publish(LAMP)
@@ -145,8 +142,8 @@ async def test_a_press_is_told_each_time_and_never_kept(make_house: MakeHouse) -
         assert await house.heard() == []
 
 
-async def test_an_offer_that_becomes_another_leaves_nothing_of_what_it_was(make_house: MakeHouse) -> None:
-    async with make_house(**PUBLISHING) as house:
+async def test_an_offer_that_becomes_another_leaves_nothing_of_what_it_was() -> None:
+    async with simple_house(**PUBLISHING) as house:
         app = App(house)
         app.offers.publish(ROBOT)
         app.say(on=True)

@@ -1,12 +1,11 @@
 """A Shelly of the second generation at a gateway: asked who it is, described, heard and switched."""
 
 import json
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
 from typing import Any
 
 import anyio
 import pytest
+from tests.gateways.mqtt.simple_house import simple_house
 
 pytestmark = pytest.mark.virtual_time
 
@@ -32,10 +31,8 @@ async def calls(house: Any) -> list[tuple[str, object]]:
     return found
 
 
-async def test_it_is_asked_described_heard_and_switched(
-    make_house: Callable[..., AbstractAsyncContextManager[Any]],
-) -> None:
-    async with make_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
+async def test_it_is_asked_described_heard_and_switched() -> None:
+    async with simple_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
         await house.listen(f"{ID}/rpc")
         await house.say(f"{ID}/online", "true", retain=True)
         asked = [method for method, _ in await calls(house)]
@@ -55,11 +52,9 @@ async def test_it_is_asked_described_heard_and_switched(
         assert house.told()[-1] == (key, {"switch:0.on_off": False}, False)
 
 
-async def test_the_word_that_makes_an_old_one_known_is_heard(
-    make_house: Callable[..., AbstractAsyncContextManager[Any]],
-) -> None:
+async def test_the_word_that_makes_an_old_one_known_is_heard() -> None:
     """The first generation says what it is by saying how it is."""
-    async with make_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
+    async with simple_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
         await house.say("shellies/shellyplug-s-6A6375/online", "true")
         await house.say("shellies/shellyplug-s-6A6375/relay/0", "on")
         assert [one.kind for one in house.sighted()][:1] == ["appeared"]

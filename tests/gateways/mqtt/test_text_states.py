@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar
 
 import anyio
 import pytest
 from pydantic import BaseModel
+from tests.gateways.mqtt.simple_house import simple_house
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication, TextEndpoint
 from homebot.conventions.text_codec import TextCodec
@@ -22,15 +21,14 @@ from homebot.mqtt.connection import MqttConnection
 
 pytestmark = pytest.mark.virtual_time
 
-MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[Any]]
 
 LATCHED = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-THESIS = {"conventions": ("thesis",)}
+THESIS: dict[str, Any] = {"conventions": ("thesis",)}
 LAMP, KEY = "home425/lights/lamp/out", "lights/lamp"
 
 
-async def test_a_device_of_the_layout_is_sighted_with_its_part_and_its_own_addresses(make_house: MakeHouse) -> None:
-    async with make_house(**THESIS) as house:
+async def test_a_device_of_the_layout_is_sighted_with_its_part_and_its_own_addresses() -> None:
+    async with simple_house(**THESIS) as house:
         await house.say(LAMP, "on")
         await house.say("home425/coffee/maker/out", "on")
         lamp, coffee = house.sighted()
@@ -41,9 +39,9 @@ async def test_a_device_of_the_layout_is_sighted_with_its_part_and_its_own_addre
         assert house.told() == [(KEY, {".on_off": True}, False)]
 
 
-async def test_a_word_is_reported_when_it_is_another_one(make_house: MakeHouse) -> None:
+async def test_a_word_is_reported_when_it_is_another_one() -> None:
     """What says nothing of a lamp is no report, and neither is what is no text or no word."""
-    async with make_house(**THESIS) as house:
+    async with simple_house(**THESIS) as house:
         for word in ("on", "on", "0.4", "purple", b"\xff", "2" * 5000, "0.4", "off"):
             await house.say(LAMP, word)
         said = (
@@ -57,21 +55,21 @@ async def test_a_word_is_reported_when_it_is_another_one(make_house: MakeHouse) 
         assert house.gateway.counters.received == 8
 
 
-async def test_a_retained_state_is_reported_again_when_the_device_publishes_it(make_house: MakeHouse) -> None:
+async def test_a_retained_state_is_reported_again_when_the_device_publishes_it() -> None:
     """It was, and now it is."""
 
     async def before(devices: MqttConnection) -> None:
         await devices.publish(LAMP, b"on", qos=1, retain=True)
 
-    async with make_house(before, **THESIS) as house:
+    async with simple_house(before, **THESIS) as house:
         assert house.told() == [(KEY, {".on_off": True}, True)]
         await house.say(LAMP, "on")
         await house.say(LAMP, "on")
         assert house.told() == [(KEY, {".on_off": True}, False)]
 
 
-async def test_a_device_that_is_taken_out_leaves_no_report_behind(make_house: MakeHouse) -> None:
-    async with make_house(**THESIS) as house:
+async def test_a_device_that_is_taken_out_leaves_no_report_behind() -> None:
+    async with simple_house(**THESIS) as house:
         await house.say(LAMP, "on", retain=True)
         await house.say(LAMP, "", retain=True)
         assert house.told() == [(KEY, {".on_off": True}, False)]
@@ -96,10 +94,8 @@ async def test_a_device_that_is_taken_out_leaves_no_report_behind(make_house: Ma
         ("thermostats/hall", "heating_setpoint", 21.5, "21.5"),
     ],
 )
-async def test_a_command_goes_out_as_a_word(
-    make_house: MakeHouse, device: str, capability: str, value: PlainValue, word: str
-) -> None:
-    async with make_house(**THESIS) as house:
+async def test_a_command_goes_out_as_a_word(device: str, capability: str, value: PlainValue, word: str) -> None:
+    async with simple_house(**THESIS) as house:
         await house.listen("home425/+/+/in")
         await house.say(f"home425/{device}/out", "hello")
         assert (await house.command(device, "", capability, value)).success
@@ -126,9 +122,9 @@ async def test_a_command_goes_out_as_a_word(
     ],
 )
 async def test_a_command_without_a_word_is_refused_with_the_reason(
-    *, make_house: MakeHouse, key: str, part: str, capability: str, value: PlainValue, why: str
+    *, key: str, part: str, capability: str, value: PlainValue, why: str
 ) -> None:
-    async with make_house(**THESIS) as house:
+    async with simple_house(**THESIS) as house:
         for device in ("lights/lamp", "motions/hall", "coffee/maker"):
             await house.say(f"home425/{device}/out", "hello")
         response = await house.command(key, part, capability, value)
@@ -138,10 +134,10 @@ async def test_a_command_without_a_word_is_refused_with_the_reason(
 
 
 @pytest.mark.parametrize("way", ["command", "word"])
-async def test_the_answer_of_a_thermostat_is_its_target_and_not_the_room(make_house: MakeHouse, way: str) -> None:
+async def test_the_answer_of_a_thermostat_is_its_target_and_not_the_room(way: str) -> None:
     """The room's temperature comes later, and may be the same number then."""
     out, key = "home425/thermostats/hall/out", "thermostats/hall"
-    async with make_house(**THESIS) as house:
+    async with simple_house(**THESIS) as house:
         await house.say(out, "18.5")
         if way == "command":
             await house.command(key, "", "heating_setpoint", 21.0)
@@ -158,10 +154,10 @@ async def test_the_answer_of_a_thermostat_is_its_target_and_not_the_room(make_ho
         ]
 
 
-async def test_the_topic_of_a_device_may_be_the_state_topic_of_an_announced_one_too(make_house: MakeHouse) -> None:
+async def test_the_topic_of_a_device_may_be_the_state_topic_of_an_announced_one_too() -> None:
     """Each understands what it can; the bytes are handed on once."""
-    both = ("tests.gateways.mqtt.conftest:SimpleConvention", "thesis")
-    async with make_house(conventions=both) as house:
+    both = ("tests.gateways.mqtt.simple_house:SimpleConvention", "thesis")
+    async with simple_house(conventions=both) as house:
         await house.announce("shadow", state=LAMP)
         await house.say(LAMP, "on_off=on")
         client = house.watcher.create_client(SubscribeToTopic, house.gateway.names.subscribe)
@@ -175,28 +171,28 @@ async def test_the_topic_of_a_device_may_be_the_state_topic_of_an_announced_one_
         assert (raw.key, raw.payload, inbox.take()) == (KEY, b"off", None)
 
 
-async def test_no_topic_of_the_layout_is_subscribed_to_by_itself(make_house: MakeHouse) -> None:
+async def test_no_topic_of_the_layout_is_subscribed_to_by_itself() -> None:
     """The filters of the layout bring everything, at QoS 1, and a second subscription would bring it twice."""
-    async with make_house(**THESIS) as house:
+    async with simple_house(**THESIS) as house:
         await house.say(LAMP, "on")
         assert not house.gateway._described._topics.users
 
 
-async def test_a_publication_of_an_app_on_a_state_topic_is_no_device(make_house: MakeHouse) -> None:
-    async with make_house(**THESIS) as house:
+async def test_a_publication_of_an_app_on_a_state_topic_is_no_device() -> None:
+    async with simple_house(**THESIS) as house:
         raw = house.watcher.create_publisher(RawCommand, house.gateway.names.out)
         await raw.send(RawCommand(address=LAMP, payload="on"))
         await house.say("home425/lights/other/out", "on")
         assert [one.key for one in house.sighted()] == ["lights/other"]
 
 
-async def test_a_message_that_the_broker_had_kept_is_no_sign_of_life(make_house: MakeHouse) -> None:
+async def test_a_message_that_the_broker_had_kept_is_no_sign_of_life() -> None:
     """Not even when it comes again on a new link, minutes later."""
 
     async def before(devices: MqttConnection) -> None:
         await devices.publish(LAMP, b"on", qos=1, retain=True)
 
-    async with make_house(before, **THESIS) as house:
+    async with simple_house(before, **THESIS) as house:
         assert [one.confirmed for one in house.sighted()] == [False]
         await anyio.sleep(100)
         await house.cut()
@@ -246,8 +242,8 @@ class Bells:
         )
 
 
-async def test_devices_of_a_foreign_convention_may_publish_text_too(make_house: MakeHouse) -> None:
-    async with make_house(conventions=(f"{__name__}:Bells", "thesis")) as house:
+async def test_devices_of_a_foreign_convention_may_publish_text_too() -> None:
+    async with simple_house(conventions=(f"{__name__}:Bells", "thesis")) as house:
         await house.listen("bell/+/do")
         for _ in range(2):
             await house.say("bell/door/says", "on")
@@ -259,8 +255,8 @@ async def test_devices_of_a_foreign_convention_may_publish_text_too(make_house: 
         assert (heard.topic, heard.payload) == ("bell/door/do", b"off")
 
 
-async def test_a_convention_that_fails_on_a_topic_costs_its_message_alone(make_house: MakeHouse) -> None:
-    async with make_house(conventions=(f"{__name__}:Bells",)) as house:
+async def test_a_convention_that_fails_on_a_topic_costs_its_message_alone() -> None:
+    async with simple_house(conventions=(f"{__name__}:Bells",)) as house:
         await house.say("bell/broken/says", "on")
         await house.say("bell/door/says", "on")
         assert [one.key for one in house.sighted()] == ["bell door"]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from random import Random
-from typing import ClassVar, TypeAlias, TypeVar
+from typing import ClassVar, TypeVar
 
 import anyio
 import anyio.abc
-import pytest
 from pydantic import BaseModel, ConfigDict
 
 from homebot.conventions.description import (
@@ -183,9 +182,9 @@ class House:
     reports: Subscription[Report]
     quarantine: Subscription[Quarantine]
 
-    async def say(self, topic: str, payload: str | bytes | dict[str, object] = "", *, retain: bool = False) -> None:
+    async def say(self, topic: str, payload: str | bytes | Mapping[str, object] = "", *, retain: bool = False) -> None:
         """Publish, and wait until everybody is done with it."""
-        words = json.dumps(payload) if isinstance(payload, dict) else payload
+        words = json.dumps(payload) if isinstance(payload, Mapping) else payload
         await self.devices.publish(topic, words.encode() if isinstance(words, str) else words, qos=1, retain=retain)
         await settled()
 
@@ -256,19 +255,11 @@ def _drain(subscription: Subscription[MessageT]) -> list[MessageT]:
     return found
 
 
-MakeHouse: TypeAlias = Callable[..., AbstractAsyncContextManager[House]]
-
-
-@pytest.fixture
-def make_house() -> MakeHouse:
-    """Make a house; keywords are settings of its gateway, and ``before`` is done before that starts."""
-    return _house
-
-
 @asynccontextmanager
-async def _house(
+async def simple_house(
     before: Callable[[MqttConnection], Awaitable[None]] | None = None, **settings: object
 ) -> AsyncIterator[House]:
+    """Run a house; *settings* are those of its gateway, and *before* is done before that starts."""
     table = {"root": "home425", "act": True, "conventions": (f"{__name__}:SimpleConvention",), **settings}
     graph = Graph()
     async with (
