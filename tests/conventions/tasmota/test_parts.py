@@ -65,11 +65,6 @@ def test_a_device_has_words_of_its_own() -> None:
     assert told(relay, "on_off", value=False) == ("c/Power1", "Aus")
 
 
-def test_a_relay_is_a_lamp_by_the_users_option() -> None:
-    assert only(rl=[1], so={"30": 1}).part.service_type == "light"
-    assert only(rl=[1], so={"30": 0}).part.service_type == "switch"
-
-
 def test_commands_of_a_dimmer_are_one_backlog() -> None:
     lamp = only(rl=[2], lt_st=1)
     assert told(lamp, "on_off", value=True) == ("c/Backlog", "NoDelay;Power1 ON")
@@ -78,10 +73,6 @@ def test_commands_of_a_dimmer_are_one_backlog() -> None:
     assert told(lamp, "level", 0.0) == ("c/Backlog", "NoDelay;Power1 OFF")
     assert said(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40}) == {"on_off": True, "level": 40.0}
     assert said(lamp, "s/RESULT", {"POWER": "OFF", "Dimmer": 0}) == {"on_off": False}
-
-
-def test_power_is_a_command_of_its_own_if_it_does_not_follow_the_dimmer() -> None:
-    assert told(only(rl=[2], lt_st=1, so={"20": 1}), "level", 50.0)[1] == "NoDelay;Dimmer 50;NoDelay;Power1 ON"
 
 
 def test_another_processor_has_another_dimmer_and_does_not_fade() -> None:
@@ -108,20 +99,6 @@ def test_colours_and_whites_of_one_lamp_alternate() -> None:
 @pytest.mark.parametrize("color", [1, "a,b,c", "1,2", "361,1,1", "1," * 999, None])
 def test_an_invalid_colour_is_ignored(color: object) -> None:
     assert said(only(rl=[2], lt_st=3), "t/STATE", {"HSBColor": color, "Color": color}) == {}
-
-
-def test_colours_and_white_that_are_not_linked_are_two_lamps() -> None:
-    color, white = built(rl=[2, 2], lt_st=5, lk=0).values()
-    assert [one.name for one in color.part.capabilities] == ["on_off", "level", "color", "effect"]
-    assert [one.name for one in white.part.capabilities] == ["on_off", "level", "color_temperature"]
-    assert told(white, "level", 30.0)[1] == "NoDelay;Dimmer2 30"
-    assert said(white, "t/STATE", {"POWER2": "ON", "Dimmer1": 10, "Dimmer2": 20}) == {"on_off": True, "level": 20.0}
-
-
-def test_each_channel_may_be_a_dimmer() -> None:
-    _, second = built(rl=[2, 2], lt_st=5, so={"68": 1}).values()
-    assert told(second, "level", 30.0)[1] == "NoDelay;Channel2 30"
-    assert said(second, "t/STATE", {"Channel1": 10, "Channel2": 20}) == {"level": 20.0}
 
 
 def test_the_fade_speed_depends_on_the_state() -> None:

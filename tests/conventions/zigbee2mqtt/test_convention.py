@@ -233,10 +233,11 @@ def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() 
     assert {device.key for device in info(convention, {"availability": {"enabled": True}})} == {PLUG}
 
 
-def test_info_without_config_is_refused() -> None:
+@pytest.mark.parametrize(("payload", "problem"), [(b"{}", "config is None"), (b"{", "JSON")])
+def test_info_without_config_is_refused(payload: bytes, problem: str) -> None:
     convention = bridge()
-    with pytest.raises(WireError, match="config is None"):
-        convention.read_message("zigbee2mqtt/bridge/info", b"{}", retained=True)
+    with pytest.raises(WireError, match=problem):
+        convention.read_message("zigbee2mqtt/bridge/info", payload, retained=True)
     assert convention.rejected == 1
 
 

@@ -62,24 +62,6 @@ def names(part: DescribedPart) -> list[str]:
     return [one.name for one in part.part.capabilities]
 
 
-def test_a_lamp_is_read_in_our_units() -> None:
-    lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
-    assert names(lamp) == ["on_off", "level", "color_temperature", "color", "effect"]
-    assert said(lamp, state="ON", brightness=127, color_mode="color_temp", color_temp=370) == {
-        "on_off": True,
-        "level": 50.0,
-        "color_temperature": 2702.0,
-        "color": None,
-    }
-    assert said(lamp, state=None) == {"on_off": None}
-    assert said(lamp, state="OFF", brightness=0) == {"on_off": False}
-    assert said(lamp, color_mode="xy", color={"x": 0.7006, "y": 0.2993}, color_temp=370) == {
-        "color": (0.0, 100.0),
-        "color_temperature": None,
-    }
-    assert said(lamp, color_mode="hs", color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
-
-
 def test_without_a_colour_mode_the_only_value_is_read() -> None:
     lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
     assert said(lamp, color_temp=370) == {"color_temperature": 2702.0, "color": None}
@@ -87,27 +69,6 @@ def test_without_a_colour_mode_the_only_value_is_read() -> None:
     assert said(lamp, color={"hue": 240, "saturation": 50})["color"] == (240.0, 50.0)
     assert said(lamp, color_temp=370, color={"x": 0.7006, "y": 0.2993}) == {}
     assert said(lamp, color_temp=None, color_mode=None) == {}
-
-
-def test_a_lamp_is_commanded_as_by_home_assistant() -> None:
-    lamp = only({"type": "light", "features": [onoff(), level(), WHITE, XY]}, EFFECT)
-    assert told(lamp, "on_off", value=False, transition=2.0) == {"state": "OFF", "transition": 2}
-    assert told(lamp, "level", 10.0) == {"state": "ON", "brightness": 26}
-    assert told(lamp, "level", 0.1) == {"state": "ON", "brightness": 1}
-    assert told(lamp, "level", 0.0) == {"state": "OFF"}
-    assert told(lamp, "color_temperature", 2_700.0) == {"state": "ON", "color_temp": 370}
-    assert told(lamp, "color", (0.0, 100.0), 1.5) == {
-        "state": "ON",
-        "color": {"x": 0.701, "y": 0.299},
-        "transition": 1.5,
-    }
-    assert told(lamp, "effect", "blink") == {"state": "ON", "effect": "blink"}
-
-
-def test_a_lamp_that_names_hue_first_takes_hue() -> None:
-    lamp = only({"type": "light", "features": [onoff(), HS, XY]})
-    assert told(lamp, "color", (240.0, 50.0)) == {"state": "ON", "color": {"h": 240.0, "s": 50.0}}
-    assert said(lamp, color_mode="hs", color={"h": 10, "s": 20}) == {"color": (10.0, 20.0)}
 
 
 def test_white_alone_is_read_without_a_colour_mode() -> None:
@@ -132,13 +93,6 @@ def test_only_gettable_features_of_awake_devices_are_requested() -> None:
     assert only(exposes).state_requests == (Publication("zigbee2mqtt/a/get", b'{"brightness":""}'),)
     assert only({"type": "switch", "features": [onoff(access=3)]}).state_requests == ()
     assert only(exposes, power="Battery").state_requests == ()
-
-
-def test_a_switch_is_no_plug() -> None:
-    switch = only({"type": "switch", "features": [onoff()]})
-    assert (switch.part.service_type, switch.part.category) == ("switch", "")
-    assert said(switch, state="ON") == {"on_off": True}
-    assert told(switch, "on_off", value=True) == {"state": "ON"}
 
 
 def test_a_switch_that_is_no_state_is_a_setting() -> None:
@@ -224,54 +178,6 @@ def test_a_key_lock_of_older_versions_is_a_setting(key: str) -> None:
     assert told(lock, "on_off", value=False) == {key: "UNLOCK"}
 
 
-def test_a_fan_with_words_has_percents() -> None:
-    mode = feature("enum", "mode", key="fan_mode", values=["off", "low", "medium", "high", "on", "auto"])
-    fan = only(
-        {"type": "fan", "features": [feature("binary", "state", key="fan_state", value_on="ON", value_off="OFF"), mode]}
-    )
-    assert said(fan, fan_state="ON", fan_mode="medium") == {"on_off": True, "fan_mode": "medium", "fan_speed": 66.0}
-    assert said(fan, fan_mode="auto") == {"fan_mode": "auto"}
-    assert told(fan, "fan_speed", 34.0) == {"fan_mode": "medium"}
-    assert told(fan, "fan_speed", 0.0) == {"fan_mode": "off"}
-    assert told(fan, "fan_mode", "auto") == {"fan_mode": "auto"}
-
-
-def test_a_fan_with_a_speed_has_percents() -> None:
-    fan = only({"type": "fan", "features": [onoff(), feature("numeric", "speed", value_min=1, value_max=254)]})
-    assert said(fan, speed=127) == {"fan_speed": 50.0}
-    assert told(fan, "fan_speed", 10.0) == {"speed": 26}
-    assert told(fan, "fan_speed", 0.0) == {"speed": 0}
-
-
-THERMOSTAT = {
-    "type": "climate",
-    "features": [
-        feature("numeric", "occupied_heating_setpoint", value_min=5, value_max=30, unit="°C"),
-        feature("numeric", "local_temperature", 5, unit="°C"),
-        feature("enum", "system_mode", values=["off", "heat", "auto"]),
-        feature("enum", "running_state", 5, values=["idle", "heat"]),
-        feature("numeric", "local_temperature_calibration", unit="°C", value_min=-5, value_max=5),
-    ],
-}
-
-
-def test_a_thermostat_has_its_parts() -> None:
-    thermostat, thermometer, calibration = built(THERMOSTAT)
-    assert (thermostat.part.service_type, thermometer.part.service_type) == ("thermostat", "temperature_sensor")
-    assert (calibration.part.service_type, calibration.part.category) == ("x_setting", "config")
-    assert said(thermostat, local_temperature=19.5, system_mode="heat", running_state="heat") == {
-        "local_temperature": 19.5,
-        "thermostat_mode": "heat",
-        "thermostat_action": "heating",
-    }
-    assert said(thermometer, local_temperature=19.5) == {"temperature": 19.5}
-    assert told(thermostat, "heating_setpoint", 21.5) == {"occupied_heating_setpoint": 21.5}
-    assert told(thermostat, "heating_setpoint", 21.0) == {"occupied_heating_setpoint": 21}
-    assert told(thermostat, "thermostat_mode", "auto") == {"system_mode": "auto"}
-    with pytest.raises(RefusedError, match="5 to 30"):
-        thermostat.codec.write("heating_setpoint", 60.0)
-
-
 def operating(mode: str, *modes: str) -> DescribedPart:
     """A thermostat of Bosch's: *mode* is the only one of its modes, or the first."""
     features = [feature("enum", "system_mode", values=[mode, *modes])]
@@ -301,11 +207,6 @@ def test_an_incomplete_mode_of_two_properties_is_ignored() -> None:
     assert said(part, operating_mode="manual") == {}
     assert said(part, operating_mode="x") == {}
     assert said(part, operating_mode=None) == {"thermostat_mode": None}
-
-
-def test_a_climate_that_cools_and_blows_is_an_air_conditioner() -> None:
-    modes = feature("enum", "system_mode", values=["off", "cool", "fan_only"])
-    assert only({"type": "climate", "features": [modes]}).part.service_type == "room_air_conditioner"
 
 
 def binary(name: str, on: object, off: object) -> dict[str, Any]:
