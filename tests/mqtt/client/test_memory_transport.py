@@ -104,13 +104,6 @@ async def test_a_thawed_link_carries_what_waited(broker: MemoryBroker, options: 
         assert [message.payload for message in await client.receive()] == [b"x"]
 
 
-async def test_an_idle_link_is_kept_alive_for_a_week(broker: MemoryBroker, options: MqttOptions) -> None:
-    client = broker.make_client(replace(options, keep_alive=600))
-    async with client.connected():
-        await anyio.sleep(7 * 86_400)
-        await client.publish("t", qos=1)
-
-
 async def test_who_breaks_the_protocol_is_told_why(broker: MemoryBroker) -> None:
     client = RawClient(broker)
     client.say(Connect("a"), Connect("a"))
