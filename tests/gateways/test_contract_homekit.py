@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import ClassVar
 
+import pytest
 from tests.gateways.homekit.fake_accessories import FakeMdns, FakePort, FakeServer, accessory, lamp_service
 
 from homebot.devices.value import PlainValue
@@ -17,6 +18,8 @@ from homebot.gateways.homekit import HomekitGateway, HomekitGatewaySettings
 from homebot.gateways.homekit.port import HomekitPort
 from homebot.graph import Node
 from homebot.testing.gateway_contract import GatewayContract, Lamp
+
+pytestmark = pytest.mark.virtual_time
 
 KEY = "AA:BB:CC:DD:EE:01"
 ON, LEVEL, HUE, SATURATION, MIREDS = ((1, iid) for iid in range(9, 14))
