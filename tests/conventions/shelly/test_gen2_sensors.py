@@ -16,30 +16,22 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
 
 
 @pytest.mark.parametrize(
-    ("key", "config", "part_id", "service_type", "status", "expected"),
+    ("config", "part_id", "service_type", "status", "expected"),
     [
-        ("smoke:0", {}, "smoke:0", "smoke_co_alarm", {"alarm": True}, {"smoke": True}),
-        ("flood:0", {}, "flood:0", "water_leak_detector", {"alarm": False}, {"water_leak": False}),
-        ("flood:0", {}, "flood:0", "water_leak_detector", {"alarm": None}, {"water_leak": None}),
-        ("humidity:0", {}, "humidity:0", "humidity_sensor", {"rh": 45.5}, {"humidity": 45.5}),
-        ("illuminance:0", {}, "illuminance:0", "light_sensor", {"lux": 100}, {"illuminance": 100.0}),
-        ("voltmeter:100", {}, "voltmeter:100", "electrical_meter", {"voltage": 12.1}, {"voltage": 12.1}),
-        ("presencezone:200", {}, "presencezone:200", "occupancy_sensor", {"state": True}, {"occupancy": True}),
-        ("presencezone:200", {}, "presencezone:200", "occupancy_sensor", {"value": True}, {"occupancy": True}),
-        ("illuminance:0", {}, "illuminance:0", "x_sensor", {"illumination": "dark"}, {"value": "dark"}),
+        ({}, "smoke:0", "smoke_co_alarm", {"alarm": True}, {"smoke": True}),
+        ({}, "flood:0", "water_leak_detector", {"alarm": False}, {"water_leak": False}),
+        ({}, "flood:0", "water_leak_detector", {"alarm": None}, {"water_leak": None}),
+        ({}, "humidity:0", "humidity_sensor", {"rh": 45.5}, {"humidity": 45.5}),
+        ({}, "illuminance:0", "light_sensor", {"lux": 100}, {"illuminance": 100.0}),
+        ({}, "voltmeter:100", "electrical_meter", {"voltage": 12.1}, {"voltage": 12.1}),
+        ({}, "presencezone:200", "occupancy_sensor", {"state": True}, {"occupancy": True}),
+        ({}, "presencezone:200", "occupancy_sensor", {"value": True}, {"occupancy": True}),
+        ({}, "illuminance:0", "x_sensor", {"illumination": "dark"}, {"value": "dark"}),
+        ({}, "temperature:0", "temperature_sensor", {"tC": -275.1, "errors": ["x"]}, {"temperature": None}),
+        ({}, "humidity:0", "humidity_sensor", {"rh": -2, "errors": ["x"]}, {"humidity": None}),
+        ({}, "devicepower:0", "x_battery", {"external": {"present": True}}, {"plugged_in": True}),
+        ({}, "cb:0", "x_binary_sensor", {"output": True}, {"power_detected": True}),
         (
-            "temperature:0",
-            {},
-            "temperature:0",
-            "temperature_sensor",
-            {"tC": -275.1, "errors": ["x"]},
-            {"temperature": None},
-        ),
-        ("humidity:0", {}, "humidity:0", "humidity_sensor", {"rh": -2, "errors": ["x"]}, {"humidity": None}),
-        ("devicepower:0", {}, "devicepower:0", "x_battery", {"external": {"present": True}}, {"plugged_in": True}),
-        ("cb:0", {}, "cb:0", "x_binary_sensor", {"output": True}, {"power_detected": True}),
-        (
-            "number:200",
             {"owner": "service:0", "role": "current_temperature", "access": "crw"},
             "number:200",
             "temperature_sensor",
@@ -47,7 +39,6 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
             {"temperature": 21.0},
         ),
         (
-            "number:201",
             {"owner": "service:0", "role": "target_temperature", "access": "crw", "min": 5, "max": 35},
             "number:201",
             "thermostat",
@@ -55,28 +46,19 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
             {"heating_setpoint": 20.5},
         ),
         (
-            "devicepower:0",
             {},
             "devicepower:0",
             "x_battery",
             {"battery": {"percent": 57}, "external": {"present": True}},
             {"battery": 57.0, "plugged_in": True},
         ),
+        ({}, "devicepower:0", "x_battery", {"battery": {"V": 5.41, "percent": 57}}, {"battery": 57.0, "voltage": 5.41}),
+        ({"type": "switch"}, "input:0", "x_binary_sensor", {"state": True}, {"state": True}),
+        ({"type": "analog"}, "input:0", "x_sensor", {"percent": 12}, {"measurement": 12.0}),
+        ({"type": "count"}, "input:0", "x_sensor", {"counts": {"total": 5}}, {"measurement": 5.0}),
+        ({}, "em1:0", "electrical_meter", {"act_power": 200, "freq": 50}, {"power": 200.0, "frequency": 50.0}),
+        ({}, "pm1:0", "electrical_meter", {"apower": 42}, {"power": 42.0}),
         (
-            "devicepower:0",
-            {},
-            "devicepower:0",
-            "x_battery",
-            {"battery": {"V": 5.41, "percent": 57}},
-            {"battery": 57.0, "voltage": 5.41},
-        ),
-        ("input:0", {"type": "switch"}, "input:0", "x_binary_sensor", {"state": True}, {"state": True}),
-        ("input:0", {"type": "analog"}, "input:0", "x_sensor", {"percent": 12}, {"measurement": 12.0}),
-        ("input:0", {"type": "count"}, "input:0", "x_sensor", {"counts": {"total": 5}}, {"measurement": 5.0}),
-        ("em1:0", {}, "em1:0", "electrical_meter", {"act_power": 200, "freq": 50}, {"power": 200.0, "frequency": 50.0}),
-        ("pm1:0", {}, "pm1:0", "electrical_meter", {"apower": 42}, {"power": 42.0}),
-        (
-            "pm1:0",
             {},
             "pm1:0",
             "electrical_meter",
@@ -84,7 +66,6 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
             {"power": -42.0, "energy": 1.5, "energy_returned": 0.2505},
         ),
         (
-            "switch:0",
             {},
             "switch:0/meter",
             "electrical_meter",
@@ -92,58 +73,36 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
             {"power": 1.0, "energy_returned": 1.0},
         ),
         (
-            "number:200",
             {"owner": "service:0", "role": "average_temperature"},
             "number:200",
             "temperature_sensor",
             {"value": 17.5},
             {"temperature": 17.5},
         ),
-        ("number:200", {"access": "cr"}, "number:200", "x_sensor", {"value": 3}, {"measurement": 3.0}),
-        ("boolean:200", {"access": "cr"}, "boolean:200", "x_binary_sensor", {"value": True}, {"state": True}),
-        ("bthomedevice:200", {}, "bthomedevice:200/battery", "x_battery", {"battery": 88}, {"battery": 88.0}),
-        ("bthomedevice:200", {}, "bthomedevice:200/rssi", "x_sensor", {"rssi": -60}, {"signal_strength": -60.0}),
-        ("bthomesensor:200", {"obj_id": 11}, "bthomesensor:200", "electrical_meter", {"value": 60}, {"power": 60.0}),
-        ("bthomesensor:200", {"obj_id": 17}, "bthomesensor:200", "contact_sensor", {"value": True}, {"contact": True}),
+        ({"access": "cr"}, "number:200", "x_sensor", {"value": 3}, {"measurement": 3.0}),
+        ({"access": "cr"}, "boolean:200", "x_binary_sensor", {"value": True}, {"state": True}),
+        ({}, "bthomedevice:200/battery", "x_battery", {"battery": 88}, {"battery": 88.0}),
+        ({}, "bthomedevice:200/rssi", "x_sensor", {"rssi": -60}, {"signal_strength": -60.0}),
+        ({"obj_id": 11}, "bthomesensor:200", "electrical_meter", {"value": 60}, {"power": 60.0}),
+        ({"obj_id": 17}, "bthomesensor:200", "contact_sensor", {"value": True}, {"contact": True}),
+        ({"obj_id": 31}, "bthomesensor:200", "x_binary_sensor", {"value": True}, {"unlocked": True}),
+        ({"obj_id": 63}, "bthomesensor:200", "x_sensor", {"value": -12.5}, {"measurement": -12.5}),
+        ({"obj_id": 40}, "bthomesensor:200", "x_binary_sensor", {"value": True}, {"safety": False}),
+        ({}, "switch:0/temperature", "temperature_sensor", {"temperature": {"tC": 40.1}}, {"temperature": 40.1}),
         (
-            "bthomesensor:200",
-            {"obj_id": 31},
-            "bthomesensor:200",
-            "x_binary_sensor",
-            {"value": True},
-            {"unlocked": True},
-        ),
-        ("bthomesensor:200", {"obj_id": 63}, "bthomesensor:200", "x_sensor", {"value": -12.5}, {"measurement": -12.5}),
-        ("bthomesensor:200", {"obj_id": 40}, "bthomesensor:200", "x_binary_sensor", {"value": True}, {"safety": False}),
-        (
-            "switch:0",
-            {},
-            "switch:0/temperature",
-            "temperature_sensor",
-            {"temperature": {"tC": 40.1}},
-            {"temperature": 40.1},
-        ),
-        (
-            "blutrv:200",
             {},
             "blutrv:200",
             "thermostat",
             {"target_C": 21, "current_C": 20, "pos": 40},
             {"heating_setpoint": 21.0, "local_temperature": 20.0, "position": 40.0},
         ),
-        (
-            "bthomesensor:200",
-            {"obj_id": 69},
-            "bthomesensor:200",
-            "temperature_sensor",
-            {"value": 21},
-            {"temperature": 21.0},
-        ),
+        ({"obj_id": 69}, "bthomesensor:200", "temperature_sensor", {"value": 21}, {"temperature": 21.0}),
     ],
 )
 def test_a_component_reports(
-    say: Say, part: Find, key: str, config: object, part_id: str, service_type: str, status: object, expected: object
+    say: Say, part: Find, config: object, part_id: str, service_type: str, status: object, expected: object
 ) -> None:
+    key = part_id.partition("/")[0]
     found = part(introduce(say, key, status, config), part_id)
     assert found.part.service_type == service_type
     assert found.codec.read(f"x/status/{key}", json.dumps(status).encode(), retained=False) == expected
@@ -241,21 +200,15 @@ def test_a_boolean_of_the_user_is_no_zone_in_any_role(say: Say, part: Find) -> N
 
 
 @pytest.mark.parametrize(
-    ("key", "part_id", "topic", "status", "expected"),
+    ("part_id", "topic", "status", "expected"),
     [
-        (
-            "em:0",
-            "em:0",
-            "emdata:0",
-            {"total_act": 2000, "total_act_ret": 500},
-            {"energy": 2.0, "energy_returned": 0.5},
-        ),
-        ("em:0", "em:0/a", "emdata:0", {"a_total_act_ret_energy": 500}, {"energy_returned": 0.5}),
-        ("em1:1", "em1:1", "em1data:1", {"total_act_ret_energy": 500}, {"energy_returned": 0.5}),
+        ("em:0", "emdata:0", {"total_act": 2000, "total_act_ret": 500}, {"energy": 2.0, "energy_returned": 0.5}),
+        ("em:0/a", "emdata:0", {"a_total_act_ret_energy": 500}, {"energy_returned": 0.5}),
+        ("em1:1", "em1data:1", {"total_act_ret_energy": 500}, {"energy_returned": 0.5}),
     ],
 )
 def test_a_meter_counts_both_ways(
-    say: Say, part: Find, key: str, part_id: str, topic: str, status: object, expected: object
+    say: Say, part: Find, part_id: str, topic: str, status: object, expected: object
 ) -> None:
-    meter = part(introduce(say, key, {"a_act_power": 1, "act_power": 1}, {}), part_id)
+    meter = part(introduce(say, part_id.partition("/")[0], {"a_act_power": 1, "act_power": 1}, {}), part_id)
     assert meter.codec.read(f"x/status/{topic}", json.dumps(status).encode(), retained=False) == expected
