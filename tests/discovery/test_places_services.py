@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 
 import anyio
 import pytest
+from tests.discovery import directory_house
 from tests.discovery.announcements import announce, part_of
+from tests.discovery.directory_house import House
 
-from homebot.clock import LoopClock
-from homebot.devices import FIND_DEVICES, Device, Devices, FindDevices, GatewayNames, Sighting
+from homebot.devices import Devices, Sighting
 from homebot.devices.handles import Light
 from homebot.devices.names import (
     ALIAS_DEVICE,
     EXPORT_PLACES,
     GET_PLACES,
     IMPORT_PLACES,
-    PLACE_DEVICE,
     TAG_DEVICE,
 )
 from homebot.devices.places_messages import (
@@ -27,13 +25,10 @@ from homebot.devices.places_messages import (
     ExportPlaces,
     GetPlaces,
     ImportPlaces,
-    PlaceDevice,
-    PlaceDeviceResponse,
     RoomInfo,
     TagDevice,
 )
-from homebot.discovery import Directory, DirectorySettings, OwnerFacts
-from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
+from homebot.discovery import OwnerFacts
 from homebot.places import read_places
 
 pytestmark = pytest.mark.virtual_time
@@ -42,42 +37,9 @@ pytestmark = pytest.mark.virtual_time
 ROOMS = {"Hall": {"floor": "Downstairs", "doors": ["Kitchen"]}, "Kitchen": {"floor": "Downstairs"}}
 
 
-@dataclass
-class House:
-    """A gateway's sightings, and a node that asks the directory."""
-
-    sightings: Publisher[Sighting]
-    asker: Node
-
-    async def hears(self, *sightings: Sighting) -> None:
-        for one in sightings:
-            self.sightings.publish(one)
-        await anyio.sleep(0.001)
-
-    async def device(self, device_id: str) -> Device:
-        found = await self.asker.create_client(FindDevices, FIND_DEVICES).call(FindDevices.Request())
-        return next(one for one in found.devices if one.id == device_id)
-
-    async def place(self, device: str, room: str, *, is_new: bool = False) -> PlaceDeviceResponse:
-        client = self.asker.create_client(PlaceDevice, PLACE_DEVICE)
-        return await client.call(PlaceDevice.Request(device=device, room=room, is_new=is_new))
-
-
-@asynccontextmanager
-async def directory(file: Path | None = None, rooms: dict[str, object] | None = None) -> AsyncIterator[House]:
-    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
-    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+def directory(file: Path | None = None, rooms: dict[str, object] | None = None) -> AbstractAsyncContextManager[House]:
     places = read_places({"rooms": ROOMS if rooms is None else rooms}, "Home", "homebot.toml", "configuration")
-    async with (
-        Node(graph, "mqtt", namespace="/gateway") as gateway,
-        Node(graph, "discovery") as node,
-        Node(graph, "asker") as asker,
-        anyio.create_task_group() as tasks,
-    ):
-        sightings = gateway.create_publisher(Sighting, names.received_topics, kept)
-        await tasks.start(Directory(node, DirectorySettings(), file, OwnerFacts("Home", places)).serve)
-        yield House(sightings, asker)
-        tasks.cancel_scope.cancel()
+    return directory_house.directory(file, OwnerFacts("Home", places))
 
 
 @pytest.fixture

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-from dataclasses import dataclass
-
 import anyio
 import anyio.lowlevel
 import pytest
 from tests.discovery.announcements import announce, part_of, tell
+from tests.discovery.directory_house import directory
 
 from homebot.clock import LoopClock, ManualClock
 from homebot.devices import (
@@ -49,46 +46,9 @@ from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.services import DirectoryServices
 from homebot.errors import UsageError
-from homebot.graph import DurabilityPolicy, Graph, Node, Publisher, QoSProfile
+from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 
 pytestmark = pytest.mark.virtual_time
-
-
-@dataclass
-class House:
-    """A gateway's two topics, a directory, and who asks."""
-
-    graph: Graph
-    sightings: Publisher[Sighting]
-    readings: Publisher[Report]
-    directory: Directory
-    asker: Node
-
-    async def hears(self, *messages: Sighting | Report) -> None:
-        for one in messages:
-            if isinstance(one, Sighting):
-                self.sightings.publish(one)
-            else:
-                self.readings.publish(one)
-        await anyio.sleep(0.001)
-
-
-@asynccontextmanager
-async def directory() -> AsyncIterator[House]:
-    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
-    kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    async with (
-        Node(graph, "mqtt", namespace="/gateway") as gateway,
-        Node(graph, "discovery") as node,
-        Node(graph, "asker") as asker,
-        anyio.create_task_group() as tasks,
-    ):
-        sightings = gateway.create_publisher(Sighting, names.received_topics, kept)
-        directory = Directory(node, DirectorySettings())
-        await tasks.start(directory.serve)
-        readings = gateway.create_publisher(Report, names.readings, kept)
-        yield House(graph, sightings, readings, directory, asker)
-        tasks.cancel_scope.cancel()
 
 
 @pytest.fixture
