@@ -1,6 +1,6 @@
 """A robot that announces itself by Homie and to Home Assistant, as Valetudo does.
 
-The messages follow Valetudo 2026.02.0 (``backend/lib/mqtt``): of its 13 nodes those with something to tell apart.
+The messages follow Valetudo 2026.02.0 (``backend/lib/mqtt``).
 """
 
 from __future__ import annotations
@@ -10,59 +10,17 @@ from collections.abc import Iterator, Mapping
 from random import Random
 
 import pytest
+from tests.conventions.homie.valetudo import STATUS, VALETUDO, robot
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
-from homebot.conventions.homie import Homie, HomieSettings
 from homebot.devices import Device, Sighting
 from homebot.discovery import DeviceIndex
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.messages import Time
 
 ROBOT = "valetudo/BigSlowDog"
-Properties = Mapping[str, Mapping[str, str]]
 
-NODES: Mapping[str, tuple[str, Properties]] = {
-    "BasicControlCapability": (
-        "Basic control",
-        {
-            "operation": {
-                "$name": "Operation",
-                "$datatype": "enum",
-                "$settable": "true",
-                "$format": "START,STOP,PAUSE,HOME",
-            }
-        },
-    ),
-    "FanSpeedControlCapability": (
-        "Fan speed control",
-        {"preset": {"$name": "Fan speed", "$datatype": "enum", "$settable": "true", "$format": "low,medium,high"}},
-    ),
-    "SpeakerVolumeControlCapability": (
-        "Speaker volume control",
-        {
-            "value": {
-                "$name": "Speaker volume",
-                "$datatype": "integer",
-                "$settable": "true",
-                "$unit": "%",
-                "$format": "0:100",
-            }
-        },
-    ),
-    "BatteryStateAttribute": (
-        "Battery state",
-        {
-            "level": {"$name": "Battery level", "$datatype": "integer", "$unit": "%"},
-            "status": {"$name": "Battery status", "$datatype": "enum", "$format": "none,charging,discharging,charged"},
-        },
-    ),
-    "AttachmentStateAttribute": ("Attachment state", {"mop": {"$name": "Mop", "$datatype": "boolean"}}),
-    "StatusStateAttribute": (
-        "Vacuum status",
-        {"status": {"$name": "Status", "$datatype": "enum", "$format": "error,docked,idle,returning,cleaning,paused"}},
-    ),
-}
 ENTITIES: Mapping[str, Mapping[str, object]] = {
     "vacuum/vacuum": {
         "name": "Robot",
@@ -101,22 +59,7 @@ ENTITIES: Mapping[str, Mapping[str, object]] = {
 
 
 def by_homie() -> DeviceAnnounced:
-    messages = {"$homie": "4.0.0", "$name": "Rocky", "$nodes": ",".join(NODES), "$extensions": ""}
-    for node, (called, properties) in NODES.items():
-        messages |= {
-            f"{node}/$name": called,
-            f"{node}/$type": "Capability",
-            f"{node}/$properties": ",".join(properties),
-        }
-        for prop, attributes in properties.items():
-            messages |= {f"{node}/{prop}/{key}": value for key, value in attributes.items()}
-    homie = Homie(HomieSettings(domains=("valetudo",)))
-    heard = [
-        one
-        for suffix, text in {**messages, "$state": "ready"}.items()
-        for one in homie.read_message(f"{ROBOT}/{suffix}", text.encode(), retained=True)
-    ]
-    return [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
+    return robot(ROBOT, {**VALETUDO, "StatusStateAttribute": STATUS}, "valetudo")
 
 
 def by_discovery(**device: object) -> Iterator[DeviceAnnounced]:
@@ -160,22 +103,22 @@ def test_a_robot_that_announces_itself_twice_is_one_robot_without_conflicts(seed
         ways[tuple(sorted(way.convention for way in one.routes))].add(one.part.service_type)
     assert ways == {
         ("homeassistant", "homie"): {"robotic_vacuum_cleaner", "x_battery", "x_setting", "x_binary_sensor"},
-        ("homie",): {"x_sensor"},
+        ("homie",): {"x_sensor", "x_setting", "x_binary_sensor"},
     }
-    (robot,) = [one for one in device.parts if one.part.service_type == "robotic_vacuum_cleaner"]
-    assert {one.name for one in robot.part.capabilities} == {"vacuum", "fan_mode", "locate"}
+    (cleaner,) = [one for one in device.parts if one.part.service_type == "robotic_vacuum_cleaner"]
+    assert {one.name for one in cleaner.part.capabilities} == {"vacuum", "fan_mode", "locate"}
 
 
 def test_another_device_with_its_name_is_another_device() -> None:
     """Its topics alone, or its name alone, do not identify it."""
-    robot = by_homie()
-    assert len(devices(robot, *by_discovery(identifiers=["BigSlow"]))) == 2
-    assert len(devices(robot, *by_discovery(identifiers=["valetudo"]))) == 2
+    own = by_homie()
+    assert len(devices(own, *by_discovery(identifiers=["BigSlow"]))) == 2
+    assert len(devices(own, *by_discovery(identifiers=["valetudo"]))) == 2
     elsewhere = HomeAssistantDiscovery(HomeAssistantSettings())
     config = {"state_topic": "zones/BigSlowDog/state", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
     (other,) = elsewhere.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
     assert isinstance(other, DeviceAnnounced)
-    assert len(devices(robot, other)) == 2
+    assert len(devices(own, other)) == 2
 
 
 def test_a_device_that_speaks_partly_elsewhere_is_not_known_by_the_topic() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.conventions.homie.valetudo import STATUS, VALETUDO, robot
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.homie import Homie, HomieSettings
@@ -47,69 +48,20 @@ def loads(parts: list[DescribedPart]) -> list[str]:
     return [one.part.service_type for one in parts if one.part.service_type in LOADS]
 
 
-VALETUDO = {
-    "BatteryStateAttribute": ("Battery state", {
-        "level": ("Battery level", {"$datatype": "integer", "$unit": "%"}),
-        "status": ("Battery status", {"$datatype": "enum", "$format": "none,charging,discharging,charged"}),
-    }),
-    "AttachmentStateAttribute": ("Attachment state", {
-        "dustbin": ("Dust bin", {"$datatype": "boolean"}),
-        "watertank": ("Water tank", {"$datatype": "boolean"}),
-        "mop": ("Mop", {"$datatype": "boolean"}),
-    }),
-    "FanSpeedControlCapability": ("Fan speed control", {
-        "preset": ("Fan speed", {"$datatype": "enum", "$format": "off,low,medium,high,max", "$settable": "true"}),
-    }),
-    "WaterUsageControlCapability": ("Water grade control", {
-        "preset": ("Water grade", {"$datatype": "enum", "$format": "off,low,medium,high", "$settable": "true"}),
-    }),
-    "BasicControlCapability": ("Basic control", {
-        "operation": ("Operation", {"$datatype": "enum", "$format": "START,STOP,PAUSE,HOME", "$settable": "true"}),
-    }),
-    "KeyLockCapability": ("Lock Keys", {
-        "enabled": ("Lock Keys", {"$datatype": "enum", "$format": "ON,OFF", "$settable": "true"}),
-    }),
-    "SpeakerVolumeControlCapability": ("Speaker volume control", {
-        "value": ("Speaker volume", {"$datatype": "integer", "$format": "0:100", "$settable": "true"}),
-    }),
-}  # fmt: skip
-STATUS = ("Vacuum status", {
-    "status": ("Status", {
-        "$datatype": "enum", "$format": "error,docked,idle,returning,cleaning,paused,manual_control,moving",
-    }),
-})  # fmt: skip
-
-
-def announced(nodes: Mapping[str, tuple[str, Mapping[str, tuple[str, Mapping[str, str]]]]]) -> dict[str, DescribedPart]:
-    """Return the parts of the tree below ``valetudo/robot`` by version 4."""
-    messages = {"$homie": "4.0.0", "$name": "Rocky", "$nodes": ",".join(nodes), "$extensions": ""}
-    for node, (name, props) in nodes.items():
-        messages |= {f"{node}/$name": name, f"{node}/$type": "Capability", f"{node}/$properties": ",".join(props)}
-        for prop, (called, attributes) in props.items():
-            messages |= {f"{node}/{prop}/{key}": value for key, value in {"$name": called, **attributes}.items()}
-    homie = Homie(HomieSettings())
-    heard = [
-        one
-        for suffix, text in {**messages, "$state": "ready"}.items()
-        for one in homie.read_message(f"homie/robot/{suffix}", text.encode(), retained=True)
-    ]
-    described = [one for one in heard if isinstance(one, DeviceAnnounced)][-1]
-    return {one.part.id: one for one in described.parts}
-
-
 @pytest.mark.parametrize("has_status", [True, False], ids=["with its state", "before its state came"])
 def test_a_robot_that_cleans_is_no_fan_and_its_water_tank_does_not_leak(has_status: bool) -> None:  # noqa: FBT001
-    parts = announced({**VALETUDO, **({"StatusStateAttribute": STATUS} if has_status else {})})
+    described = robot("homie/robot", {**VALETUDO, **({"StatusStateAttribute": STATUS} if has_status else {})})
+    parts = {one.part.id: one for one in described.parts}
     types = {name: one.part.service_type for name, one in parts.items()}
     assert types["BasicControlCapability"] == "robotic_vacuum_cleaner"
     assert set(types.values()).isdisjoint(LOADS | {"water_leak_detector"})
     assert types["AttachmentStateAttribute/watertank"] == "x_binary_sensor"
     assert types["BatteryStateAttribute/level"] == "x_battery"
-    robot = parts["BasicControlCapability"]
-    capabilities = {one.name: one for one in robot.part.capabilities}
+    cleaner = parts["BasicControlCapability"]
+    capabilities = {one.name: one for one in cleaner.part.capabilities}
     assert capabilities["vacuum"].readable == has_status
     assert capabilities["fan_mode"].options == ("off", "low", "medium", "high", "max")
-    (told,) = robot.codec.write("fan_mode", "max")
+    (told,) = cleaner.codec.write("fan_mode", "max")
     assert told.topic == "homie/robot/FanSpeedControlCapability/preset/set"
     assert "FanSpeedControlCapability/preset" not in types, "what the robot is told is no second setting"
     assert types["WaterUsageControlCapability/preset"] == "x_setting"
