@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from homebot.conventions.convention import Convention
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
@@ -29,6 +29,13 @@ def part_with(capability: str, convention: Convention, *messages: tuple[str, obj
     """The only part with *capability*."""
     parts = [part for one in announced(convention, *messages) for part in one.parts]
     (found,) = [one for one in parts if capability in {each.name for each in one.part.capabilities}]
+    return found
+
+
+def part_in(events: Iterable[AnnouncementEvent], part_id: str) -> DescribedPart:
+    """The part with *part_id* of the only device that is announced among *events*."""
+    (device,) = [one for one in events if isinstance(one, DeviceAnnounced)]
+    (found,) = [one for one in device.parts if one.part.id == part_id]
     return found
 
 

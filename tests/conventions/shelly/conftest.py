@@ -3,7 +3,7 @@ from collections.abc import Callable
 
 import pytest
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
+from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.shelly import Shelly, ShellySettings
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
@@ -23,15 +23,3 @@ def say(shelly: Shelly) -> Say:
         return shelly.read_message(topic, text.encode(), retained=retained)
 
     return say
-
-
-@pytest.fixture
-def part() -> Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]:
-    """Finds a part in what was heard last."""
-
-    def part(heard: tuple[AnnouncementEvent, ...], part_id: str) -> DescribedPart:
-        (device,) = [one for one in heard if isinstance(one, DeviceAnnounced)]
-        (found,) = [one for one in device.parts if one.part.id == part_id]
-        return found
-
-    return part

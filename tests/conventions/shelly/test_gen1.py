@@ -1,11 +1,11 @@
 from collections.abc import Callable
 
 import pytest
+from tests.conventions.announced_parts import part_in
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import (
     AnnouncementEvent,
-    DescribedPart,
     DeviceAnnounced,
     DeviceWithdrawn,
     Publication,
@@ -16,7 +16,6 @@ from homebot.errors import RefusedError, WireError
 from homebot.mqtt.topics import topic_matches
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
-Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 PLUG = {
     "id": "shellyplug-s-122881",
@@ -74,7 +73,7 @@ def test_the_same_announcement_on_its_second_topic_counts_once(say: Say) -> None
     assert described(say("shellies/shellyplug-s-122881/announce", {**PLUG, "fw_ver": "2"})).facts["sw_version"] == "2"
 
 
-def test_a_plug_is_switched_and_measured(say: Say, part: Find) -> None:
+def test_a_plug_is_switched_and_measured(say: Say) -> None:
     heard = say("shellies/announce", PLUG)
     base = "shellies/shellyplug-s-122881"
     assert ids(heard) == {
@@ -83,7 +82,7 @@ def test_a_plug_is_switched_and_measured(say: Say, part: Find) -> None:
         "temperature": "temperature_sensor",
         "overtemperature": "x_binary_sensor",
     }
-    relay, meter = part(heard, "relay:0"), part(heard, "relay:0/meter")
+    relay, meter = part_in(heard, "relay:0"), part_in(heard, "relay:0/meter")
     assert relay.codec.write("on_off", True) == (Publication(f"{base}/relay/0/command", b"on"),)
     assert relay.codec.write("on_off", False) == (Publication(f"{base}/relay/0/command", b"off"),)
     assert relay.codec.read(f"{base}/relay/0", b"on", retained=False) == {"on_off": True}
@@ -92,8 +91,8 @@ def test_a_plug_is_switched_and_measured(say: Say, part: Find) -> None:
     assert meter.codec.read(f"{base}/relay/0/energy", b"60000", retained=False) == {"energy": 1.0}
 
 
-def test_999_is_no_temperature(say: Say, part: Find) -> None:
-    thermometer = part(say("shellies/announce", PLUG), "temperature").codec
+def test_999_is_no_temperature(say: Say) -> None:
+    thermometer = part_in(say("shellies/announce", PLUG), "temperature").codec
     assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"999", retained=False) == {"temperature": None}
     assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"21.5", retained=False) == {
         "temperature": 21.5
@@ -101,9 +100,9 @@ def test_999_is_no_temperature(say: Say, part: Find) -> None:
     assert thermometer.read("shellies/shellyplug-s-122881/temperature", b"hot", retained=False) == {}
 
 
-def test_a_switch_in_roller_mode_is_a_covering(say: Say, part: Find) -> None:
+def test_a_switch_in_roller_mode_is_a_covering(say: Say) -> None:
     heard = say("shellies/announce", ROLLER)
-    roller = part(heard, "roller:0")
+    roller = part_in(heard, "roller:0")
     base = "shellies/shellyswitch25-033453/roller/0"
     assert roller.part.service_type == "window_covering"
     assert "relay:0" not in ids(heard)
@@ -137,9 +136,9 @@ def test_a_switch_in_roller_mode_is_a_covering(say: Say, part: Find) -> None:
     ],
 )
 def test_a_roller_that_stopped_at_an_end_is_open_or_closed(
-    say: Say, part: Find, told: tuple[str, ...], movement: str | None
+    say: Say, told: tuple[str, ...], movement: str | None
 ) -> None:
-    roller = part(say("shellies/announce", ROLLER), "roller:0")
+    roller = part_in(say("shellies/announce", ROLLER), "roller:0")
     topic = "shellies/shellyswitch25-033453/roller/0"
     values: dict[str, object] = {}
     for one in told:
@@ -165,9 +164,9 @@ def test_an_old_announcement_without_model_is_known_by_its_id(say: Say) -> None:
     assert ids(heard)["relay:0"] == "plug"
 
 
-def test_the_meter_of_a_shelly_2_has_no_index(say: Say, part: Find) -> None:
+def test_the_meter_of_a_shelly_2_has_no_index(say: Say) -> None:
     heard = say("shellies/announce", {"id": "shellyswitch-A8032A000000", "model": "SHSW-21", "mode": "relay"})
-    meter = part(heard, "meter").codec
+    meter = part_in(heard, "meter").codec
     assert meter.read("shellies/shellyswitch-A8032A000000/relay/power", b"5", retained=False) == {"power": 5.0}
 
 
@@ -199,8 +198,8 @@ def test_a_sleeping_device_has_no_availability(say: Say) -> None:
     assert thermometer.availability is None
 
 
-def test_a_repeated_press_is_none(say: Say, part: Find) -> None:
-    button = part(say("shellies/announce", {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}), "input:0").codec
+def test_a_repeated_press_is_none(say: Say) -> None:
+    button = part_in(say("shellies/announce", {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}), "input:0").codec
     topic = "shellies/shellyix3-1BC57A/input_event/0"
     assert button.read(topic, b'{"event":"S","event_cnt":4}', retained=True) == {}
     assert button.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
@@ -209,19 +208,19 @@ def test_a_repeated_press_is_none(say: Say, part: Find) -> None:
     assert button.read(topic, b'{"event":"","event_cnt":6}', retained=False) == {}
 
 
-def test_a_press_after_a_new_description_is_not_the_first_one(say: Say, part: Find) -> None:
+def test_a_press_after_a_new_description_is_not_the_first_one(say: Say) -> None:
     """The device announces itself at each link, and is described anew when it is heard on one more topic."""
     switch = {"id": "shellyix3-1BC57A", "model": "SHIX3-1"}
     topic = "shellies/shellyix3-1BC57A/input_event/0"
-    before = part(say("shellies/announce", switch), "input:0").codec
+    before = part_in(say("shellies/announce", switch), "input:0").codec
     assert before.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
-    after = part(say("shellies/announce", {**switch, "fw_ver": "2"}), "input:0").codec
+    after = part_in(say("shellies/announce", {**switch, "fw_ver": "2"}), "input:0").codec
     assert after.read(topic, b'{"event":"S","event_cnt":4}', retained=False) == {}
     assert after.read(topic, b'{"event":"S","event_cnt":5}', retained=False) == {"press": "single"}
 
 
-def test_the_first_press_of_a_sleeping_button_counts(say: Say, part: Find) -> None:
-    button = part(say("shellies/announce", {"id": "shellybutton1-1CD6EB", "model": "SHBTN-1"}), "input:0").codec
+def test_the_first_press_of_a_sleeping_button_counts(say: Say) -> None:
+    button = part_in(say("shellies/announce", {"id": "shellybutton1-1CD6EB", "model": "SHBTN-1"}), "input:0").codec
     topic = "shellies/shellybutton1-1CD6EB/input_event/0"
     assert button.read(topic, b'{"event":"L","event_cnt":1}', retained=False) == {"press": "long"}
 
@@ -244,21 +243,15 @@ def test_the_main_purpose_of_a_device_comes_first(say: Say, device_id: str, firs
     ],
 )
 def test_commands_of_a_bulb(
-    say: Say,
-    part: Find,
-    capability: str,
-    value: PlainValue,
-    transition: float,
-    suffix: str,
-    payload: bytes,
+    say: Say, capability: str, value: PlainValue, transition: float, suffix: str, payload: bytes
 ) -> None:
-    lamp = part(say("shellies/announce", BULB), "color:0").codec
+    lamp = part_in(say("shellies/announce", BULB), "color:0").codec
     told = lamp.write(capability, value, transition=transition)
     assert told == (Publication(f"shellies/shellybulb-099CF9/color/0/{suffix}", payload),)
 
 
-def test_a_bulb_reports_its_colour_or_its_white(say: Say, part: Find) -> None:
-    lamp = part(say("shellies/announce", BULB), "color:0").codec
+def test_a_bulb_reports_its_colour_or_its_white(say: Say) -> None:
+    lamp = part_in(say("shellies/announce", BULB), "color:0").codec
     topic = "shellies/shellybulb-099CF9/color/0/status"
     told = '{"ison":true,"mode":"MODE","red":255,"green":128,"blue":0,"gain":30,"brightness":60,"temp":4000}'
     assert lamp.read(topic, told.replace("MODE", "color").encode(), retained=False) == {
@@ -275,11 +268,11 @@ def test_a_bulb_reports_its_colour_or_its_white(say: Say, part: Find) -> None:
     }
 
 
-def test_a_motion_sensor_reports_all_in_one_message(say: Say, part: Find) -> None:
+def test_a_motion_sensor_reports_all_in_one_message(say: Say) -> None:
     heard = say("shellies/announce", {"id": "shellymotion2-233F91", "model": "SHMOS-02"})
     status = b'{"motion":true,"vibration":false,"lux":100,"bat":80,"tmp":{"value":21.5,"is_valid":false}}'
     told = {
-        name: dict(part(heard, name).codec.read("shellies/shellymotion2-233F91/status", status, retained=False))
+        name: dict(part_in(heard, name).codec.read("shellies/shellymotion2-233F91/status", status, retained=False))
         for name in ids(heard)
     }
     assert told == {
@@ -297,8 +290,8 @@ def test_the_first_motion_sensor_has_no_thermometer(say: Say) -> None:
     assert list(ids(heard)) == ["motion", "vibration", "lux", "battery"]
 
 
-def test_commands_of_a_radiator_valve_are_degrees(say: Say, part: Find) -> None:
-    valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
+def test_commands_of_a_radiator_valve_are_degrees(say: Say) -> None:
+    valve = part_in(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
     base = "shellies/shellytrv-256273"
     assert valve.write("heating_setpoint", 21.5) == (Publication(f"{base}/thermostat/0/command/target_t", b"21.5"),)
     status = b'{"thermostats":[{"pos":40,"target_t":{"value":21},"tmp":{"value":20.5,"is_valid":true}}],"bat":80}'
@@ -307,8 +300,8 @@ def test_commands_of_a_radiator_valve_are_degrees(say: Say, part: Find) -> None:
     assert valve.read(f"{base}/info", status, retained=False) == expected
 
 
-def test_commands_of_a_fahrenheit_valve_are_fahrenheit(say: Say, part: Find) -> None:
-    valve = part(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
+def test_commands_of_a_fahrenheit_valve_are_fahrenheit(say: Say) -> None:
+    valve = part_in(say("shellies/announce", {"id": "shellytrv-256273", "model": "SHTRV-01"}), "thermostat:0").codec
     base = "shellies/shellytrv-256273"
     status = b'{"pos":40,"target_t":{"value":68,"units":"F"},"tmp":{"value":59,"units":"F","is_valid":true}}'
     expected = {"heating_setpoint": 20.0, "local_temperature": 15.0, "position": 40.0}
@@ -342,8 +335,8 @@ def test_the_filters_match_the_topics_of_parts(shelly: Shelly) -> None:
     assert not any(topic_matches(one, "shellies/x/relay/0/command") for one in shelly.filters())
 
 
-def test_a_meter_counts_drawn_and_returned_energy(say: Say, part: Find) -> None:
-    meter = part(say("shellies/announce", {"id": "shellyem3-A8032A1339F2", "model": "SHEM-3"}), "emeter:0").codec
+def test_a_meter_counts_drawn_and_returned_energy(say: Say) -> None:
+    meter = part_in(say("shellies/announce", {"id": "shellyem3-A8032A1339F2", "model": "SHEM-3"}), "emeter:0").codec
     topic = "shellies/shellyem3-A8032A1339F2/emeter/0"
     assert meter.read(f"{topic}/total", b"1500.0", retained=False) == {"energy": 1.5}
     assert meter.read(f"{topic}/total_returned", b"250.0", retained=False) == {"energy_returned": 0.25}
@@ -357,10 +350,10 @@ def test_a_gas_detector_without_its_valve_has_none(say: Say) -> None:
     assert say("shellies/shellygas-122881/valve/0/state", "not_connected") == ()
 
 
-def test_the_valve_of_a_gas_detector_is_a_valve(say: Say, part: Find) -> None:
+def test_the_valve_of_a_gas_detector_is_a_valve(say: Say) -> None:
     """As enesbcs/shellyteacher4domo, issue 53, and the changes of firmware 1.9.2 name the topics."""
     say("shellies/announce", GAS)
-    valve = part(say("shellies/shellygas-122881/valve/0/state", "opened"), "valve:0")
+    valve = part_in(say("shellies/shellygas-122881/valve/0/state", "opened"), "valve:0")
     assert (valve.part.service_type, valve.part.tag) == ("water_valve", "gas")
     topic = "shellies/shellygas-122881/valve/0"
     assert any(topic_matches(one, f"{topic}/state") for one in Shelly(ShellySettings()).filters())

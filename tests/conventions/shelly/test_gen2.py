@@ -3,10 +3,10 @@ import json
 from collections.abc import Callable
 
 import pytest
+from tests.conventions.announced_parts import part_in
 
 from homebot.conventions.description import (
     AnnouncementEvent,
-    DescribedPart,
     DeviceAnnounced,
     DeviceRequest,
     DeviceWithdrawn,
@@ -18,7 +18,6 @@ from homebot.errors import RefusedError, WireError
 from homebot.mqtt.topics import topic_matches
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
-Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 ID = "shellyplus2pm-a8032abe54dc"
 INFO = {
@@ -113,16 +112,16 @@ def test_answers_to_one_name_for_all_are_known_by_their_source(say: Say) -> None
     assert device.key == ID
 
 
-def test_a_renamed_one_is_known_by_the_topic_it_answers_on(say: Say, part: Find) -> None:
+def test_a_renamed_one_is_known_by_the_topic_it_answers_on(say: Say) -> None:
     say("kitchen/online", "true")
     say("homebot/kitchen/rpc", answer(INFO))
     heard = say("homebot/kitchen/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
-    relay = part(heard, "switch:0")
+    relay = part_in(heard, "switch:0")
     assert relay.part.writes == ("kitchen/rpc",)
     assert relay.codec.read("kitchen/status/switch:0", b'{"output":false}', retained=False) == {"on_off": False}
 
 
-def test_prefixes_of_several_levels_are_a_setting(part: Find) -> None:
+def test_prefixes_of_several_levels_are_a_setting() -> None:
     shelly = Shelly(ShellySettings(client="robot", prefixes=("home/+/plug",)))
     for topic in ("home/hall/plug/online", "home/hall/plug/events/rpc", "robot/home/hall/plug/rpc", "robot/rpc"):
         assert any(topic_matches(one, topic) for one in shelly.filters()), topic
@@ -180,7 +179,7 @@ def test_a_changed_configuration_is_asked_for(say: Say) -> None:
     assert say(f"{ID}/events/rpc", frame) == ()
 
 
-def test_a_sleeping_device_is_described_by_its_whole_status(say: Say, part: Find) -> None:
+def test_a_sleeping_device_is_described_by_its_whole_status(say: Say) -> None:
     name = "shellyplusht-a8032a000001"
     status = {
         "sys": {"mac": "A8032A000001", "wakeup_period": 7200},
@@ -194,14 +193,14 @@ def test_a_sleeping_device_is_described_by_its_whole_status(say: Say, part: Find
     assert isinstance(device, DeviceAnnounced)
     assert device.availability is None
     assert device.identifiers == ("mac:a8032a000001", f"id:{name}")
-    thermometer = part(heard, "temperature:0").codec
+    thermometer = part_in(heard, "temperature:0").codec
     assert thermometer.read(f"{name}/events/rpc", json.dumps(frame).encode(), retained=False) == {"temperature": 21.5}
     assert thermometer.read(f"{name}/status/temperature:0", b'{"tC":null}', retained=False) == {"temperature": None}
 
 
-def test_a_relay_is_switched_and_read_on_three_topics(say: Say, part: Find) -> None:
+def test_a_relay_is_switched_and_read_on_three_topics(say: Say) -> None:
     heard = introduce(say, {"switch:0": SWITCH})
-    relay, meter = part(heard, "switch:0"), part(heard, "switch:0/meter").codec
+    relay, meter = part_in(heard, "switch:0"), part_in(heard, "switch:0/meter").codec
     assert relay.part.service_type == "switch"
     assert called(relay.codec.write("on_off", True)) == ("Switch.Set", {"id": 0, "on": True})
     frame = json.dumps({"src": ID, "method": "NotifyStatus", "params": {"switch:0": SWITCH}}).encode()
@@ -224,14 +223,14 @@ def test_the_main_purpose_of_a_device_comes_first(say: Say) -> None:
     assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
 
 
-def test_a_socket_is_a_plug(say: Say, part: Find) -> None:
+def test_a_socket_is_a_plug(say: Say) -> None:
     heard = introduce(say, {"switch:0": SWITCH}, info={**INFO, "app": "PlugSG3"})
-    assert part(heard, "switch:0").part.service_type == "plug"
+    assert part_in(heard, "switch:0").part.service_type == "plug"
 
 
-def test_names_of_components_are_names_of_parts(say: Say, part: Find) -> None:
+def test_names_of_components_are_names_of_parts(say: Say) -> None:
     heard = introduce(say, {"switch:0": SWITCH}, config={"switch:0": {"name": "Pump"}})
-    assert part(heard, "switch:0").part.name == "Pump"
+    assert part_in(heard, "switch:0").part.name == "Pump"
 
 
 @pytest.mark.parametrize(
@@ -244,13 +243,13 @@ def test_names_of_components_are_names_of_parts(say: Say, part: Find) -> None:
         ("tilt", 50.0, ("Cover.GoToPosition", {"id": 0, "slat_pos": 50})),
     ],
 )
-def test_commands_of_a_cover(say: Say, part: Find, capability: str, value: PlainValue, expected: object) -> None:
-    cover = part(introduce(say, {"cover:0": {**COVER, "slat_pos": 100}}), "cover:0").codec
+def test_commands_of_a_cover(say: Say, capability: str, value: PlainValue, expected: object) -> None:
+    cover = part_in(introduce(say, {"cover:0": {**COVER, "slat_pos": 100}}), "cover:0").codec
     assert called(cover.write(capability, value)) == expected
 
 
-def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say, part: Find) -> None:
-    cover = part(introduce(say, {"cover:0": {"id": 0, "state": "closed", "pos_control": False}}), "cover:0")
+def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say) -> None:
+    cover = part_in(introduce(say, {"cover:0": {"id": 0, "state": "closed", "pos_control": False}}), "cover:0")
     assert {one.name for one in cover.part.capabilities} == {"movement"}
     with pytest.raises(RefusedError, match="movement"):
         cover.codec.write("position", 30.0)
@@ -284,22 +283,22 @@ def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say, part: Find) 
     ],
 )
 def test_commands_of_a_lamp(
-    say: Say, part: Find, component: str, capability: str, value: PlainValue, transition: float, expected: object
+    say: Say, component: str, capability: str, value: PlainValue, transition: float, expected: object
 ) -> None:
-    lamp = part(introduce(say, {component: {"output": False}}), component)
+    lamp = part_in(introduce(say, {component: {"output": False}}), component)
     assert lamp.part.service_type == "light"
     assert called(lamp.codec.write(capability, value, transition=transition)) == expected
 
 
-def test_a_lamp_reports_its_colour(say: Say, part: Find) -> None:
-    lamp = part(introduce(say, {"rgb:0": {"output": False}}), "rgb:0").codec
+def test_a_lamp_reports_its_colour(say: Say) -> None:
+    lamp = part_in(introduce(say, {"rgb:0": {"output": False}}), "rgb:0").codec
     status = b'{"output":true,"brightness":75,"rgb":[255,128,0]}'
     expected = {"on_off": True, "level": 75.0, "color": (30.118, 100.0)}
     assert lamp.read(f"{ID}/status/rgb:0", status, retained=False) == expected
 
 
-def test_a_button_reports_live_presses_only(say: Say, part: Find) -> None:
-    button = part(
+def test_a_button_reports_live_presses_only(say: Say) -> None:
+    button = part_in(
         introduce(say, {"input:0": {"id": 0, "state": None}}, config={"input:0": {"type": "button"}}), "input:0"
     )
     assert button.part.service_type == "generic_switch"
@@ -309,13 +308,13 @@ def test_a_button_reports_live_presses_only(say: Say, part: Find) -> None:
     assert button.codec.read(f"{ID}/events/rpc", frame, retained=True) == {}
 
 
-def test_three_phases_are_measured_each_and_together(say: Say, part: Find) -> None:
+def test_three_phases_are_measured_each_and_together(say: Say) -> None:
     phases = {"a_act_power": 200, "a_voltage": 230, "b_act_power": 100, "c_act_power": 50, "total_act_power": 350}
     heard = introduce(say, {"em:0": phases})
-    assert part(heard, "em:0").codec.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
+    assert part_in(heard, "em:0").codec.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
         "power": 350.0
     }
-    phase = part(heard, "em:0/a").codec
+    phase = part_in(heard, "em:0/a").codec
     assert phase.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
         "power": 200.0,
         "voltage": 230.0,
@@ -323,18 +322,18 @@ def test_three_phases_are_measured_each_and_together(say: Say, part: Find) -> No
     assert phase.read(f"{ID}/status/emdata:0", b'{"a_total_act_energy":1500}', retained=False) == {"energy": 1.5}
 
 
-def test_a_value_of_the_users_is_a_setting(say: Say, part: Find) -> None:
+def test_a_value_of_the_users_is_a_setting(say: Say) -> None:
     heard = introduce(say, {"number:200": {"value": 5}}, config={"number:200": {"min": 0, "max": 10}})
-    setting = part(heard, "number:200")
+    setting = part_in(heard, "number:200")
     assert setting.part.category == "config"
     assert called(setting.codec.write("number", 7.0)) == ("Number.Set", {"id": 200, "value": 7})
     with pytest.raises(RefusedError, match="0 to 10"):
         setting.codec.write("number", 11.0)
 
 
-def test_a_bluetooth_sensor_has_the_meaning_of_its_object_id(say: Say, part: Find) -> None:
+def test_a_bluetooth_sensor_has_the_meaning_of_its_object_id(say: Say) -> None:
     heard = introduce(say, {"bthomesensor:200": {"value": True}}, config={"bthomesensor:200": {"obj_id": 45}})
-    sensor = part(heard, "bthomesensor:200")
+    sensor = part_in(heard, "bthomesensor:200")
     assert sensor.part.service_type == "contact_sensor"
     assert sensor.codec.read(f"{ID}/status/bthomesensor:200", b'{"value":true}', retained=False) == {"contact": True}
 
@@ -349,16 +348,16 @@ def test_a_bluetooth_sensor_has_the_meaning_of_its_object_id(say: Say, part: Fin
     ],
 )
 def test_a_bluetooth_sensor_without_a_name_has_that_of_its_device(
-    say: Say, part: Find, config: dict[str, object], expected: str
+    say: Say, config: dict[str, object], expected: str
 ) -> None:
     components: dict[str, object] = {"bthomedevice:201": {"rssi": -55}, "bthomesensor:200": {"value": True}}
     device = {"name": "Kitchen window", "addr": "38:39:8f:aa:bb:cc"}
     own = {"bthomedevice:201": device, "bthomesensor:200": {"obj_id": 45, **config}}
-    assert part(introduce(say, components, config=own), "bthomesensor:200").part.name == expected
+    assert part_in(introduce(say, components, config=own), "bthomesensor:200").part.name == expected
 
 
-def test_commands_of_a_thermostat_are_degrees_and_mode(say: Say, part: Find) -> None:
-    thermostat = part(introduce(say, {"thermostat:0": {"target_C": 21, "current_C": 20.5}}), "thermostat:0").codec
+def test_commands_of_a_thermostat_are_degrees_and_mode(say: Say) -> None:
+    thermostat = part_in(introduce(say, {"thermostat:0": {"target_C": 21, "current_C": 20.5}}), "thermostat:0").codec
     assert called(thermostat.write("heating_setpoint", 21.5)) == (
         "Thermostat.SetConfig",
         {"id": 0, "config": {"target_C": 21.5}},
@@ -369,10 +368,10 @@ def test_commands_of_a_thermostat_are_degrees_and_mode(say: Say, part: Find) -> 
     )
 
 
-def test_a_thermostat_that_is_set_up_to_cool_cools(say: Say, part: Find) -> None:
+def test_a_thermostat_that_is_set_up_to_cool_cools(say: Say) -> None:
     status = {"enable": True, "target_C": 24, "current_C": 26.5, "output": True}
     heard = introduce(say, {"thermostat:0": status}, config={"thermostat:0": {"type": "cooling"}})
-    thermostat = part(heard, "thermostat:0").codec
+    thermostat = part_in(heard, "thermostat:0").codec
     told = thermostat.read(f"{ID}/status/thermostat:0", json.dumps(status).encode(), retained=False)
     assert told == {
         "cooling_setpoint": 24.0,
@@ -415,14 +414,14 @@ def test_unknown_devices_are_bounded(shelly: Shelly, say: Say) -> None:
     assert say(f"homebot/{ID}/rpc", answer(INFO)) == ()
 
 
-def test_a_silent_device_is_described_by_its_reports(say: Say, part: Find) -> None:
+def test_a_silent_device_is_described_by_its_reports(say: Say) -> None:
     (described, question) = say(f"{ID}/status/switch:0", {"id": 0, "output": True})
     assert isinstance(question, DeviceRequest)
     assert isinstance(described, DeviceAnnounced)
     assert "mac:a8032abe54dc" in described.identifiers
-    assert part((described,), "switch:0").codec.read(f"{ID}/status/switch:0", b'{"output":false}', retained=False) == {
-        "on_off": False
-    }
+    assert part_in((described,), "switch:0").codec.read(
+        f"{ID}/status/switch:0", b'{"output":false}', retained=False
+    ) == {"on_off": False}
     more = say(f"{ID}/events/rpc", {"src": ID, "method": "NotifyStatus", "params": {"ts": 1.5, "cover:0": COVER}})
     assert isinstance(more[0], DeviceAnnounced)
     assert [one.part.id for one in more[0].parts] == ["switch:0", "cover:0"]

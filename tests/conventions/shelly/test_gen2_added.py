@@ -6,13 +6,13 @@ import json
 from collections.abc import Callable
 
 import pytest
+from tests.conventions.announced_parts import part_in
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced, DeviceRequest
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest
 
 ID = "shellyblugwg3-a8032abe54dc"
 ANSWERS = f"homebot/{ID}/rpc"
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
-Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 
 def sensor(number: int, value: float) -> dict[str, object]:
@@ -43,17 +43,17 @@ def gateway(say: Say) -> Say:
     return say
 
 
-def test_an_added_component_is_a_part_with_its_given_name(gateway: Say, part: Find) -> None:
-    found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
+def test_an_added_component_is_a_part_with_its_given_name(gateway: Say) -> None:
+    found = part_in(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
     assert (found.part.service_type, found.part.name) == ("temperature_sensor", "Shelf 200")
 
 
-def test_a_water_valve_has_its_role_in_the_attributes_beside_its_configuration(gateway: Say, part: Find) -> None:
+def test_a_water_valve_has_its_role_in_the_attributes_beside_its_configuration(gateway: Say) -> None:
     """As devices with the module of Shelly answer, such as LinkedGo ST802 (source: ShellyScanner, ``PbSXT1St802``)."""
     config = {"id": 200, "name": "Position", "owner": "service:0", "access": "crw", "min": 0, "max": 100}
     attributes = {"owner": "service:0", "role": "position"}
     valve = {"key": "number:200", "status": {"value": 40}, "config": config, "attrs": attributes}
-    found = part(gateway(ANSWERS, page(0, 1, valve)), "number:200").part
+    found = part_in(gateway(ANSWERS, page(0, 1, valve)), "number:200").part
     assert (found.service_type, found.category, found.name) == ("water_valve", "", "Position")
 
 
@@ -82,8 +82,8 @@ def test_the_request_of_the_next_page_replaces_no_other(gateway: Say) -> None:
     assert again.key != more.key
 
 
-def test_the_same_pages_report_the_status(gateway: Say, part: Find) -> None:
-    found = part(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
+def test_the_same_pages_report_the_status(gateway: Say) -> None:
+    found = part_in(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
     message = json.dumps(page(0, 1, sensor(200, 22.0))).encode()
     assert found.codec.read(ANSWERS, message, retained=False) == {"temperature": 22.0}
     other = json.dumps(page(0, 1, sensor(201, 22.0))).encode()

@@ -2,11 +2,11 @@ import json
 from collections.abc import Callable
 
 import pytest
+from tests.conventions.announced_parts import part_in
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
+from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
-Find = Callable[[tuple[AnnouncementEvent, ...], str], DescribedPart]
 
 
 def introduce(say: Say, key: str, status: object, config: object) -> tuple[AnnouncementEvent, ...]:
@@ -100,10 +100,10 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
     ],
 )
 def test_a_component_reports(
-    say: Say, part: Find, config: object, part_id: str, service_type: str, status: object, expected: object
+    say: Say, config: object, part_id: str, service_type: str, status: object, expected: object
 ) -> None:
     key = part_id.partition("/")[0]
-    found = part(introduce(say, key, status, config), part_id)
+    found = part_in(introduce(say, key, status, config), part_id)
     assert found.part.service_type == service_type
     assert found.codec.read(f"x/status/{key}", json.dumps(status).encode(), retained=False) == expected
     news = json.dumps({"method": "NotifyStatus", "params": {key: status}}).encode()
@@ -119,8 +119,8 @@ def test_disabled_and_unknown_inputs_are_no_parts(say: Say, key: str, config: ob
 
 
 @pytest.mark.parametrize(("key", "config"), [("bthomedevice:200", {}), ("bthomesensor:200", {"obj_id": 58})])
-def test_a_bluetooth_button_reports_each_press(say: Say, part: Find, key: str, config: object) -> None:
-    button = part(introduce(say, key, {"rssi": -60}, config), key)
+def test_a_bluetooth_button_reports_each_press(say: Say, key: str, config: object) -> None:
+    button = part_in(introduce(say, key, {"rssi": -60}, config), key)
     event = {"method": "NotifyEvent", "params": {"events": [{"component": key, "event": "double_push"}]}}
     assert button.part.service_type == "generic_switch"
     heard = button.codec.read("x/events/rpc", json.dumps(event).encode(), retained=False)
@@ -137,17 +137,17 @@ def test_a_bluetooth_button_reports_each_press(say: Say, part: Find, key: str, c
     ],
 )
 def test_the_warmth_of_an_energy_meter_is_not_that_of_the_room(
-    say: Say, part: Find, components: dict[str, object], key: str, category: str
+    say: Say, components: dict[str, object], key: str, category: str
 ) -> None:
     say("homebot/rpc", {"id": 1, "src": "x", "result": {"id": "x", "mac": "A8032ABE54DC"}})
     status = {"sys": {"mac": "A8"}, **components, key: {"tC": 50.2}}
-    thermometer = part(say("homebot/rpc", {"id": 1, "src": "x", "result": status}), key).part
+    thermometer = part_in(say("homebot/rpc", {"id": 1, "src": "x", "result": status}), key).part
     assert (thermometer.service_type, thermometer.category) == ("temperature_sensor", category)
 
 
-def test_a_zone_of_an_irrigation_controller_is_a_valve(say: Say, part: Find) -> None:
+def test_a_zone_of_an_irrigation_controller_is_a_valve(say: Say) -> None:
     config = {"id": 200, "name": "Lawn", "owner": "service:0", "role": "zone0", "access": "crw"}
-    zone = part(introduce(say, "boolean:200", {"value": False}, config), "boolean:200")
+    zone = part_in(introduce(say, "boolean:200", {"value": False}, config), "boolean:200")
     assert (zone.part.service_type, zone.part.name, zone.part.category) == ("water_valve", "Lawn", "")
     assert zone.codec.read("x/status/boolean:200", b'{"value":true}', retained=False) == {"valve": "open"}
     (told,) = zone.codec.write("valve", "open")
@@ -155,9 +155,9 @@ def test_a_zone_of_an_irrigation_controller_is_a_valve(say: Say, part: Find) -> 
     assert (told.topic, call["method"], call["params"]) == ("x/rpc", "Boolean.Set", {"id": 200, "value": True})
 
 
-def test_a_water_valve_of_a_maker_is_a_valve(say: Say, part: Find) -> None:
+def test_a_water_valve_of_a_maker_is_a_valve(say: Say) -> None:
     config = {"id": 200, "owner": "service:0", "role": "position", "access": "crw", "min": 0, "max": 100}
-    valve = part(introduce(say, "number:200", {"value": 0}, config), "number:200")
+    valve = part_in(introduce(say, "number:200", {"value": 0}, config), "number:200")
     assert (valve.part.service_type, valve.part.category) == ("water_valve", "")
     read = [valve.codec.read("x/status/number:200", text, retained=False) for text in (b'{"value":40}', b'{"value":0}')]
     assert read == [{"position": 40.0, "valve": "open"}, {"position": 0.0, "valve": "closed"}]
@@ -168,9 +168,9 @@ def test_a_water_valve_of_a_maker_is_a_valve(say: Say, part: Find) -> None:
     ]
 
 
-def test_the_state_of_a_makers_device_is_a_switch(say: Say, part: Find) -> None:
+def test_the_state_of_a_makers_device_is_a_switch(say: Say) -> None:
     config = {"id": 200, "name": "Power", "owner": "service:0", "role": "state", "access": "crw"}
-    switch = part(introduce(say, "boolean:200", {"value": True}, config), "boolean:200")
+    switch = part_in(introduce(say, "boolean:200", {"value": True}, config), "boolean:200")
     assert (switch.part.service_type, switch.part.category) == ("switch", "")
     assert switch.codec.read("x/status/boolean:200", b'{"value":true}', retained=False) == {"on_off": True}
     (told,) = switch.codec.write("on_off", False)
@@ -186,16 +186,14 @@ def test_a_device_with_the_module_of_shelly_has_the_name_of_its_product(say: Say
 
 
 @pytest.mark.parametrize(("access", "capability"), [("crw", "number"), ("cr", "measurement")])
-def test_a_number_of_the_user_has_the_unit_that_the_device_shows(
-    say: Say, part: Find, access: str, capability: str
-) -> None:
+def test_a_number_of_the_user_has_the_unit_that_the_device_shows(say: Say, access: str, capability: str) -> None:
     config = {"id": 200, "access": access, "meta": {"ui": {"view": "slider", "unit": "W", "step": 1}}}
-    (found,) = part(introduce(say, "number:200", {"value": 5}, config), "number:200").part.capabilities
+    (found,) = part_in(introduce(say, "number:200", {"value": 5}, config), "number:200").part.capabilities
     assert (found.name, found.unit) == (capability, "W")
 
 
-def test_a_boolean_of_the_user_is_no_zone_in_any_role(say: Say, part: Find) -> None:
-    mine = part(introduce(say, "boolean:200", {"value": False}, {"name": "zone0", "role": "zone0"}), "boolean:200")
+def test_a_boolean_of_the_user_is_no_zone_in_any_role(say: Say) -> None:
+    mine = part_in(introduce(say, "boolean:200", {"value": False}, {"name": "zone0", "role": "zone0"}), "boolean:200")
     assert mine.part.service_type == "x_setting"
 
 
@@ -207,8 +205,6 @@ def test_a_boolean_of_the_user_is_no_zone_in_any_role(say: Say, part: Find) -> N
         ("em1:1", "em1data:1", {"total_act_ret_energy": 500}, {"energy_returned": 0.5}),
     ],
 )
-def test_a_meter_counts_both_ways(
-    say: Say, part: Find, part_id: str, topic: str, status: object, expected: object
-) -> None:
-    meter = part(introduce(say, part_id.partition("/")[0], {"a_act_power": 1, "act_power": 1}, {}), part_id)
+def test_a_meter_counts_both_ways(say: Say, part_id: str, topic: str, status: object, expected: object) -> None:
+    meter = part_in(introduce(say, part_id.partition("/")[0], {"a_act_power": 1, "act_power": 1}, {}), part_id)
     assert meter.codec.read(f"x/status/{topic}", json.dumps(status).encode(), retained=False) == expected
