@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import anyio
@@ -106,16 +105,8 @@ class House:
         return {one.device.id: one.reasons[0] for one in answer.results}
 
 
-Golden = Callable[..., AbstractAsyncContextManager[House]]
-
-
-@pytest.fixture
-def golden() -> Golden:
-    return partial(_house)
-
-
 @asynccontextmanager
-async def _house(
+async def golden(
     closed_door: float = 3.0, clock: Clock | None = None, rooms: tuple[HouseRoom, ...] = (HALL, KITCHEN)
 ) -> AsyncIterator[House]:
     graph, names = Graph(clock or LoopClock(0.0)), GatewayNames("mqtt")
@@ -154,18 +145,12 @@ async def _house(
         yield house
 
 
-@pytest.fixture
-def door() -> Callable[..., Report]:
-    def make(value: str, at: float) -> Report:
-        named, capability = ("Kitchen lock", "lock") if value.endswith("locked") else ("Kitchen door", "contact")
-        return tell(announce(named), capability, value if capability == "lock" else value == "open", part="s", at=at)
-
-    return make
+def door(value: str, at: float) -> Report:
+    named, capability = ("Kitchen lock", "lock") if value.endswith("locked") else ("Kitchen door", "contact")
+    return tell(announce(named), capability, value if capability == "lock" else value == "open", part="s", at=at)
 
 
-async def test_the_lamp_behind_the_wall_is_farther_and_a_door_changes_that_with_one_message(
-    golden: Golden, door: Callable[..., Report]
-) -> None:
+async def test_the_lamp_behind_the_wall_is_farther_and_a_door_changes_that_with_one_message() -> None:
     """Golden. Through the air the lamp in the kitchen is 1 m away, and that in the hall 2.5 m."""
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
@@ -194,7 +179,7 @@ async def test_the_lamp_behind_the_wall_is_farther_and_a_door_changes_that_with_
         assert (await house.why("lamps near robi"))["kitchen_lamp"] == "7.1 m = 7.1 path by Hall-Kitchen"
 
 
-async def test_the_metres_of_a_closed_door_are_a_setting(golden: Golden, door: Callable[..., Report]) -> None:
+async def test_the_metres_of_a_closed_door_are_a_setting() -> None:
     async with golden(closed_door=7.5) as house:
         await house.robot_at(3.5, 1.0)
         await house.hears(door("closed", house.app.graph.clock.now()))
@@ -203,16 +188,14 @@ async def test_the_metres_of_a_closed_door_are_a_setting(golden: Golden, door: C
         )
 
 
-async def test_on_one_of_several_floors_a_robot_has_to_say_which(golden: Golden) -> None:
+async def test_on_one_of_several_floors_a_robot_has_to_say_which() -> None:
     async with golden(rooms=(HALL._replace(floor="Ground"), KITCHEN._replace(floor="Top"))) as house:
         await house.robot_at(3.5, 1.0, room="")
         answer = await house.find("lamp near robi")
         assert answer.message == "the house has several floors; state its floor in [robots.robi]"
 
 
-async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is(
-    golden: Golden,
-) -> None:
+async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is() -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
         await house.find("lamp near robot")
@@ -227,7 +210,7 @@ async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_say
         assert answer.message == "robi was in Kitchen at 4.5, 1.5 ±0.1 m 1 s ago (/tf)"
 
 
-async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake(golden: Golden) -> None:
+async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake() -> None:
     async with golden() as house:
         before = await house.find("lamp near robi")
         assert (before.success, before.is_mistake) == (False, False)
@@ -245,7 +228,7 @@ async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake(golden:
                 await ask
 
 
-async def test_apps_find_the_nearest_first_and_by_values(golden: Golden) -> None:
+async def test_apps_find_the_nearest_first_and_by_values() -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
         for name in ("Kitchen lamp", "Hall lamp"):
@@ -265,9 +248,7 @@ async def test_apps_find_the_nearest_first_and_by_values(golden: Golden) -> None
         assert [one.id for one in answer.devices] == ["hall_lamp"]
 
 
-async def test_a_live_query_yields_only_what_came_near_and_what_left(
-    golden: Golden, door: Callable[..., Report]
-) -> None:
+async def test_a_live_query_yields_only_what_came_near_and_what_left() -> None:
     """Moves of less than 0.1 m ask nothing; a door asks at once, a move at most twice a second."""
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
@@ -321,7 +302,7 @@ class BusyClock:
 
 async def test_the_first_question_lets_others_have_their_turn() -> None:
     """It spots all devices."""
-    async with _house(clock=BusyClock()) as house:
+    async with golden(clock=BusyClock()) as house:
         lamp = part_of("light", "on_off", id="l", writes=("x/set",))
         for number in range(50):
             await house.hears(announce(f"lamp {number}", lamp, ids=(f"id:{number}",), area="Hall", confirmed=True))
@@ -345,7 +326,7 @@ async def test_the_first_question_lets_others_have_their_turn() -> None:
         assert counts[0] >= counts[1] + 15
 
 
-async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_answer_says_so(golden: Golden) -> None:
+async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_answer_says_so() -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
         await house.hears(tell(announce("Hall lamp"), REACHABLE, False))
@@ -360,7 +341,7 @@ async def test_what_is_stale_or_offline_or_only_has_a_lamp_is_farther_and_the_an
         )
 
 
-async def test_a_device_that_fits_in_part_is_farther(golden: Golden) -> None:
+async def test_a_device_that_fits_in_part_is_farther() -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)
         plug = part_of("plug", "on_off", id="p", writes=("Fan/set",))
@@ -371,7 +352,7 @@ async def test_a_device_that_fits_in_part_is_farther(golden: Golden) -> None:
         }
 
 
-async def test_what_waits_for_approval_is_left_out_and_named(golden: Golden) -> None:
+async def test_what_waits_for_approval_is_left_out_and_named() -> None:
     async with golden() as house:
         lock = part_of("door_lock", "lock", id="k", writes=("Safe/set",))
         await house.hears(announce("Safe", lock, ids=("id:Safe",), name="Safe", area="Hall", confirmed=True))
@@ -384,7 +365,7 @@ async def test_what_waits_for_approval_is_left_out_and_named(golden: Golden) -> 
         assert "safe" in [one.device.id for one in (await house.find("unapproved lock near robi")).results]
 
 
-async def test_failed_commands_count_metres(golden: Golden) -> None:
+async def test_failed_commands_count_metres() -> None:
     """Five of five failed: 2.4 m, and 0.6 m for one of which nothing is known; a week later half of it counts."""
     async with golden() as house:
         past = [_outcome("hall_lamp", house.app.graph.clock.now(), "no_answer") for _ in range(4)]
@@ -419,9 +400,7 @@ def _outcome(device: str, at: float, outcome: str) -> JournalEntry:
         ({"name": "Hal lamp"}, "nothing is called 'hal lamp'; did you mean hall lamp?"),
     ],
 )
-async def test_a_name_that_nothing_has_is_refused(
-    golden: Golden, ask: str, filters: dict[str, Any], problem: str
-) -> None:
+async def test_a_name_that_nothing_has_is_refused(ask: str, filters: dict[str, Any], problem: str) -> None:
     async with golden() as house:
         devices = Devices(house.app)
         assert await devices.find(Light, area="outside") == ()  # a room of the plan, as yet without devices
@@ -432,7 +411,7 @@ async def test_a_name_that_nothing_has_is_refused(
         assert str(caught.value).startswith(f"{ask}(Light, ")
 
 
-async def test_the_service_for_devices_refuses_a_misspelt_room_where_it_is_asked_to(golden: Golden) -> None:
+async def test_the_service_for_devices_refuses_a_misspelt_room_where_it_is_asked_to() -> None:
     """The door asks it to for each query as text."""
     async with golden() as house:
         find = house.app.create_client(FindDevices, FIND_DEVICES)
