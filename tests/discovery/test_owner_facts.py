@@ -43,25 +43,21 @@ def areas(index: DeviceIndex) -> dict[str, str]:
     return {device.id: device.area for device in index.devices()}
 
 
-@pytest.fixture
-def lamp() -> Sighting:
-    return announce("l", part_of("light", "on_off", id="l"), ids=(MAC,), name="Lamp", area="Study", at=1.0)
+STUDY_LAMP = announce("l", part_of("light", "on_off", id="l"), ids=(MAC,), name="Lamp", area="Study", at=1.0)
 
 
-@pytest.fixture
-def announced() -> tuple[Sighting, ...]:
-    """One lamp over three gateways: two name its hardware address, two its serial number."""
-    light = part_of("light", "on_off", id="l")
-    return (
-        announce("a", light, ids=(MAC,), gateway="radio", name="Radio"),
-        announce("b", light, ids=(MAC, SERIAL), gateway="cable", name="Cable"),
-        announce("c", light, ids=(SERIAL,), gateway="web", name="Web"),
-    )
+LIGHT = part_of("light", "on_off", id="l")
+THREE_WAYS = (
+    announce("a", LIGHT, ids=(MAC,), gateway="radio", name="Radio"),
+    announce("b", LIGHT, ids=(MAC, SERIAL), gateway="cable", name="Cable"),
+    announce("c", LIGHT, ids=(SERIAL,), gateway="web", name="Web"),
+)
+"""One lamp over three gateways: two name its hardware address, two its serial number."""
 
 
-def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(lamp: Sighting) -> None:
+def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.pop_changes()
     assert index.places.place("lamp", "kitchen", 7.0) == "Kitchen"
     device = got(index, "lamp")
@@ -93,9 +89,9 @@ def test_an_announced_floor_has_its_rooms_until_the_owner_states_another() -> No
     assert got(index, "lamp").outer_areas == ("Home",)
 
 
-def test_what_a_tag_taught_is_listed_after_what_the_device_announces(lamp: Sighting) -> None:
+def test_what_a_tag_taught_is_listed_after_what_the_device_announces() -> None:
     index = index_of()
-    index.observe(lamp)
+    index.observe(STUDY_LAMP)
     index.places.teach("lamp", "nfc", "", "Hall", 2.0)
     index.places.add("lamp", "tag", "night", 3.0)
     facts = got(index, "lamp").facts
@@ -117,9 +113,9 @@ def test_however_much_a_device_announces_it_stays_known_that_a_tag_taught_its_ro
     assert without_taught_room(got(index, "lamp")).area == ""
 
 
-def test_aliases_and_tags_add_up_and_are_taken_back(lamp: Sighting) -> None:
+def test_aliases_and_tags_add_up_and_are_taken_back() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.places.add("lamp", "name", "Reading lamp", 1.0)
     assert index.places.add("lamp", "name", "Corner lamp", 2.0) == ("Corner lamp", "Reading lamp")
     assert index.places.add("lamp", "tag", "night", 3.0) == ("night",)
@@ -165,18 +161,18 @@ def test_every_query_knows_rooms_floors_aliases_and_tags(text: str) -> None:
     assert found == ({"a", "b"} if "without" in text else {"a"})
 
 
-def test_a_device_without_a_room_is_found_so(lamp: Sighting) -> None:
+def test_a_device_without_a_room_is_found_so() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.observe(announce("n", name="Nowhere", ids=("mac:000000000001",)), 0.0)
     assert index.find(parse_query("without area")) == {"nowhere"}
     index.places.place("nowhere", "Attic", 1.0)
     assert index.find(parse_query("without room")) == set()
 
 
-def test_the_configuration_is_there_before_the_device(lamp: Sighting) -> None:
+def test_the_configuration_is_there_before_the_device() -> None:
     index = index_of({"lamp": {"room": "hall", "aliases": ["Big lamp", "Old lamp"], "tags": ["night"]}})
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     device = got(index, "lamp")
     assert (device.area, device.name, device.tags) == ("Hall", "Big lamp", ("night",))
     assert {(one.key, one.said_at.to_seconds()) for one in device.facts if one.convention == "owner"} == {
@@ -184,17 +180,17 @@ def test_the_configuration_is_there_before_the_device(lamp: Sighting) -> None:
     }
 
 
-def test_the_configuration_knows_devices_by_hardware_address(lamp: Sighting) -> None:
+def test_the_configuration_knows_devices_by_hardware_address() -> None:
     by_id: Mapping[str, object] = {"another id": {"room": "Hall", "identifiers": [MAC]}}
     for devices in ({MAC: {"room": "Hall"}}, by_id):
         index = index_of(devices)
-        index.observe(lamp, 0.0)
+        index.observe(STUDY_LAMP, 0.0)
         assert got(index, "lamp").area == "Hall"
 
 
-def test_a_command_outranks_the_configuration_until_it_is_taken_back(lamp: Sighting) -> None:
+def test_a_command_outranks_the_configuration_until_it_is_taken_back() -> None:
     index = index_of({"lamp": {"room": "Hall", "aliases": ["Big lamp"], "tags": ["night"]}})
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.places.place("lamp", "Kitchen", 1.0)
     index.places.add("lamp", "name", "My lamp", 1.0)
     device = got(index, "lamp")
@@ -209,26 +205,22 @@ def test_a_command_outranks_the_configuration_until_it_is_taken_back(lamp: Sight
 
 
 @pytest.mark.parametrize("order", list(permutations(range(3))))
-def test_the_owner_outranks_whatever_is_announced_in_whatever_order(
-    announced: tuple[Sighting, ...], order: tuple[int, ...]
-) -> None:
+def test_the_owner_outranks_whatever_is_announced_in_whatever_order(order: tuple[int, ...]) -> None:
     index = index_of({MAC: {"room": "Hall"}})
     for number in order:
-        sighting = announced[number].model_copy(update={"area": f"Room {number}"})
+        sighting = THREE_WAYS[number].model_copy(update={"area": f"Room {number}"})
         index.observe(sighting, 0.0)
     (device,) = index.devices()
     assert device.area == "Hall"
     index.places.place(device.id, "Attic", 1.0)
-    for one in announced:
+    for one in THREE_WAYS:
         index.observe(one.model_copy(update={"area": "Garage", "metadata": ()}), 2.0)
     assert [one.area for one in index.devices()] == ["Attic"]
 
 
-def test_a_merged_device_is_where_the_later_statement_put_it_and_each_returns_to_its_own(
-    announced: tuple[Sighting, ...],
-) -> None:
+def test_a_merged_device_is_where_the_later_statement_put_it_and_each_returns_to_its_own() -> None:
     index = index_of()
-    for one in announced[::2]:
+    for one in THREE_WAYS[::2]:
         index.observe(one, 0.0)
     index.places.place("radio", "Hall", 1.0)
     index.places.place("web", "Kitchen", 2.0)
@@ -241,9 +233,9 @@ def test_a_merged_device_is_where_the_later_statement_put_it_and_each_returns_to
     assert got(index, "web").tags == ()
 
 
-def test_a_statement_on_a_merged_device_is_of_both_after_a_split(announced: tuple[Sighting, ...]) -> None:
+def test_a_statement_on_a_merged_device_is_of_both_after_a_split() -> None:
     index = index_of()
-    for one in announced:
+    for one in THREE_WAYS:
         index.observe(one, 0.0)
     index.places.place("radio", "Hall", 1.0)
     index.split("radio", None, 2.0)
@@ -253,9 +245,9 @@ def test_a_statement_on_a_merged_device_is_of_both_after_a_split(announced: tupl
     assert areas(index) == {"radio": "Hall", "cable": "Kitchen", "web": ""}
 
 
-def test_what_was_taken_back_of_a_merged_device_does_not_return_with_a_split(announced: tuple[Sighting, ...]) -> None:
+def test_what_was_taken_back_of_a_merged_device_does_not_return_with_a_split() -> None:
     index = index_of()
-    for one in announced[::2]:
+    for one in THREE_WAYS[::2]:
         index.observe(one, 0.0)
     index.places.place("web", "Kitchen", 2.0)
     index.merge(("radio", "web"), 4.0)
@@ -264,12 +256,10 @@ def test_what_was_taken_back_of_a_merged_device_does_not_return_with_a_split(ann
     assert areas(index) == {"radio": "", "web": ""}
 
 
-def test_the_configuration_of_a_device_stays_with_it_when_it_is_merged_into_an_older_one(
-    announced: tuple[Sighting, ...],
-) -> None:
+def test_the_configuration_of_a_device_stays_with_it_when_it_is_merged_into_an_older_one() -> None:
     index = index_of({"web": {"room": "Hall"}})
-    index.observe(announced[0], 0.0)
-    index.observe(announced[2], 0.0)
+    index.observe(THREE_WAYS[0], 0.0)
+    index.observe(THREE_WAYS[2], 0.0)
     index.merge(("radio", "web"), 1.0)
     assert areas(index) == {"radio": "Hall"}
     again = restored(index, {"web": {"room": "Hall"}})
@@ -290,9 +280,9 @@ def restored(index: DeviceIndex, devices: Mapping[str, object] | None = None) ->
     return again
 
 
-def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns(lamp: Sighting) -> None:
+def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.places.place("lamp", "Hall", 1.0)
     index.places.add("lamp", "tag", "night", 2.0)
     assert index.owner.is_unsaved
@@ -300,48 +290,46 @@ def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns(lamp:
     assert (got(again, "lamp").area, got(again, "lamp").tags) == ("Hall", ("night",))
     again.forget("lamp", 3.0)
     assert not again.devices()
-    again.observe(lamp.model_copy(update={"key": "homeassistant:new", "confirmed": True}), 4.0)
+    again.observe(STUDY_LAMP.model_copy(update={"key": "homeassistant:new", "confirmed": True}), 4.0)
     assert areas(again) == {"lamp": "Hall"}
 
 
-def test_a_statement_stays_when_the_announcement_that_it_was_made_on_is_withdrawn(lamp: Sighting) -> None:
+def test_a_statement_stays_when_the_announcement_that_it_was_made_on_is_withdrawn() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.places.place("lamp", "Hall", 1.0)
-    index.observe(lamp.model_copy(update={"key": "homeassistant:second"}), 2.0)
-    index.observe(lamp.model_copy(update={"kind": "removed"}), 3.0)
+    index.observe(STUDY_LAMP.model_copy(update={"key": "homeassistant:second"}), 2.0)
+    index.observe(STUDY_LAMP.model_copy(update={"kind": "removed"}), 3.0)
     assert areas(index) == {"lamp": "Hall"}
 
 
-def test_what_was_taken_back_does_not_return_with_an_announcement_that_was_withdrawn(lamp: Sighting) -> None:
+def test_what_was_taken_back_does_not_return_with_an_announcement_that_was_withdrawn() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
-    index.observe(lamp.model_copy(update={"key": "homeassistant:second"}), 0.0)
+    index.observe(STUDY_LAMP, 0.0)
+    index.observe(STUDY_LAMP.model_copy(update={"key": "homeassistant:second"}), 0.0)
     index.places.place("lamp", "Hall", 1.0)
-    index.observe(lamp.model_copy(update={"kind": "removed"}), 2.0)
+    index.observe(STUDY_LAMP.model_copy(update={"kind": "removed"}), 2.0)
     index.places.unplace("lamp")
-    index.observe(lamp, 3.0)
+    index.observe(STUDY_LAMP, 3.0)
     assert areas(index) == {"lamp": "Study"}
 
 
-def test_what_is_taken_back_of_one_stays_with_the_other_that_was_split_off_and_is_away(
-    announced: tuple[Sighting, ...],
-) -> None:
+def test_what_is_taken_back_of_one_stays_with_the_other_that_was_split_off_and_is_away() -> None:
     index = index_of()
-    for one in announced:
+    for one in THREE_WAYS:
         index.observe(one, 0.0)
     index.places.place("radio", "Hall", 1.0)
     index.split("radio", None, 2.0)
     index.forget("web", 3.0)
     index.places.unplace("radio")
     index = restored(index)
-    index.observe(announced[2].model_copy(update={"confirmed": True}), 4.0)
+    index.observe(THREE_WAYS[2].model_copy(update={"confirmed": True}), 4.0)
     assert areas(index) == {"radio": "", "cable": "Hall", "web": "Hall"}
 
 
-def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said_to_be_new(lamp: Sighting) -> None:
+def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said_to_be_new() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     with pytest.raises(UsageError, match=r"there is no room 'Kichen'; did you mean Kitchen\?"):
         index.places.place("lamp", "Kichen", 1.0)
     index.sort()
@@ -357,9 +345,9 @@ def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said
     ("name", "reason"),
     [("", "is empty"), ("x" * 101, "100 is the limit"), ("a\nb", "cannot be printed"), ("--", "no letter")],
 )
-def test_a_name_that_cannot_be_one_is_refused(lamp: Sighting, name: str, reason: str) -> None:
+def test_a_name_that_cannot_be_one_is_refused(name: str, reason: str) -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     for state in (index.places.place, lambda *args: index.places.add(args[0], "tag", *args[1:])):
         with pytest.raises(UsageError, match=reason):
             state("lamp", name, 1.0)
@@ -367,14 +355,16 @@ def test_a_name_that_cannot_be_one_is_refused(lamp: Sighting, name: str, reason:
         index.places.place("nobody", "Hall", 1.0)
 
 
-def test_statements_are_bounded(lamp: Sighting) -> None:
+def test_statements_are_bounded() -> None:
     owner = OwnerFacts("Home")
     others = [("mqtt", f"other{number}") for number in range(MAX_STATEMENTS - 2)]
     owner.restore(json.dumps({"statements": [{"facts": [], "announcements": others}]}))
     index = DeviceIndex(forget_after=1000.0, owner=owner)
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     index.places.place("lamp", "Hall", 1.0)
-    index.observe(lamp.model_copy(update={"key": "homeassistant:o", "identifiers": ("mac:1",), "name": "Other"}), 0.0)
+    index.observe(
+        STUDY_LAMP.model_copy(update={"key": "homeassistant:o", "identifiers": ("mac:1",), "name": "Other"}), 0.0
+    )
     with pytest.raises(RefusedError, match="take some back"):
         index.places.place("other", "Hall", 1.0)
     index.places.place("lamp", "Kitchen", 1.0)
@@ -383,9 +373,9 @@ def test_statements_are_bounded(lamp: Sighting) -> None:
     assert areas(index) == {"lamp": "Study", "other": "Hall"}
 
 
-def test_a_device_has_at_most_fifty_tags(lamp: Sighting) -> None:
+def test_a_device_has_at_most_fifty_tags() -> None:
     index = index_of()
-    index.observe(lamp, 0.0)
+    index.observe(STUDY_LAMP, 0.0)
     for number in range(50):
         index.places.add("lamp", "tag", f"tag {number}", 1.0)
     with pytest.raises(RefusedError, match="has 50 already"):
@@ -398,7 +388,7 @@ def test_a_broken_record_is_refused(record: str) -> None:
         OwnerFacts().restore(record)
 
 
-def test_an_imported_room_that_fits_no_more_stays_in_the_record(lamp: Sighting) -> None:
+def test_an_imported_room_that_fits_no_more_stays_in_the_record() -> None:
     index = index_of()
     index.owner.import_rooms((HouseRoom("Upstairs"), HouseRoom("Loft", "Top")), "a file")
     owner = OwnerFacts("Home", read_places({"rooms": {"Bath": {"floor": "Upstairs"}}}, "Home", "", "configuration"))
@@ -495,9 +485,9 @@ def test_a_device_that_announces_its_position_is_in_the_room_that_is_there(
     assert index.places.unplace("lamp") == "Kitchen"
 
 
-def test_an_announced_room_outranks_the_room_at_an_announced_position(lamp: Sighting) -> None:
+def test_an_announced_room_outranks_the_room_at_an_announced_position() -> None:
     index = with_areas()
-    index.observe(lamp.model_copy(update={"metadata": (KeyValue(key="position", value="6,1"),)}))
+    index.observe(STUDY_LAMP.model_copy(update={"metadata": (KeyValue(key="position", value="6,1"),)}))
     assert got(index, "lamp").area == "Study"
 
 

@@ -11,7 +11,7 @@ from tests.discovery import directory_house
 from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import House
 
-from homebot.devices import Devices, Sighting
+from homebot.devices import Devices
 from homebot.devices.handles import Light
 from homebot.devices.names import (
     ALIAS_DEVICE,
@@ -42,15 +42,20 @@ def directory(file: Path | None = None, rooms: dict[str, object] | None = None) 
     return directory_house.directory(file, OwnerFacts("Home", places))
 
 
-@pytest.fixture
-def lamp() -> Sighting:
-    light = part_of("light", "on_off", id="l", writes=("a/set",))
-    return announce("l", light, ids=("mac:aabbccddeeff",), name="Desk lamp", area="Study", at=1.0, confirmed=True)
+LAMP = announce(
+    "l",
+    part_of("light", "on_off", id="l", writes=("a/set",)),
+    ids=("mac:aabbccddeeff",),
+    name="Desk lamp",
+    area="Study",
+    at=1.0,
+    confirmed=True,
+)
 
 
-async def test_handles_are_found_and_followed_by_what_the_owner_states(lamp: Sighting) -> None:
+async def test_handles_are_found_and_followed_by_what_the_owner_states() -> None:
     async with directory() as house:
-        await house.hears(lamp)
+        await house.hears(LAMP)
         devices = Devices(house.asker)
         assert not await devices.find(Light, area="downstairs")
         placed = await house.place("desk_lamp", "kitchen")
@@ -80,9 +85,9 @@ async def test_handles_are_found_and_followed_by_what_the_owner_states(lamp: Sig
                 break
 
 
-async def test_a_refusal_is_answered_in_words(lamp: Sighting) -> None:
+async def test_a_refusal_is_answered_in_words() -> None:
     async with directory() as house:
-        await house.hears(lamp)
+        await house.hears(LAMP)
         for answer, reason in (
             (await house.place("nobody", "Hall"), "there is no device of that id"),
             (await house.place("desk_lamp", "Hal"), "there is no room 'Hal'; did you mean Hall?"),
@@ -113,10 +118,10 @@ async def test_rooms_are_answered_with_both_ends_of_each_door() -> None:
         )
 
 
-async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(lamp: Sighting, tmp_path: Path) -> None:
+async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(tmp_path: Path) -> None:
     file = tmp_path / "index.sqlite"
     async with directory() as house:
-        await house.hears(lamp)
+        await house.hears(LAMP)
         await house.place("desk_lamp", "Hall")
         exported = (await house.asker.create_client(ExportPlaces, EXPORT_PLACES).call(ExportPlaces.Request())).text
     async with directory(file, {}) as house:
@@ -128,7 +133,7 @@ async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(l
         )
         await anyio.sleep(5.0)
     async with directory(file, {}) as house:
-        await house.hears(lamp.model_copy(update={"name": "Another name"}))
+        await house.hears(LAMP.model_copy(update={"name": "Another name"}))
         device = await house.device("another_name")
         assert (device.area, device.outer_areas) == ("Hall", ("Downstairs", "Home"))
         await house.place("another_name", "Kitchen")

@@ -24,16 +24,10 @@ def index() -> DeviceIndex:
     return DeviceIndex(forget_after=24 * HOUR)
 
 
-@pytest.fixture
-def lamp() -> Sighting:
-    return announce("lamp", part_of("light", "on_off", id="l", writes=("l/set",)), ids=("id:multi",), name="Multi")
+LAMP = announce("lamp", part_of("light", "on_off", id="l", writes=("l/set",)), ids=("id:multi",), name="Multi")
 
 
-@pytest.fixture
-def meter() -> Sighting:
-    return announce(
-        "meter", part_of("electrical_meter", "power", id="m", reads=("m",)), ids=("id:multi",), name="Multi"
-    )
+METER = announce("meter", part_of("electrical_meter", "power", id="m", reads=("m",)), ids=("id:multi",), name="Multi")
 
 
 def only(index: DeviceIndex) -> Device:
@@ -41,16 +35,14 @@ def only(index: DeviceIndex) -> Device:
     return device
 
 
-def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks(
-    index: DeviceIndex, lamp: Sighting, meter: Sighting
-) -> None:
-    for one in (lamp, meter):
+def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks(index: DeviceIndex) -> None:
+    for one in (LAMP, METER):
         index.observe(one)
-    index.report(tell(meter, "power", 5.0, part="m", at=1))
-    index.report(tell(lamp, REACHABLE, False, at=2))
+    index.report(tell(METER, "power", 5.0, part="m", at=1))
+    index.report(tell(LAMP, REACHABLE, False, at=2))
     assert (only(index).reachable.state, only(index).offline_parts) == ("no", ("l",))
     index.pop_changes()
-    index.report(tell(meter, "power", 6.0, part="m", at=3))
+    index.report(tell(METER, "power", 6.0, part="m", at=3))
     device = only(index)
     assert (device.reachable.state, device.offline_parts) == ("unknown", ("l",))
     assert device.reachable.why == "homeassistant:lamp is offline, but homeassistant:meter reported since"
@@ -58,15 +50,15 @@ def test_an_entity_that_is_offline_makes_itself_unreachable_while_another_speaks
     assert not index.find(parse_query("offline"))
 
 
-def test_one_part_that_can_be_reached_is_enough(index: DeviceIndex, lamp: Sighting, meter: Sighting) -> None:
-    for one in (lamp, meter):
+def test_one_part_that_can_be_reached_is_enough(index: DeviceIndex) -> None:
+    for one in (LAMP, METER):
         index.observe(one)
-    index.report(tell(lamp, REACHABLE, False, at=2))
-    index.report(tell(meter, REACHABLE, True, at=1))
+    index.report(tell(LAMP, REACHABLE, False, at=2))
+    index.report(tell(METER, REACHABLE, True, at=1))
     assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ("l",))
-    index.report(tell(meter, REACHABLE, False, at=3))
+    index.report(tell(METER, REACHABLE, False, at=3))
     assert (only(index).reachable.state, only(index).offline_parts) == ("no", ("l", "m"))
-    index.report(tell(lamp, REACHABLE, True, at=4))
+    index.report(tell(LAMP, REACHABLE, True, at=4))
     assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ("m",))
 
 
@@ -81,11 +73,11 @@ def test_parts_of_one_announcement_each_have_their_own(index: DeviceIndex) -> No
     assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ())
 
 
-def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex, lamp: Sighting) -> None:
+def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex) -> None:
     """As where the announcement that comes next names no availability."""
-    index.observe(lamp)
-    index.report(tell(lamp, REACHABLE, False, at=1))
-    index.report(tell(lamp, REACHABLE, None, at=2, address=""))
+    index.observe(LAMP)
+    index.report(tell(LAMP, REACHABLE, False, at=1))
+    index.report(tell(LAMP, REACHABLE, None, at=2, address=""))
     assert (only(index).reachable.why, only(index).offline_parts) == ("it does not report it", ())
 
 

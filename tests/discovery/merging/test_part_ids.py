@@ -16,22 +16,21 @@ from homebot.discovery.record import entry_record, read_entry
 IEEE = "eui64:00158d0001abcdef"
 
 
-@pytest.fixture
-def foreign() -> Sighting:
-    lamp = part_of("light", "on_off", id="0x17_light", reads=("z",), writes=("z/set",))
-    return announce("light/0x17", lamp, ids=(IEEE,))
+FOREIGN = announce(
+    "light/0x17", part_of("light", "on_off", id="0x17_light", reads=("z",), writes=("z/set",)), ids=(IEEE,)
+)
 
 
-@pytest.fixture
-def native() -> Sighting:
-    lamp = part_of("light", "on_off", id="state", reads=("z",), writes=("z/set",))
-    return announce("0x17", lamp, convention="zigbee2mqtt", ids=(IEEE,))
+NATIVE = announce(
+    "0x17",
+    part_of("light", "on_off", id="state", reads=("z",), writes=("z/set",)),
+    convention="zigbee2mqtt",
+    ids=(IEEE,),
+)
 
 
-@pytest.fixture
-def sensor() -> Sighting:
-    """What keeps the device alive while nobody tells of its lamp."""
-    return announce("sensor/0x17", part_of("x_sensor", "value", id="0x17_sensor"), ids=(IEEE,))
+SENSOR = announce("sensor/0x17", part_of("x_sensor", "value", id="0x17_sensor"), ids=(IEEE,))
+"""What keeps the device alive while nobody tells of its lamp."""
 
 
 def gone(sighting: Sighting) -> Sighting:
@@ -42,47 +41,41 @@ def lamps(index: DeviceIndex) -> list[str]:
     return [one.id for device in index.devices() for one in device.parts if one.part.service_type == "light"]
 
 
-def test_a_part_keeps_its_id_when_the_devices_own_convention_tells_of_it_later(
-    index: DeviceIndex, foreign: Sighting, native: Sighting
-) -> None:
-    index.observe(foreign)
+def test_a_part_keeps_its_id_when_the_devices_own_convention_tells_of_it_later(index: DeviceIndex) -> None:
+    index.observe(FOREIGN)
     assert lamps(index) == ["0x17_light"]
-    index.observe(native)
+    index.observe(NATIVE)
     (device,) = index.devices()
     assert [(one.id, [way.part for way in one.routes]) for one in device.parts] == [
         ("0x17_light", ["state", "0x17_light"])
     ]
 
 
-def test_a_part_keeps_its_id_when_the_announcement_that_gave_it_goes_and_comes_back(
-    index: DeviceIndex, foreign: Sighting, native: Sighting, sensor: Sighting
-) -> None:
+def test_a_part_keeps_its_id_when_the_announcement_that_gave_it_goes_and_comes_back(index: DeviceIndex) -> None:
     """Also when for a while nobody tells of the part."""
     seen = []
-    for step in (sensor, foreign, native, gone(foreign), gone(native), native, foreign, gone(native)):
+    for step in (SENSOR, FOREIGN, NATIVE, gone(FOREIGN), gone(NATIVE), NATIVE, FOREIGN, gone(NATIVE)):
         index.observe(step)
         seen += lamps(index)
     assert set(seen) == {"0x17_light"}
     assert len(seen) == 6
 
 
-def test_ids_are_the_same_after_a_restart(
-    index: DeviceIndex, foreign: Sighting, native: Sighting, sensor: Sighting
-) -> None:
+def test_ids_are_the_same_after_a_restart(index: DeviceIndex) -> None:
     """Whatever comes first then."""
-    for one in (foreign, native, sensor, gone(foreign)):
+    for one in (FOREIGN, NATIVE, SENSOR, gone(FOREIGN)):
         index.observe(one)
         index.devices()
     again = after_restart(index)
     assert lamps(again) == ["0x17_light"]
-    for one in (native, foreign):
+    for one in (NATIVE, FOREIGN):
         again.observe(one)
         assert lamps(again) == ["0x17_light"]
 
 
-def test_a_device_of_a_file_from_before_there_were_ids_has_those_of_its_announcements(foreign: Sighting) -> None:
+def test_a_device_of_a_file_from_before_there_were_ids_has_those_of_its_announcements() -> None:
     index = DeviceIndex(forget_after=1000.0)
-    index.observe(foreign)
+    index.observe(FOREIGN)
     entry = index.entry("desk_lamp")
     assert entry is not None
     record = entry_record(entry).replace(',"part_ids":{}', "")
@@ -92,13 +85,11 @@ def test_a_device_of_a_file_from_before_there_were_ids_has_those_of_its_announce
     assert lamps(again) == ["0x17_light"]
 
 
-def test_of_two_parts_that_were_thought_to_be_one_that_which_is_called_so_keeps_the_id(
-    index: DeviceIndex, foreign: Sighting, native: Sighting
-) -> None:
+def test_of_two_parts_that_were_thought_to_be_one_that_which_is_called_so_keeps_the_id(index: DeviceIndex) -> None:
     """The other one truly is another part."""
-    index.observe(foreign)
+    index.observe(FOREIGN)
     assert lamps(index) == ["0x17_light"]
-    index.observe(native)
+    index.observe(NATIVE)
     assert lamps(index) == ["0x17_light"]
     plug = part_of("plug", "on_off", id="state", reads=("z",), writes=("z/set",))
     index.observe(announce("0x17", plug, convention="zigbee2mqtt", ids=(IEEE,)))
@@ -200,15 +191,13 @@ def test_ids_are_always_different_and_last(
 
 
 @pytest.mark.parametrize("is_alone", [False, True])
-def test_a_value_is_told_of_the_part_by_its_id_in_the_device(
-    index: DeviceIndex, foreign: Sighting, native: Sighting, *, is_alone: bool
-) -> None:
+def test_a_value_is_told_of_the_part_by_its_id_in_the_device(index: DeviceIndex, *, is_alone: bool) -> None:
     """Whichever of two announcements it came through; also when the one that gave the id is gone."""
     index.changes.collects_states = True
-    for one in (foreign, native, *([gone(foreign)] if is_alone else [])):
+    for one in (FOREIGN, NATIVE, *([gone(FOREIGN)] if is_alone else [])):
         index.observe(one)
         index.pop_changes()
-    index.report(tell(native, "on_off", True, part="state"))
+    index.report(tell(NATIVE, "on_off", True, part="state"))
     (change,) = index.pop_states()
     assert [(one.part, one.value.plain()) for one in change.readings] == [("0x17_light", True)]
     assert change.stream.split("\0")[1:] == ["0x17_light", "on_off"]
