@@ -11,6 +11,7 @@ from typing import Final, Literal, TypeVar, final
 from anyio import to_thread
 
 from homebot.clock import Clock, TimeSlice
+from homebot.devices import names
 from homebot.devices.approval_messages import (
     ApproveDevice,
     ApproveDeviceRequest,
@@ -19,19 +20,6 @@ from homebot.devices.approval_messages import (
     DescribeCommandsRequest,
 )
 from homebot.devices.device import KeyValue
-from homebot.devices.names import (
-    ALIAS_DEVICE,
-    APPROVE_DEVICE,
-    CHANGE_ROOM,
-    EXPORT_PLACES,
-    GET_PLACES,
-    IMPORT_PLACES,
-    OWNER_REQUESTS,
-    PLACE_DEVICE,
-    TAG_DEVICE,
-    TEACH_PLACE,
-    GatewayNames,
-)
 from homebot.devices.places_messages import (
     AliasDevice,
     AliasDeviceRequest,
@@ -100,15 +88,15 @@ class PlacesServices:
 
     def register(self, node: Node, owner: OwnerRequests) -> None:
         """Begin to answer, as *node*; requests of the owner pass *owner*."""
-        owner.serve(PlaceDevice, PLACE_DEVICE, self._place)
-        owner.serve(AliasDevice, ALIAS_DEVICE, self._add_alias)
-        owner.serve(TagDevice, TAG_DEVICE, self._add_tag)
-        owner.serve(ApproveDevice, APPROVE_DEVICE, partial(self._approve, node))
-        node.create_service(GetPlaces, GET_PLACES, self._get_places)
-        owner.serve(TeachPlace, TEACH_PLACE, self._teach)
-        owner.serve(ChangeRoom, CHANGE_ROOM, self._change_room)
-        node.create_service(ExportPlaces, EXPORT_PLACES, self._export)
-        node.create_service(ImportPlaces, IMPORT_PLACES, partial(self._import, owner))
+        owner.serve(PlaceDevice, names.PLACE_DEVICE, self._place)
+        owner.serve(AliasDevice, names.ALIAS_DEVICE, self._add_alias)
+        owner.serve(TagDevice, names.TAG_DEVICE, self._add_tag)
+        owner.serve(ApproveDevice, names.APPROVE_DEVICE, partial(self._approve, node))
+        node.create_service(GetPlaces, names.GET_PLACES, self._get_places)
+        owner.serve(TeachPlace, names.TEACH_PLACE, self._teach)
+        owner.serve(ChangeRoom, names.CHANGE_ROOM, self._change_room)
+        node.create_service(ExportPlaces, names.EXPORT_PLACES, self._export)
+        node.create_service(ImportPlaces, names.IMPORT_PLACES, partial(self._import, owner))
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
         places, now, device = self._index.places, self._clock.now(), request.device
@@ -164,7 +152,7 @@ class PlacesServices:
         """Return the payloads that the gateways of *device* send for commands, or those announced if one is silent."""
         lines: list[str] = []
         for (gateway, key), announced in self._index.places.commands(device).items():
-            with closing(node.create_client(DescribeCommands, GatewayNames(gateway).describe_commands)) as client:
+            with closing(node.create_client(DescribeCommands, names.GatewayNames(gateway).describe_commands)) as client:
                 try:
                     described = (await client.call(DescribeCommandsRequest(key=key))).commands
                 except ServiceError:
@@ -212,7 +200,7 @@ class PlacesServices:
             parse = partial(index.places_exchange.parse, request.text, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
             places = replace(places, rooms=tuple(one._replace(source=request.source) for one in places.rooms))
-            owner.publish(IMPORT_PLACES, request)  # no other file, which may hold passwords
+            owner.publish(names.IMPORT_PLACES, request)  # no other file, which may hold passwords
             imported = await TimeSlice(self._clock).do(index.places_exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:
             return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)
@@ -251,7 +239,7 @@ class OwnerRequests:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._publisher = node.create_publisher(OwnerRequest, OWNER_REQUESTS, _DEPTH)
+        self._publisher = node.create_publisher(OwnerRequest, names.OWNER_REQUESTS, _DEPTH)
 
     def serve(
         self,

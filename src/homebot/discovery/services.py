@@ -23,17 +23,10 @@ from homebot.devices import (
     GetChanges,
     GetIndexData,
     QueryDevices,
+    names,
 )
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import (
-    DISCOVERY_HEALTH,
-    EXPORT_INDEX,
-    FORGET_DEVICE,
-    LIST_DEVICES,
-    MERGE_DEVICES,
-    SPLIT_DEVICE,
-)
 from homebot.devices.query import And, Query, read_terms, type_is
 from homebot.devices.services import (
     MOST_LISTED,
@@ -111,13 +104,13 @@ class DirectoryServices:
         node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
-        node.create_service(ListDevices, LIST_DEVICES, self._list)
+        node.create_service(ListDevices, names.LIST_DEVICES, self._list)
         node.create_service(GetChanges, GET_CHANGES, self._get_changes)
-        owner.serve(ForgetDevice, FORGET_DEVICE, self._forget)
-        owner.serve(SplitDevice, SPLIT_DEVICE, self._split)
-        owner.serve(MergeDevices, MERGE_DEVICES, self._merge)
-        node.create_service(ExportIndex, EXPORT_INDEX, self._export_index)
-        node.create_service(GetHealth, DISCOVERY_HEALTH, self._get_health)
+        owner.serve(ForgetDevice, names.FORGET_DEVICE, self._forget)
+        owner.serve(SplitDevice, names.SPLIT_DEVICE, self._split)
+        owner.serve(MergeDevices, names.MERGE_DEVICES, self._merge)
+        node.create_service(ExportIndex, names.EXPORT_INDEX, self._export_index)
+        node.create_service(GetHealth, names.DISCOVERY_HEALTH, self._get_health)
         PlacesServices(self._clock, self._index, self._publish_all).register(node, owner)
 
     async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
