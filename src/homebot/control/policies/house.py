@@ -49,7 +49,6 @@ class House:
         self.is_known = False
         self.detections = Detections() if detections is None else detections
         self._devices: dict[str, DeviceView] = {}
-        self._rooms: dict[str, dict[str, DeviceView]] = {}
         self._room_of: dict[str, str] = {}
         self._detected_since: dict[str, float] = {}
         self._heard_since: dict[str, float] = {}  # of devices that were silent
@@ -61,16 +60,14 @@ class House:
             self._heard_since[device.id] = math.inf
         elif self._heard_since.get(device.id) == math.inf:
             self._heard_since[device.id] = device.last_seen.to_seconds()
-        self._leave_room(device.id)
         self._devices[device.id] = view
-        room = self._room_of[device.id] = fold(device.area)
-        self._rooms.setdefault(room, {})[device.id] = view
+        self._room_of[device.id] = fold(device.area)
         self._record_detections(device.id, device.states)
 
     def remove(self, device_id: str) -> None:
         """Forget a device."""
         if (view := self._devices.pop(device_id, None)) is not None:
-            self._leave_room(device_id)
+            del self._room_of[device_id]
             self._heard_since.pop(device_id, None)
             for part in view.device.parts:
                 self.detections.forget(_sensor(device_id, part.id))
@@ -85,7 +82,7 @@ class House:
         """Return the values of all sensors of *capability* in *room*, which is not empty."""
         return [
             self._reading(view, part.id, capability)
-            for view in self._rooms.get(fold(room), {}).values()
+            for view in self.devices(room)
             for part in view.device.parts
             if any(one.name == capability and one.readable for one in part.part.capabilities)
         ]
@@ -115,7 +112,10 @@ class House:
 
     def devices(self, room: str | None = None) -> Iterable[DeviceView]:
         """Return the devices in *room*, or all."""
-        return (self._devices if room is None else self._rooms.get(fold(room), {})).values()
+        if room is None:
+            return self._devices.values()
+        wanted = fold(room)
+        return [self._devices[one] for one, its_room in self._room_of.items() if its_room == wanted]
 
     def _reading(self, view: DeviceView, part: str, capability: str) -> SensorReading:
         device = view.device
@@ -135,13 +135,6 @@ class House:
     def _is_unproven(self, device: Device, part: DevicePart) -> bool:
         tells = any(one.name == OCCUPANCY and one.readable for one in part.part.capabilities)
         return tells and _sensor(device.id, part.id) not in self.detections
-
-    def _leave_room(self, device_id: str) -> None:
-        room = self._room_of.pop(device_id, None)
-        if room is not None:
-            self._rooms[room].pop(device_id)
-            if not self._rooms[room]:
-                del self._rooms[room]
 
 
 def _is_heard(device: Device) -> bool:
