@@ -17,7 +17,7 @@ import asyncio, pytest
         reader, writer = await asyncio.open_connection(broker.host, broker.port)
         writer.write(bytes.fromhex("100d00044d5154540402003c000161") + bytes.fromhex("300500017436{payload}"))
         assert await reader.readexactly(4) == bytes.fromhex("20020000")
-        assert (await broker.expect("t", "6{text}")).client_id == "a"
+        assert (await broker.expect("t", "6{text}", timeout={timeout})).client_id == "a"
         await broker.settle()
         assert set(broker.clients) == {{"a"}}
         writer.close()
@@ -36,7 +36,7 @@ def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
 
 
 def use(pytester: pytest.Pytester, mark: str, *options: str) -> pytest.RunResult:
-    pytester.makepyfile(test_use=USE.format(mark=mark, payload="37", text="7"))
+    pytester.makepyfile(test_use=USE.format(mark=mark, payload="37", text="7", timeout=5))
     return run(pytester, *options)
 
 
@@ -62,12 +62,12 @@ def test_it_works_where_pytest_asyncio_leaves_a_test_alone(pytester: pytest.Pyte
 
 
 def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(test_use=USE.format(mark="@pytest.mark.asyncio\n", payload="38", text="9"))
+    pytester.makepyfile(test_use=USE.format(mark="@pytest.mark.asyncio\n", payload="38", text="9", timeout=0.5))
     result = run(pytester)
     result.assert_outcomes(passed=1, failed=1)
     result.stdout.fnmatch_lines(
         [
-            "E *no client published '69' on t within 5 s",
+            "E *no client published '69' on t within 0.5 s",
             "E *received with another payload:",
             "E *t '68' (QoS 0, from a)",
             "*MQTT packets of mqtt_broker*",
