@@ -20,6 +20,7 @@ from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.value import PlainValue
+from homebot.gateways.announced.device_runner import LISTED_WITHIN
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
 from homebot.gateways.thing_directory.session import CONNECTED_AT_ONCE
 from homebot.graph import Graph, Node
@@ -99,14 +100,16 @@ async def test_a_malformed_description_is_counted_once_and_the_others_are_listed
     assert found.devices.counters.rejected <= 6
 
 
-async def test_pages_that_have_not_changed_are_not_sent_again() -> None:
+async def test_pages_that_have_not_changed_are_not_sent_again(pass_time: Callable[[float], None]) -> None:
     directory = ThingDirectoryServer(has_events=False, page=2)
     for number in range(4):
         directory.register(description(number))
     async with served(directory), gateway(directory.url, list_every=1.0) as (found, _):
+        pass_time(1.0)
         await until(lambda: directory.pages_unchanged >= 4)
         assert directory.pages_sent == 2
         directory.register(description(4))
+        pass_time(1.0)
         await until(lambda: len(found.devices.keys) == 5)
         assert directory.pages_sent == 3
         directory.register(description(0, title="Other"))
@@ -245,7 +248,7 @@ async def _kept_running(url: str, *, task_status: anyio.abc.TaskStatus[tuple[Thi
         await anyio.sleep_forever()
 
 
-async def test_a_directory_of_many_things_is_connected_to_twenty_at_a_time() -> None:
+async def test_a_directory_of_many_things_is_connected_to_twenty_at_a_time(pass_time: Callable[[float], None]) -> None:
     """The things accept connections, and never answer."""
     open_now = most = total = 0
 
@@ -270,8 +273,9 @@ async def test_a_directory_of_many_things_is_connected_to_twenty_at_a_time() -> 
     async with silent, served(directory), anyio.create_task_group() as tasks:
         tasks.start_soon(silent.serve, on_connection)
         async with gateway(directory.url) as (found, _):
-            await until(lambda: len(found.devices.keys) == 200)
             await until(lambda: total >= CONNECTED_AT_ONCE)
+            pass_time(LISTED_WITHIN)
+            await until(lambda: len(found.devices.keys) == 200)
             assert most <= CONNECTED_AT_ONCE
         tasks.cancel_scope.cancel()
 
