@@ -44,7 +44,8 @@ waiting for their announcements, and sights each anew; the directory keeps them 
 directory, the sightings and reports kept for late joiners tell it everything, and the gateway does nothing.
 
 ``unavailable`` with a reason is a normal state: the broker is away, the radio is unplugged. The gateway then keeps its
-devices, goes on trying, answers commands with ``unreachable``, and never ends because of it. It is ready
+devices, goes on trying, answers commands with ``unreachable``, and never ends because of it; the directory has its
+devices as unreachable, but for those that it still reports as reachable, by links of their own. It is ready
 (``task_status.started()``) when its first try has ended, successful or not.
 """
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import TypeAlias
 
+import anyio.lowlevel
+
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.gateway_messages import Command
 from homebot.devices.health import HealthResponse
@@ -170,6 +172,12 @@ class PublishedDevices:
         # Without an address the report would say None: the device no longer reports it.
         address = "" if reachable is None else stored.template.address or key
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)
+
+    async def on_link_loss(self) -> None:
+        """Publish that it is unknown which devices can be reached: the gateway has lost its link to all of them."""
+        for key in self.keys:
+            self.report_reachable(key, reachable=None)
+            await anyio.lowlevel.checkpoint()
 
     async def deliver_raw(self, key: str, payload: bytes) -> None:
         """Deliver a raw message of a device to the listeners of its address."""

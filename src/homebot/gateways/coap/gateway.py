@@ -95,6 +95,7 @@ class CoapGateway(Gateway):
                 self.publish_state("unavailable", str(exc))
                 self._all_tried.set()
                 self.mark_ready(task_status)
+                await self.devices.on_link_loss()
                 await anyio.sleep(retries.fail(DEVICE_BACKOFF))
 
     async def _serve(self, client: CoapClient, task_status: TaskStatus[None]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from typing import ClassVar, Final
 
 import anyio
@@ -15,16 +16,15 @@ from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
 from homebot.conventions.homeassistant.states.registries import REGISTRIES
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, PeerError, RefusedError, UsageError, WireError
+from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homeassistant.entities import EntityChange, HomeAssistantEntities
 from homebot.gateways.homeassistant.link import HomeAssistantLink
 from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
 from homebot.gateways.homeassistant.triggers import DeviceTriggers
+from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
-from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as, ungrouped
 
 __all__ = ["HomeAssistantGateway"]
@@ -41,13 +41,10 @@ FORGOTTEN_AFTER: Final = 300.0
 """Seconds after which an entity without a state and without an entry is gone: a reload takes a few seconds, a start of
 Home Assistant may take minutes."""
 
-STEADY_AFTER: Final = 60.0
-"""Seconds after which a connection that ends counts as a first failure."""
-
 SERVER: Final = "Home Assistant"
 
 
-class HomeAssistantGateway(Gateway):
+class HomeAssistantGateway(LinkedGateway):
     """Brings the devices of a Home Assistant onto the graph."""
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantGatewaySettings
@@ -59,8 +56,6 @@ class HomeAssistantGateway(Gateway):
         self._settings = settings
         self._entities = HomeAssistantEntities(settings.max_entities)
         self._link: HomeAssistantLink | None = None
-        self._reason = "not connected yet"
-        self._retries = BackoffCounter(node.graph.clock, self.random, STEADY_AFTER)
         self._stale: set[str] = set()
         self._changed = anyio.Event()
         self.devices = PublishedDevices(
@@ -80,18 +75,7 @@ class HomeAssistantGateway(Gateway):
         """Keep a connection to Home Assistant until cancelled; ready after the first attempt."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(run_as, self.node.full_name, self._refresh_devices)
-            while True:
-                self._retries.begin()
-                backoff = LINK_BACKOFF
-                try:
-                    await self._run_connection(task_status)
-                except (LinkError, PeerError, UsageError) as exc:
-                    backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
-                    self._reason = str(exc)
-                self._link = None
-                self.publish_state("unavailable", self._reason)
-                self.mark_ready(task_status)
-                await anyio.sleep(self._retries.fail(backoff))
+            await self.keep_link(partial(self._run_connection, task_status), task_status)
 
     async def _run_connection(self, task_status: TaskStatus[None]) -> None:
         """Connect, and follow Home Assistant until the link is lost."""
@@ -104,15 +88,16 @@ class HomeAssistantGateway(Gateway):
                 await link.greet(token)
             except RefusedError as exc:
                 raise RefusedError(exc.what, f"{exc.reason}; {self._settings.remedy}") from exc
-            with ungrouped():
-                async with anyio.create_task_group() as tasks:
-                    tasks.start_soon(link.read)
-                    await self._load(link)
-                    self._link, self._reason = link, ""
-                    self._retries.begin()
-                    self.publish_state("active")
-                    self.mark_ready(task_status)
-                    await self._follow_registries(link, DeviceTriggers(link, self._on_press))
+            try:
+                with ungrouped():
+                    async with anyio.create_task_group() as tasks:
+                        tasks.start_soon(link.read)
+                        await self._load(link)
+                        self._link = link
+                        self.on_link(task_status)
+                        await self._follow_registries(link, DeviceTriggers(link, self._on_press))
+            finally:
+                self._link = None
 
     async def _load(self, link: HomeAssistantLink) -> None:
         """List the registries and all states, and follow both."""
@@ -265,7 +250,7 @@ class HomeAssistantGateway(Gateway):
     async def _perform(self, command: Command) -> None:
         link = self._link
         if link is None:
-            raise LinkError(f"Home Assistant cannot be reached: {self._reason}")
+            raise LinkError(f"Home Assistant cannot be reached: {self.problem}")
         entity = self._entities.entity(command.key, command.part)
         call = entity.call(command.capability, command.value.plain(), command.transition, command.code)
         args = {

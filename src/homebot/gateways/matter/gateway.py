@@ -19,8 +19,8 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError, UnableError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
+from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.gateways.matter.commissioning import CommissioningServices
 from homebot.gateways.matter.node import (
     BASIC,
@@ -36,7 +36,6 @@ from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent
 from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
 from homebot.plugins import check_extra
-from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
 
 __all__ = ["MatterGateway"]
@@ -45,14 +44,10 @@ REFRESH_EVERY: Final = 60.0
 """Seconds between two confirmations of the devices that the server reaches: it subscribes to them, and notices when one
 stops answering."""
 
-STEADY_AFTER: Final = 60.0
-"""Seconds after which a connection that ends counts as a first failure: each start transfers all attributes of all
-nodes."""
-
 SERVER: Final = "the Matter server"
 
 
-class MatterGateway(Gateway):
+class MatterGateway(LinkedGateway):
     """Brings the nodes of a Matter server onto the graph."""
 
     Settings: ClassVar[type[BaseModel]] = MatterGatewaySettings
@@ -60,16 +55,13 @@ class MatterGateway(Gateway):
     def __init__(self, node: Node, settings: MatterGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
         self._settings = settings
-        self._clock = node.graph.clock
         self._nodes: dict[int, MatterNode] = {}
         self._described: dict[int, tuple[NodeDevice, ...]] = {}
         self._node_of: dict[str, int] = {}
         self._missed: set[int] = set()
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
-        self._reason = "not connected yet"
-        self._retries = BackoffCounter(self._clock, self.random, STEADY_AFTER)
-        self._tried = anyio.Event()
+        self._task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
         self.devices = PublishedDevices(self, self._perform, settings)
         CommissioningServices(self, node)
 
@@ -81,12 +73,10 @@ class MatterGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep a connection to the server until cancelled; ready after the first attempt."""
-        self._tried = anyio.Event()
+        self._task_status = task_status
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(run_as, self.node.full_name, self._stay_connected)
             tasks.start_soon(run_as, self.node.full_name, self._refresh_availability)
-            await self._tried.wait()
-            task_status.started()
+            await self.keep_link(self._run_connection, task_status)
 
     def connected_link(self) -> MatterServerLink:
         """Return the connection to the server.
@@ -95,7 +85,7 @@ class MatterGateway(Gateway):
             LinkError: There is none now.
         """
         if self._link is None:
-            raise LinkError(f"the Matter server cannot be reached: {self._reason}")
+            raise LinkError(f"the Matter server cannot be reached: {self.problem}")
         return self._link
 
     def node_of(self, key: str) -> tuple[int, str]:
@@ -127,20 +117,6 @@ class MatterGateway(Gateway):
         device = self._described[node_id][0].device
         return device.key, device.name
 
-    async def _stay_connected(self) -> None:
-        while True:
-            self._retries.begin()
-            backoff = LINK_BACKOFF
-            try:
-                await self._run_connection()
-            except (LinkError, PeerError) as exc:
-                backoff = LINK_BACKOFF if isinstance(exc, LinkError) else REFUSED_BACKOFF
-                self._reason = str(exc)
-            self._link = None
-            self.publish_state("unavailable", self._reason)
-            self._tried.set()
-            await anyio.sleep(self._retries.fail(backoff))
-
     async def _run_connection(self) -> None:
         """Connect, and follow the server until the link is lost."""
         from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
@@ -151,7 +127,10 @@ class MatterGateway(Gateway):
         ):
             link = MatterServerLink(socket, self._on_nodes, self._on_event, self._on_invalid)
             self._connecting = link
-            await link.run()
+            try:
+                await link.run()
+            finally:
+                self._link = None
 
     async def _on_nodes(self, listed: object) -> None:
         if not isinstance(listed, list):
@@ -166,10 +145,8 @@ class MatterGateway(Gateway):
             await anyio.lowlevel.checkpoint()
         for node_id in self._nodes.keys() - present:
             self._remove_node(node_id, "the Matter server no longer has it")
-        self._link, self._reason = self._connecting, ""
-        self._retries.begin()
-        self.publish_state("active")
-        self._tried.set()
+        self._link = self._connecting
+        self.on_link(self._task_status)
 
     def _on_invalid(self, payload: bytes, why: str) -> None:
         self.devices.reject(SERVER, payload, why)

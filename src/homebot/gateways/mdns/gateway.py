@@ -112,6 +112,7 @@ class MdnsGateway(Gateway):
             except LinkError as exc:
                 self._unavailable = str(exc)
                 self.publish_state("unavailable", str(exc))
+                await self.devices.on_link_loss()
             self.mark_ready(task_status)
             with anyio.move_on_after(self._retries.fail(LOST_BACKOFF)):
                 interfaces = await self._interfaces.wait_for_change(wanted, interfaces)
