@@ -35,8 +35,8 @@ def findings(output: str) -> dict[str, dict[str, object]]:
         (None, "HB301 gateway ble does not report its state"),
         (GatewayState(state="active", reason="another acts", acts=False), ""),
         (
-            GatewayState(state="unavailable", reason="there is no D-Bus", acts=True),
-            "HB302 gateway ble is unavailable: there is no D-Bus",
+            GatewayState(state="unavailable", reason=f"there is no D-Bus; {'then ' * 100}", acts=True),
+            f"HB302 gateway ble is unavailable: there is no D-Bus; {'then ' * 100}",
         ),
     ],
 )

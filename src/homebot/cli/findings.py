@@ -67,6 +67,10 @@ class FindingKind(Enum):
         self.is_problem = is_problem
 
 
+_LONGEST = 1000
+"""Characters of a reason, which may be a remedy of several sentences."""
+
+
 class Finding(NamedTuple):
     """Things of one kind.
 
@@ -89,7 +93,8 @@ def print_finding(finding: Finding) -> None:
     title = kind.title.format(finding.where)
     for row in rows:
         if not row.what:
-            print(f"{kind.code} {title}: {printable(row.why)}" if title else f"{kind.code} {printable(row.why)}")
+            why = printable(row.why, _LONGEST)
+            print(f"{kind.code} {title}: {why}" if title else f"{kind.code} {why}")
     print_rows([row for row in rows if row.what], f"{kind.code} {title}:")
     if finding.total > len(rows):
         print(f"  … the first {len(rows)} of {finding.total} are shown{finding.hint}")

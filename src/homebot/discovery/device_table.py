@@ -12,7 +12,7 @@ from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstones
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.search.postings import Postings
-from homebot.discovery.source_record import SourceKey, SourceRecord
+from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 
 __all__ = ["DeviceTable", "IndexCounters", "UnsavedDevices"]
@@ -42,6 +42,7 @@ class DeviceTable:
 
     Attributes:
         entries: Devices by id.
+        lost: The loss of the link of each gateway that has none.
         outdated: Ids of the devices with outdated postings.
         unsaved: Ids of the devices with an outdated record in the index file.
     """
@@ -50,6 +51,7 @@ class DeviceTable:
         "changes",
         "counters",
         "entries",
+        "lost",
         "outdated",
         "owner",
         "owners",
@@ -65,6 +67,7 @@ class DeviceTable:
         self.sources: dict[SourceKey, SourceRecord] = {}
         self.owners: dict[SourceKey, Entry] = {}
         self.entries: dict[str, Entry] = {}
+        self.lost: dict[str, LostLink] = {}
         self.tombstones = Tombstones()
         self.topics = TopicOwnership()
         self.changes = ChangeQueue(self.entries, self.topics, first_sequence)

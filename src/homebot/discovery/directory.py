@@ -14,7 +14,7 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel, ConfigDict, Field
 
 from homebot.clock import SLICE, TimeSlice
-from homebot.devices import GatewayNames, Sighting, gateway_of
+from homebot.devices import GatewayNames, GatewayState, Sighting, gateway_of
 from homebot.devices.gateway_messages import Report
 from homebot.devices.services import IndexRow
 from homebot.discovery.house_rooms import HouseRooms
@@ -23,9 +23,11 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.publication import FEW, ChangePublisher
 from homebot.discovery.services import DirectoryServices
+from homebot.discovery.source_record import LostLink
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
 from homebot.log import LogLimit
+from homebot.messages import Time
 from homebot.places import Places
 from homebot.support.isolation import run_as
 from homebot.units import Seconds
@@ -39,6 +41,7 @@ FOREIGN = "discovery.foreign_sighting"
 _SOURCES_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 MessageT = TypeVar("MessageT", Sighting, Report)
+SourceT = TypeVar("SourceT", Sighting, Report, GatewayState)
 
 
 class DirectorySettings(BaseModel):
@@ -98,7 +101,7 @@ class Directory:
         self._publisher = ChangePublisher(node, self.index)
         self._persistence = IndexPersistence(node, self.index, file if settings.persist else None, known)
         self._services = DirectoryServices(node, self.index, self._persistence, self._publisher.publish_some)
-        self._sources: dict[str, Subscription[Sighting] | Subscription[Report]] = {}
+        self._sources: set[str] = set()
         self._wakes_at = math.inf
         self._rejected = 0
         self._earlier_deadline = anyio.Event()
@@ -139,7 +142,7 @@ class Directory:
     def _follow_all(self) -> None:
         """Follow all topics, sightings first: a report of an unannounced device has no meaning."""
         endpoints = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
-        for kind in (Sighting, Report):
+        for kind in (Sighting, Report, GatewayState):
             for endpoint in endpoints:
                 if endpoint.ros_type == kind.ros_type:
                     self._follow(endpoint)
@@ -153,19 +156,38 @@ class Directory:
             self._listen(Sighting, publisher, partial(self._ingest, gateway, self._observe))
         elif (publisher.name, publisher.ros_type) == (names.readings, Report.ros_type):
             self._listen(Report, publisher, partial(self._ingest, gateway, self.index.report))
+        elif (publisher.name, publisher.ros_type) == (names.state, GatewayState.ros_type):
+            self._listen_to_link(gateway, publisher)
 
     def _listen(
         self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[float, Iterator[MessageT]], None]
     ) -> None:
+        if (source := self._subscribe(kind, publisher)) is not None:
+            take(math.inf, iter(source.take, None))
+            self._node.create_task(partial(source.run_batches, partial(take, SLICE)))
+
+    def _listen_to_link(self, gateway: str, publisher: EndpointInfo) -> None:
+        if (states := self._subscribe(GatewayState, publisher)) is not None:
+            self._node.create_task(partial(self._follow_link, gateway, states))
+
+    def _subscribe(self, kind: type[SourceT], publisher: EndpointInfo) -> Subscription[SourceT] | None:
         topic = publisher.name
         try:
             source = self._node.create_subscription(kind, topic, qos_profile=_SOURCES_QOS, from_node=publisher.node)
         except TypeMismatchError as exc:
             self._node.log.warning(NOT_FOLLOWED, message=str(exc), topic=topic)
-            return
-        self._sources[topic] = source
-        take(math.inf, iter(source.take, None))
-        self._node.create_task(partial(source.run_batches, partial(take, SLICE)))
+            return None
+        self._sources.add(topic)
+        return source
+
+    async def _follow_link(self, gateway: str, states: Subscription[GatewayState]) -> None:
+        async for state in states:
+            is_lost = state.state == "unavailable"
+            why = f"{gateway} is unavailable: {state.reason}"
+            lost = LostLink(Time.from_seconds(self._clock.now()), why) if is_lost else None
+            self._publisher.collect()
+            await TimeSlice(self._clock).do(self.index.record_link(gateway, lost))
+            self._publisher.wake()
 
     def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
         """Log that *gateway* published in the name of another, which is not believed."""

@@ -114,8 +114,10 @@ def sorted_routes(
     """Return *parts* with the routes by which nothing can be reached, and stale ones, last."""
 
     def order(route: Route) -> tuple[bool, bool]:
-        reach = sources[route.gateway, route.key].reach_of(route.part)
-        return reach is not None and reach.value is False, route.gateway in stale_gateways
+        source = sources[route.gateway, route.key]
+        reach = source.reach_of(route.part)
+        is_away = source.is_lost or (reach is not None and reach.value is False)
+        return is_away, route.gateway in stale_gateways
 
     return _with_sorted_routes(parts, order)
 

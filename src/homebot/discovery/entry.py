@@ -166,7 +166,7 @@ class Entry:
         """Return whether it can be reached, as its parts are together."""
         sources = self._believed() if self.claimed else self.sources
         for source in sources.values():
-            if source.reach:
+            if source.reach or source.lost is not None:
                 return reachability(sources.values())
         return NOT_REPORTED
 
@@ -174,7 +174,7 @@ class Entry:
         """Return the state of :meth:`reachability`, sooner where anything of it can be reached."""
         for source in self._believed().values():
             for reach in source.reach.values():
-                if reach.value:
+                if reach.value and not source.is_lost:
                     return "yes"
         return self.reachability().state
 

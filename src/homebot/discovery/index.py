@@ -7,7 +7,7 @@ messages is published once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
@@ -24,7 +24,7 @@ from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue, Postings
 from homebot.discovery.setting_changes import SettingChanges
-from homebot.discovery.source_record import SourceKey, SourceRecord
+from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
 from homebot.discovery.states import StateRecorder
 from homebot.errors import RefusedError
 
@@ -135,6 +135,10 @@ class DeviceIndex:
             self._pending.put(key, report, self._liveness.now)
         else:
             self._states.record(self._table.owners[key], source, report)
+
+    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None]:
+        """Record that *gateway* lost its link to all of its devices, or has it again; pauses after each device."""
+        return self._states.record_link(gateway, lost)
 
     def _add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in a new announcement, and the reports that waited for it."""

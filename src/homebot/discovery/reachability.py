@@ -21,9 +21,15 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: the combined reachability of its parts.
 
     One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
-    reported since, it is unknown.
+    reported since, it is unknown. Without their link gateways know nothing; without any it cannot be reached.
     """
-    return _combined(_source_reaches(sources))
+    known = tuple(sources)
+    linked = [one for one in known if not one.is_lost]
+    lost = [one.lost for one in known if one.lost is not None]
+    if lost and not linked:
+        newest = max(lost, key=lambda one: one.since.to_seconds())
+        return Reachability(state="no", since=newest.since, why=newest.why)
+    return _combined(_source_reaches(linked))
 
 
 def offline_parts(
@@ -38,8 +44,12 @@ def offline_parts(
     for (gateway, key, part), place in places.items():
         source = sources.get((gateway, key))
         if source is not None:
-            reports.setdefault(place, []).append((source, part, source.reach_of(part)))
-    return tuple(ids[place] for place in sorted(reports) if _combined(reports[place]).state == "no")
+            linked = reports.setdefault(place, [])
+            if not source.is_lost:
+                linked.append((source, part, source.reach_of(part)))
+    return tuple(
+        ids[place] for place in sorted(reports) if not reports[place] or _combined(reports[place]).state == "no"
+    )
 
 
 def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:

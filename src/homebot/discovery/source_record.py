@@ -14,6 +14,7 @@ from homebot.discovery.search.columns import StoredValue
 from homebot.messages import Time
 
 __all__ = [
+    "LostLink",
     "Reach",
     "SourceKey",
     "SourceRecord",
@@ -48,6 +49,14 @@ class Reach:
     live: bool
 
 
+@dataclass(frozen=True, slots=True)
+class LostLink:
+    """The loss of the link of a gateway, which then reaches none of its devices."""
+
+    since: Time
+    why: str
+
+
 @dataclass(slots=True, eq=False)
 class SourceRecord:
     """The knowledge of one gateway under one key.
@@ -62,6 +71,7 @@ class SourceRecord:
         values: The values of its parts, by part and capability.
         events: The last events, by part and capability.
         reach: Whether it can be reached, as it reports, by part; the whole is ``""``. See :meth:`set_reach`.
+        lost: The loss of its gateway's link; None while it has one.
         is_online: Whether it sent a message that it is online, so that its last will watches over it.
         is_claimed: Whether its endpoint is not trusted with commands; see :mod:`homebot.discovery.merging.trust`.
     """
@@ -77,6 +87,7 @@ class SourceRecord:
     values: dict[tuple[str, str], StoredValue] = field(default_factory=dict)
     events: Mapping[tuple[str, str], StoredValue] = field(init=False)
     reach: Mapping[str, Reach] = field(init=False)
+    lost: LostLink | None = None
     is_online: bool = False
     is_claimed: bool = False
 
@@ -88,6 +99,14 @@ class SourceRecord:
         """Store *reach* as the reported reachability."""
         self.reach = reach or _NOTHING
         self.is_online = any(one.value and one.live for one in reach.values())
+
+    @property
+    def is_lost(self) -> bool:
+        """True if its gateway has no link, unless it has another one to this device, and reports that it works."""
+        if self.lost is None:
+            return False
+        whole = None if self.sighting.convention else self.reach.get("")  # else it is that of a last will
+        return whole is None or not whole.value
 
     def reach_of(self, part: str) -> Reach | None:
         """Return the last reachability of *part*, by itself or with the whole; None if there was none."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from operator import attrgetter
 from typing import TypeAlias, final
 
@@ -17,7 +17,7 @@ from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.setting_changes import SettingChanges
-from homebot.discovery.source_record import Reach, SourceRecord
+from homebot.discovery.source_record import LostLink, Reach, SourceRecord
 from homebot.messages import Time
 
 __all__ = ["StateRecorder", "has_capability", "is_denied", "store_reachability"]
@@ -60,6 +60,26 @@ class StateRecorder:
             self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
         if before is not None and self._reach(entry) != before:
             self._table.record_change("changed", entry, entry.reachability().why)
+
+    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None]:
+        """Record that *gateway* lost its link, or has it again; pauses after each device."""
+        table = self._table
+        before = table.lost.pop(gateway, None)
+        if lost is not None:
+            lost = table.lost[gateway] = lost if before is None else LostLink(before.since, lost.why)
+        for key in [key for key in table.sources if key[0] == gateway]:
+            if (source := table.sources.get(key)) is not None:
+                self._record_link_of(table.owners[key], source, lost)
+            yield
+
+    def _record_link_of(self, entry: Entry, source: SourceRecord, lost: LostLink | None) -> None:
+        before = self._reach(entry)
+        source.lost = lost
+        entry.is_denied = is_denied(entry.sources.values())
+        entry.invalidate_device()
+        if self._reach(entry) != before:
+            why = f"{source.key[0]} has its link again" if lost is None else lost.why
+            self._table.record_change("changed", entry, why)
 
     def _record_values(self, entry: Entry, source: SourceRecord, report: Report) -> list[_NewValue]:
         """Record the readings of *report*; return the new values among them."""
@@ -221,8 +241,10 @@ def store_reachability(
 
 
 def is_denied(sources: Iterable[SourceRecord]) -> bool:
-    """Return whether any of *sources* says that something cannot be reached."""
+    """Return whether something cannot be reached by any of *sources*."""
     for source in sources:
+        if source.is_lost:
+            return True
         for reach in source.reach.values():
             if reach.value is False:
                 return True

@@ -39,8 +39,9 @@ NAME is left out where it is the same as DEVICE. STATE is what the device last r
 commands, empty if it takes none; send one with
 `homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
 if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
-if it has been silent for too long, `unreachable` if it or its last will says offline, and `partly unreachable` if
-only some of its parts are. An `unapproved` device can hurt, and is not driven before `homebot approve DEVICE`.
+if it has been silent for too long, `unreachable` if it or its last will says offline or its gateway has lost its link,
+and `partly unreachable` if only some of its parts are. An `unapproved` device can hurt, and is not driven before
+`homebot approve DEVICE`.
 """
 
 

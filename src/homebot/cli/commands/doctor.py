@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, cast
 
@@ -112,7 +112,8 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
         findings += gateway_finding(name, state)
     for name, health in () if options.gateways else sorted(_health(door).items()):
         findings += health_findings(name, health, now, everything=options.counts)
-    findings += () if options.gateways else _device_findings(door, now)
+    lost = [name for name, state in sorted(gateways.items()) if state is not None and state.state != "active"]
+    findings += () if options.gateways else _device_findings(door, now, lost)
     texts.append(f"devices: {total}, unconfirmed: {unconfirmed}")
     states = {name: "silent" if state is None else state.state for name, state in gateways.items()}
     facts = {"home": door.home, "door": door.where, "gateways": states, "devices": total, "unconfirmed": unconfirmed}
@@ -157,7 +158,7 @@ def gateway_finding(name: str, state: GatewayState | None) -> Iterator[Finding]:
 
 def _gateway_line(name: str, state: GatewayState) -> str:
     acts = " and sends commands" if state.acts and state.reason != SENDS_NOTHING else " and only observes"
-    reason = f": {printable(state.reason)}" if state.reason else ""
+    reason = f": {state.reason}" if state.reason else ""
     return f"gateway {name} is {state.state}{acts if state.state == 'active' else ''}{reason}"
 
 
@@ -236,13 +237,16 @@ class _DeviceCheck(NamedTuple):
     most: int
 
 
-def _device_findings(door: DoorClient, now: float) -> Iterator[Finding]:
+def _device_findings(door: DoorClient, now: float, lost: Iterable[str]) -> Iterator[Finding]:
+    """Yield the findings about devices; those of *lost* gateways are unreachable, as the finding about these says."""
+    linked = "".join(f" not gateway={name}" for name in lost)
     for kind, query, detail, most in _DEVICE_CHECKS:
-        found = find_devices(door, query, most)
+        asked = query + linked if kind is FindingKind.UNREACHABLE else query
+        found = find_devices(door, asked, most)
         if found.total:
             devices = sorted((one.device for one in found.results), key=lambda one: one.id)
             rows = tuple(FindingRow(one.id, detail(one, now)) for one in devices)
-            yield Finding(kind, "", rows, found.total, f"; all: homebot find --limit {found.total} '{query}'")
+            yield Finding(kind, "", rows, found.total, f"; all: homebot find --limit {found.total} '{asked}'")
 
 
 def _dispute(device: Device, _now: float) -> str:

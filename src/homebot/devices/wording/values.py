@@ -56,7 +56,7 @@ def life(device: Device) -> str:
     """Return the availability of a device: the same in a table and on a page of its own."""
     freshness = device.freshness
     if device.reachable.state == "no":
-        return f"{freshness}, unreachable"
+        return "unreachable" if freshness == "fresh" else f"{freshness}, unreachable"
     return f"{freshness}, partly unreachable" if device.offline_parts else freshness
 
 

@@ -56,6 +56,7 @@ class SightingIntake:
             seen_at=sighting.seen_at,
             confirmed=sighting.confirmed,
             heard_at=now,
+            lost=table.lost.get(sighting.gateway),
         )
         key = source.key  # one object, wherever it is kept
         affected = merger.identities.put(key, sighting)
@@ -135,6 +136,7 @@ class SightingIntake:
         for key, source in entry.sources.items():
             self._number += 1
             source.number = self._number
+            source.lost = table.lost.get(key[0])
             table.sources[key] = source
         self._merger.restore(entry, now, wall)
         for key in entry.sources:

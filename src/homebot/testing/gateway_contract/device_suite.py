@@ -10,7 +10,18 @@ from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.gateways.base import UNAVAILABLE
 from homebot.graph import Graph, Node
-from homebot.testing.gateway_contract.steps import PATIENCE, announced, first, kept, listen, reported, send, value
+from homebot.testing.gateway_contract.steps import (
+    PATIENCE,
+    announced,
+    changed,
+    directory,
+    first,
+    kept,
+    listen,
+    reported,
+    send,
+    value,
+)
 from homebot.testing.gateway_contract.world import GatewayWorld
 
 __all__ = ["DeviceSuite"]
@@ -106,6 +117,17 @@ class DeviceSuite(GatewayWorld):
                 while (await states.receive()).state != "active":
                     pass
             assert (await send(lamp, watcher)).success is self.takes_commands
+
+    async def test_without_its_link_its_devices_are_unreachable_until_it_comes_back(self) -> None:
+        async with self.house() as (lamp, watcher), directory(watcher) as changes:
+            await announced(lamp, watcher)
+            await changed(changes, lamp, is_lost=False)
+            await lamp.lose_link()
+            lost = await changed(changes, lamp, is_lost=True)
+            assert {one.reachable for one in lost.endpoints} == {"no"}
+            assert lost.reachable.why
+            await lamp.mend_link()
+            await changed(changes, lamp, is_lost=False)
 
     async def test_before_it_has_its_link_it_is_ready_and_unavailable_and_logs_it(self) -> None:
         graph = Graph()

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import Final, TypeVar
 
 import anyio
 
-from homebot.devices import Sighting, SubscribeToTopic
+from homebot.devices import DEVICE_CHANGES, Device, DeviceChange, Sighting, SubscribeToTopic
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.part import Capability, Part
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.value import PlainValue, Value
+from homebot.discovery import Directory, DirectorySettings
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
 from homebot.messages import Message
 from homebot.testing.gateway_contract.lamp import Lamp, Neighbour
@@ -54,6 +57,24 @@ async def announced(lamp: Lamp, watcher: Node) -> Sighting:
     sighting = await first(sightings)
     await reported(lamp, reports, on=False)
     return sighting
+
+
+@asynccontextmanager
+async def directory(watcher: Node) -> AsyncIterator[Subscription[DeviceChange]]:
+    """Run a directory on the graph of *watcher* inside the block; return the changes of its devices."""
+    async with Node(watcher.graph, "discovery") as node, anyio.create_task_group() as tasks:
+        await tasks.start(Directory(node, DirectorySettings()).serve)
+        yield watcher.create_subscription(DeviceChange, DEVICE_CHANGES, qos_profile=100)
+        tasks.cancel_scope.cancel()
+
+
+async def changed(changes: Subscription[DeviceChange], lamp: Lamp, *, is_lost: bool) -> Device:
+    """Wait until the lamp is unreachable or not; return it."""
+    with anyio.fail_after(PATIENCE):
+        while True:
+            device = (await changes.receive()).device
+            if any(one.key == lamp.key for one in device.endpoints) and (device.reachable.state == "no") is is_lost:
+                return device
 
 
 async def reported(lamp: Lamp, reports: Subscription[Report], *, on: bool) -> Report:
