@@ -8,9 +8,11 @@ from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Final, Protocol, Self
 
+from anyio import to_thread
+
 from homebot.devices.names import PairingNames
 from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
-from homebot.errors import LinkError, PeerError, RefusedError, UsageError
+from homebot.errors import LinkError, PeerError, RefusedError, UnableError, UsageError
 from homebot.gateways.base import Gateway
 from homebot.graph import Node
 from homebot.support.file_access import check_secret_file
@@ -77,7 +79,7 @@ class PairingServices:
 
 
 class PairingFile:
-    """The secrets of paired devices, in a file that only its owner can read. Blocking; called from worker threads.
+    """The secrets of paired devices, in a file that only its owner can read.
 
     Args:
         path: The file, which need not exist; None to keep nothing, as in simulations.
@@ -93,7 +95,7 @@ class PairingFile:
         return cls(path or (None if folder is None else folder / f"{gateway.node.name}.pairings.json"))
 
     def load(self) -> dict[str, dict[str, object]]:
-        """Return the secrets of each device, by a name of the gateway's choice.
+        """Return the secrets of each device, by a name of the gateway's choice. Blocking.
 
         Raises:
             UsageError: The file cannot be read, or others can write it; the message never holds a secret.
@@ -113,8 +115,19 @@ class PairingFile:
             raise UsageError(f"the pairings in {self._path} cannot be read: it is not a JSON object")
         return {key: one for key, one in content.items() if isinstance(one, dict)}
 
+    async def keep(self, pairings: Mapping[str, Mapping[str, object]]) -> None:
+        """Replace the content of the file, by a worker thread.
+
+        Raises:
+            UnableError: It cannot be written.
+        """
+        try:
+            await to_thread.run_sync(self.save, pairings)
+        except UsageError as exc:
+            raise UnableError(str(exc)) from exc
+
     def save(self, pairings: Mapping[str, Mapping[str, object]]) -> None:
-        """Replace the content of the file, whole or not at all.
+        """Replace the content of the file, whole or not at all. Blocking.
 
         Raises:
             UsageError: It cannot be written.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Generic, TypeVar
+from typing import Final, Generic, TypeVar
 
 import anyio
 import anyio.lowlevel
@@ -22,6 +22,10 @@ class _PendingCall(Generic[Answer]):
     on_answer: Callable[[Answer], Awaitable[None]] | None
     answered: anyio.Event = field(default_factory=anyio.Event)
     answer: Answer | None = None
+
+
+MOST_CALLS: Final = 100
+"""Calls that may wait at once; a further one is refused."""
 
 
 class PendingCalls(Generic[Answer]):
@@ -53,8 +57,10 @@ class PendingCalls(Generic[Answer]):
             on_answer: Receives the answer before the task that brought it goes on.
 
         Raises:
-            LinkError: The link is lost, or there was no answer in time.
+            LinkError: The link is lost, there was no answer in time, or too many calls wait.
         """
+        if len(self) >= MOST_CALLS:
+            raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for {self._peer} already")
         if not self._is_lost:
             call_id = self.new_id()
             call = self._pending[call_id] = _PendingCall[Answer](on_answer)

@@ -26,9 +26,6 @@ ANSWERS_WITHIN: Final = 30.0
 MOST_INVALID: Final = 100
 """Invalid frames in a row after which the connection is closed."""
 
-MOST_CALLS: Final = 100
-"""Commands that may wait for their answers at once; a further one is refused."""
-
 OLDEST: Final = (2022, 11)
 """The oldest version with the commands of this gateway: ``subscribe_entities`` and white in kelvin."""
 
@@ -119,8 +116,6 @@ class HomeAssistantLink:
             LinkError: The link is lost, or there was no answer in time.
             RefusedError: Home Assistant refuses.
         """
-        if len(self._calls) >= MOST_CALLS:
-            raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for Home Assistant already")
 
         async def send(number: str) -> None:
             if on_event is not None:

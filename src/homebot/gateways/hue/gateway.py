@@ -20,7 +20,7 @@ from pydantic import BaseModel, SecretStr
 from homebot.conventions.payload import as_fields, text_of
 from homebot.devices import GatewayNames, Sighting
 from homebot.devices.gateway_messages import Command
-from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
+from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
@@ -126,10 +126,7 @@ class HueGateway(Gateway):
 
     async def _keep(self, bridge: BridgeRunner, pairings: dict[str, dict[str, object]]) -> None:
         """Keep the pairings in the file, and connect to a bridge anew."""
-        try:
-            await anyio.to_thread.run_sync(self._file.save, pairings)
-        except UsageError as exc:
-            raise RefusedError(f"pairing {bridge.name}", str(exc)) from exc
+        await self._file.keep(pairings)
         self._pairings = pairings
         bridge.pairing = self._pairing_of(bridge.key)
         bridge.restart()

@@ -37,9 +37,6 @@ ANSWERS_WITHIN: Final = 30.0
 MOST_INVALID: Final = 100
 """Invalid frames in a row after which the connection is closed."""
 
-MOST_CALLS: Final = 100
-"""Commands that may wait for their answers at once; a further one is refused."""
-
 
 class ServerSocket(Protocol):
     """An open WebSocket."""
@@ -117,8 +114,6 @@ class MatterServerLink:
             LinkError: The link is lost, there was no answer in time, or a device cannot be reached.
             RefusedError: The server or the device refuses.
         """
-        if len(self._calls) >= MOST_CALLS:
-            raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for the Matter server already")
 
         async def send(message_id: str) -> None:
             await self._socket.send(command_frame(message_id, command, args))
