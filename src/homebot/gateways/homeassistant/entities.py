@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.homeassistant.device import DeviceInfo
@@ -20,7 +19,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice, ShowingCodec
 
-__all__ = ["EntityChange", "HomeAssistantEntities"]
+__all__ = ["HomeAssistantEntities"]
 
 MAX_PARTS = 200
 """Of one device."""
@@ -28,21 +27,6 @@ MAX_PARTS = 200
 _MAX_FACT = 255
 
 _ORDER = {domain: number for number, domain in enumerate(DOMAINS)}
-
-
-class EntityChange(NamedTuple):
-    """A change of an entity.
-
-    Attributes:
-        key: The key of its device; empty for one that is not grouped yet.
-        is_described_anew: Whether its part may be another now.
-        is_event: Whether it came as a change, not as a whole state.
-    """
-
-    entity: HomeAssistantEntity
-    key: str
-    is_described_anew: bool
-    is_event: bool
 
 
 @dataclass(frozen=True)
@@ -87,8 +71,10 @@ class HomeAssistantEntities:
         self._grouped: frozenset[str] = frozenset()
         self._devices: dict[str, GatewayDevice] = {}
 
-    def put(self, entity_id: str, change: object, *, is_new: bool) -> EntityChange | None:
-        """Apply the state of an entity, or a change of it; None for one that homebot does not use.
+    def put(self, entity_id: str, change: object, *, is_new: bool) -> tuple[HomeAssistantEntity, bool] | None:
+        """Apply the state of an entity, or a change of it; return it, and whether its part may be another now.
+
+        None for one that homebot does not use.
 
         Raises:
             WireError: It is invalid.
@@ -110,15 +96,14 @@ class HomeAssistantEntities:
             entity = self._entities[entity_id] = HomeAssistantEntity(entity_id, entry, celsius=self.celsius)
         is_described_anew = entity.put(fields, is_new=is_new)
         entity.forget(gone)
-        return EntityChange(entity, self.key_of(entity_id), is_described_anew, not is_new)
+        return entity, is_described_anew
 
-    def lose(self, entity_id: str) -> EntityChange | None:
+    def lose(self, entity_id: str) -> HomeAssistantEntity | None:
         """Apply that an entity has no state any more: it is reloaded, or removed, which its registry says."""
         entity = self._entities.get(entity_id)
-        if entity is None:
-            return None
-        entity.has_state = entity.is_available = False
-        return EntityChange(entity, self.key_of(entity_id), is_described_anew=False, is_event=False)
+        if entity is not None:
+            entity.has_state = entity.is_available = False
+        return entity
 
     def lose_all(self) -> None:
         """Apply that no states are known: those that come next are all there are."""

@@ -13,13 +13,14 @@ from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
+from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
 from homebot.conventions.homeassistant.states.registries import REGISTRIES
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.context import GatewayContext
-from homebot.gateways.homeassistant.entities import EntityChange, HomeAssistantEntities
+from homebot.gateways.homeassistant.entities import HomeAssistantEntities
 from homebot.gateways.homeassistant.link import HomeAssistantLink
 from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
 from homebot.gateways.homeassistant.triggers import DeviceTriggers
@@ -165,15 +166,16 @@ class HomeAssistantGateway(LinkedGateway):
                 await self._on_state(entity_id, change, is_new=is_new, is_first=is_first)
         removed = event.get("r", [])
         for entity_id in removed if isinstance(removed, list) else ():
-            found = self._entities.lose(entity_id) if isinstance(entity_id, str) else None
-            if found is not None:
-                await self._report(found)
+            entity = self._entities.lose(entity_id) if isinstance(entity_id, str) else None
+            if entity is not None:
+                await self._report(entity)
         if not event.keys() & {"a", "c", "r"}:
             raise WireError(f"an event of states has {shown(sorted(event))}")
         await anyio.lowlevel.checkpoint()
 
     async def _on_state(self, entity_id: str, change: object, *, is_new: bool, is_first: bool) -> None:
-        source = self._entities.key_of(entity_id) or entity_id
+        key = self._entities.key_of(entity_id)
+        source = key or entity_id
         if not self.devices.admits(source):
             return
         try:
@@ -183,17 +185,22 @@ class HomeAssistantGateway(LinkedGateway):
             return
         if found is None or is_first:
             return
-        if not found.key:
+        entity, is_described_anew = found
+        if not key:
             if self._entities.is_new(entity_id):
                 self._mark_stale("device", "entity")  # or it has another id now
             return
-        if found.is_described_anew:
-            self.devices.put(self._entities.describe(found.key), "its abilities changed")
-        await self._report(found, compact_json({entity_id: change}).encode())
+        if is_described_anew:
+            self.devices.put(self._entities.describe(key), "its abilities changed")
+        await self._report(entity, compact_json({entity_id: change}).encode(), is_event=not is_new)
 
-    async def _report(self, change: EntityChange, message: bytes = b"") -> None:
-        """Report the values of an entity."""
-        key, entity = change.key, change.entity
+    async def _report(self, entity: HomeAssistantEntity, message: bytes = b"", *, is_event: bool = False) -> None:
+        """Report the values of an entity.
+
+        Args:
+            is_event: Whether they came as a change, not as a whole state.
+        """
+        key = self._entities.key_of(entity.entity_id)
         if not key:
             return
         entities = self._entities.of(key)
@@ -204,7 +211,7 @@ class HomeAssistantGateway(LinkedGateway):
         if len(entities) > 1:
             self.devices.report_reachable(key, entity.entry.part_id, reachable=entity.is_available)
         self.devices.report_reachable(key, reachable=self._entities.is_reached(key))
-        values = entity.read(is_change=change.is_event)
+        values = entity.read(is_change=is_event)
         if values:
             await self.devices.report(key, values, entity.entry.part_id)
 
@@ -220,7 +227,7 @@ class HomeAssistantGateway(LinkedGateway):
                 continue
             self.devices.put(described, why, confirmed=self._entities.is_reached(key))
             for one in entities:
-                await self._report(EntityChange(one, key, is_described_anew=False, is_event=False))
+                await self._report(one)
             await anyio.lowlevel.checkpoint()
 
     async def _refresh_devices(self) -> None:
