@@ -27,11 +27,11 @@ def part(kind: str, values: Mapping[str, object], read_only: str = "", **limits:
 
 
 def values(found: HomekitPart) -> dict[str, PlainValue]:
-    return {one.capability.name: one.read() for one in found.abilities}
+    return {name: one.read() for name, one in found.abilities.items()}
 
 
 def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[str, float]:
-    (write,) = (one.write for one in found.abilities if one.capability.name == capability)
+    write = found.abilities[capability].write
     assert write is not None
     return write(value)
 
@@ -167,14 +167,13 @@ def test_modes_and_setpoints_are_those_that_the_accessory_has() -> None:
         c33={"valid-values": [0, 1]},
         c35={"minValue": 5, "maxValue": 30},
     )
-    by_name = {one.capability.name: one.capability for one in heater.abilities}
-    assert by_name["thermostat_mode"].options == ("off", "heat")
-    assert by_name["heating_setpoint"].bounds == (5.0, 30.0)
-    assert "cooling_setpoint" not in by_name
+    assert heater.abilities["thermostat_mode"].capability.options == ("off", "heat")
+    assert heater.abilities["heating_setpoint"].capability.bounds == (5.0, 30.0)
+    assert "cooling_setpoint" not in heater.abilities
 
 
 def test_what_cannot_be_written_cannot_be_set() -> None:
-    (on_off,) = part("49", {"25": True}, read_only="25").abilities
+    on_off = part("49", {"25": True}, read_only="25").abilities["on_off"]
     assert (on_off.capability.settable, on_off.write) == (False, None)
 
 

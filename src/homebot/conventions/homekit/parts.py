@@ -6,16 +6,18 @@ Source: HomeKit Accessory Protocol Specification R2, chapter 8 (services), among
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.conventions.homekit.accessory import Accessory, HapService
+from homebot.conventions.homekit.accessory import Accessory, HapCharacteristic, HapService
 from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
 from homebot.conventions.homekit.rows import HomekitAbility, ServiceRow
 from homebot.devices.part import Part
+from homebot.devices.value import PlainValue
+from homebot.errors import UnableError
 
 __all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
 
@@ -91,11 +93,25 @@ _NAME, _CONFIGURED_NAME, _LABEL_INDEX = "23", "E3", "CB"
 
 @dataclass(frozen=True, slots=True)
 class HomekitPart:
-    """A part of an accessory, with its service and abilities."""
+    """A part of an accessory, with its service, and its abilities by their capabilities."""
 
     part: Part
     service: HapService
-    abilities: tuple[HomekitAbility, ...]
+    abilities: Mapping[str, HomekitAbility]
+
+    def command(self, capability: str, value: PlainValue) -> tuple[Mapping[HapCharacteristic, float], frozenset[str]]:
+        """Return the values that set *capability*, and the types of the characteristics that it depends on.
+
+        Raises:
+            UnableError: It cannot be set.
+            RefusedError: The value is invalid.
+        """
+        ability = self.abilities.get(capability)
+        if ability is None or ability.write is None:
+            raise UnableError(f"{capability[:40]} cannot be set")
+        known = self.service.characteristics
+        wanted = ability.write(value).items()
+        return {known[kind]: number for kind, number in wanted if kind in known}, ability.watched
 
 
 def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
@@ -107,10 +123,10 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
             if row.capability not in found and (ability := row.ability(service)) is not None:
                 found[row.capability] = ability
         if found:
-            yield HomekitPart(_part(service, own_name, tuple(found.values())), service, tuple(found.values()))
+            yield HomekitPart(_part(service, own_name, found.values()), service, found)
 
 
-def _part(service: HapService, own_name: str, abilities: tuple[HomekitAbility, ...]) -> Part:
+def _part(service: HapService, own_name: str, abilities: Iterable[HomekitAbility]) -> Part:
     only_heats = service.type == _HEATER and _COOL_TO not in service.characteristics
     name = service.text(_CONFIGURED_NAME) or service.text(_NAME)
     index = service.number(_LABEL_INDEX)

@@ -17,7 +17,7 @@ from anyio.abc import TaskGroup
 
 from homebot.conventions.homekit.accessory import CharacteristicId, parse_accessories
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, RefusedError, UnableError
+from homebot.errors import LinkError, RefusedError
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.homekit.accessory_device import AccessoryDevice, describe
@@ -131,33 +131,38 @@ class AccessoryRunner(DeviceRunner):
         link = await self._connected()
         accessory = next((one for one in self._accessories.values() if one.device.key == command.key), None)
         part = None if accessory is None else accessory.parts.get(command.part)
-        if link is None or accessory is None or part is None:
-            raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
-        ability = next((one for one in part.abilities if one.capability.name == command.capability), None)
-        if ability is None or ability.write is None:
-            raise UnableError(f"{command.capability[:40]} cannot be set")
-        known, wanted = part.service.characteristics, ability.write(command.value.plain())
-        written = {known[kind]: known[kind].encode(value) for kind, value in wanted.items() if kind in known}
+        if accessory is None or part is None:
+            raise self._not_connected()
+        wanted, kinds = part.command(command.capability, command.value.plain())
         self._writes += 1
         statuses = await link.write(
-            {(accessory.aid, one.iid): value for one, value in written.items()},
-            is_timed=any("tw" in one.perms for one in written),
+            {(accessory.aid, one.iid): one.encode(value) for one, value in wanted.items()},
+            is_timed=any("tw" in one.perms for one in wanted),
         )
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
-        watched = (known[kind] for kind in {*wanted, *ability.watched} & known.keys())
+        watched = (one for one in part.service.characteristics.values() if one in wanted or one.type in kinds)
         ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
         if self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
 
-    async def _connected(self) -> HomekitLink | None:
-        """Return the connection, once there is one; None if there is none in time."""
+    async def _connected(self) -> HomekitLink:
+        """Return the connection, once there is one.
+
+        Raises:
+            LinkError: There is none in time.
+        """
         if self.link is None:
             self.wake()
             with anyio.move_on_after(AWAKE_WITHIN if self.sleeps else CONNECTED_WITHIN):
                 await self._attempt_ended.wait()
                 while self.sleeps and self.link is None:
                     await self._attempt_ended.wait()
+        if self.link is None:
+            raise self._not_connected()
         return self.link
+
+    def _not_connected(self) -> LinkError:
+        return LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
 
     def _describe(self, listed: object) -> None:
         """Publish the accessories, and remove those that are not there any more."""
@@ -177,7 +182,7 @@ class AccessoryRunner(DeviceRunner):
             for aid, accessory in self._accessories.items()
             for part in accessory.parts.values()
             for one in part.service.characteristics.values()
-            if permission in one.perms and any(one.type in ability.watched for ability in part.abilities)
+            if permission in one.perms and any(one.type in ability.watched for ability in part.abilities.values())
         )
 
     def _on_event(self, values: HomekitValues) -> None:

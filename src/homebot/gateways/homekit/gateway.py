@@ -21,7 +21,7 @@ from pydantic import BaseModel
 from homebot.conventions.setup_codes import read_homekit_digits
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, UnableError, UsageError, WireError
+from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.device_runner import MAX_PROBLEMS, problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
@@ -59,7 +59,7 @@ class HomekitGateway(Gateway):
             f"no gateway {settings.mdns!r} runs, which would find the accessories; add [gateways.{settings.mdns}]"
         )
         self._file = PairingFile.of(self, settings.pairings)
-        self._port = self.context.service(HomekitPort) or HomekitPort()
+        self._port = self.context.service(HomekitPort)
         self._pairings: dict[str, Pairing] = {}
         self._found: dict[str, FoundAccessory] = {}
         self._runners: dict[str, AccessoryRunner] = {}
@@ -82,7 +82,7 @@ class HomekitGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the accessories on the network until cancelled; ready once the state of the mDNS gateway is known."""
-        if self.context.service(HomekitPort) is None:
+        if self._port is None:
             library = await to_thread.run_sync(import_module, "homebot.gateways.homekit.aiohomekit_port")  # takes long
             self._port = library.AiohomekitPort()
         self._pairings = dict(await to_thread.run_sync(self._file.load))
@@ -103,7 +103,7 @@ class HomekitGateway(Gateway):
     async def pair(self, key: str, code: str) -> str:
         """Pair with an accessory by its setup code, and connect to it; return its name."""
         found = self._found.get(key)
-        if found is None:
+        if found is None or self._port is None:
             raise LinkError(f"{key[:40]} is not on the network now")
         if not code:
             raise UnableError(f"{found.name} is paired by the code on it: homebot pair '{found.name}' CODE")
@@ -135,14 +135,11 @@ class HomekitGateway(Gateway):
         return key if runner is None else runner.name
 
     async def _keep(self, pairings: dict[str, Pairing]) -> None:
-        try:
-            await to_thread.run_sync(self._file.save, pairings)
-        except UsageError as exc:
-            raise UnableError(str(exc)) from exc
+        await self._file.keep(pairings)
         self._pairings = pairings
 
     def _start(self, found: FoundAccessory) -> None:
-        if self._tasks is not None:
+        if self._tasks is not None and self._port is not None:
             runner = AccessoryRunner(found, self._pairings[found.id], self.devices, self._port)
             self._runners[found.id] = runner
             self._tasks.start_soon(run_as, self.node.full_name, runner.run)

@@ -68,7 +68,9 @@ class ValueReports:
             for one in changed:
                 one.value = values[one.iid]
             kinds = {one.type for one in changed}
-            for ability in part.abilities:  # each by itself, as the newest report of each set of capabilities is kept
+            for (
+                ability
+            ) in part.abilities.values():  # each by itself, as the newest report of each set of capabilities is kept
                 if not ability.watched.isdisjoint(kinds):
                     await self._devices.report(key, {ability.capability.name: ability.read()}, part.part.id)
 
