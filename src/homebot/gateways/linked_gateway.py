@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import ClassVar, Final
+from typing import Final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -14,7 +14,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
-from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
 
 __all__ = ["LinkedGateway"]
 
@@ -27,14 +27,10 @@ class LinkedGateway(Gateway):
 
     Attributes:
         devices: Its devices.
-        lost_backoff: The pauses after a link that was lost or not made.
-        refused_backoff: Those if the other end refuses, or breaks the rules: a person has to change something.
         problem: The reason why there is no link; empty while there is one.
     """
 
     devices: PublishedDevices
-    lost_backoff: ClassVar[Backoff] = LINK_BACKOFF
-    refused_backoff: ClassVar[Backoff] = REFUSED_BACKOFF
 
     def __init__(self, node: Node, settings: BaseModel, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
@@ -50,13 +46,13 @@ class LinkedGateway(Gateway):
         """
         while True:
             self._retries.begin()
-            backoff, self.problem = self.lost_backoff, self.problem or "the connection was closed"
+            backoff, self.problem = LINK_BACKOFF, self.problem or "the connection was closed"
             try:
                 await connect()
             except LinkError as exc:
                 self.problem = str(exc)
             except (PeerError, UsageError) as exc:
-                backoff, self.problem = self.refused_backoff, str(exc)
+                backoff, self.problem = REFUSED_BACKOFF, str(exc)
             self.publish_state("unavailable", self.problem)
             self.mark_ready(task_status)
             await self.devices.on_link_loss()
