@@ -26,7 +26,7 @@ from homebot.errors import RefusedError
 __all__ = ["DeviceMerger"]
 
 _MAX_EVIDENCE = 16
-_FIRST_SEEN, _TIME = attrgetter("first_seen"), attrgetter("sec", "nanosec")
+_REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attrgetter("sec", "nanosec")
 
 
 @final
@@ -264,7 +264,7 @@ class DeviceMerger:
                 entry.stale_gateways &= entry.gateways()
             entry.evidence = tuple(self._evidence(entry)) if len(sources) > 1 else ()
             entry.silence_allowed = 0.0
-            entry.is_denied = is_denied(sources)
+            entry.is_denied = bool(table.lost or any(map(_REACH, sources))) and is_denied(sources)
         else:
             entry.is_shared = entry.is_shared or new.key[0] != next(iter(entry.sources))[0]
         concerned: set[str] = set()
