@@ -133,7 +133,7 @@ class CoapGateway(Gateway):
         """Record the problem of one way to find devices; empty for none."""
         self._tried.add(way)
         if problem and self._ways.get(way) != problem:
-            self.node.log.warning("coap.way_lost", way=way, reason=problem[:200])
+            self.node.log.warning("coap.way_lost", message=f"{way} finds no devices: {problem[:200]}", way=way)
         self._ways[way] = problem
         if len(self._tried) == len(self._ways):
             self._all_tried.set()

@@ -130,7 +130,9 @@ class DirectorySession:
         except (RefusedError, WireError) as exc:
             if is_open or (isinstance(exc, RefusedError) and exc.code not in _NO_EVENTS):
                 raise
-            self._log.info("thing_directory.no_events", reason=str(exc)[:200])
+            pause = self._settings.list_every
+            message = f"the directory has no events, so its list is read every {pause:g} s: {str(exc)[:200]}"
+            self._log.info("thing_directory.no_events", message=message)
 
     async def _list_again(self, reader: DirectoryReader) -> None:
         while True:

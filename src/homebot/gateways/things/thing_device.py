@@ -182,7 +182,7 @@ class ThingDevice:
         try:
             await self._follow(source)
         except (RefusedError, WireError) as exc:
-            self._host.log.info("things.not_observed", href=source.form.href[:200], reason=str(exc)[:200])
+            self._log("things.not_observed", "cannot be observed, and is read instead", source, exc)
         else:
             raise LinkError(f"the observation of {source.form.href[:200]} ended")
         self._asked += source.instead
@@ -218,11 +218,15 @@ class ThingDevice:
                 await self._report_payload(source, payload)
             except RefusedError as exc:
                 self._refusal = exc
-                self._host.log.info("things.not_read", href=source.form.href[:200], reason=str(exc)[:200])
+                self._log("things.not_read", "cannot be read", source, exc)
                 self._ask_instead(source)
             except WireError as exc:
                 self._host.reject(exc.frame, str(exc))
                 self._ask_instead(source)
+
+    def _log(self, event: str, problem: str, source: _ThingSource, error: Exception) -> None:
+        href = source.form.href[:200]
+        self._host.log.info(event, message=f"{href} {problem}: {str(error)[:200]}", href=href)
 
     def _ask_instead(self, source: _ThingSource) -> None:
         """Ask for each value by itself, from now on, after the request for all at once failed."""
