@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
 
@@ -32,6 +33,7 @@ __all__ = [
     "ineffective_routes",
     "matching_devices",
     "named_device",
+    "note_near_matches",
     "reasons_for",
     "unapproved",
     "why_it_asks",
@@ -40,6 +42,7 @@ __all__ = [
 T = TypeVar("T")
 
 _NEAR = 100
+_NEAR_MATCH = " is a near match"
 _TYPO = 0.8
 
 _PAGE = 200
@@ -84,6 +87,14 @@ def matching_devices(door: DoorClient, query: str) -> list[Device]:
         found += [one.device for one in page.results]
         total = page.total if page.results else 0
     return found
+
+
+def note_near_matches(found: QueryDevicesResponse) -> None:
+    """Print which words no device has, but others that are like them."""
+    reasons = [{one for one in result.reasons if one.endswith(_NEAR_MATCH)} for result in found.results]
+    for reason in sorted(set.intersection(*reasons)):
+        word = reason.removesuffix(_NEAR_MATCH)
+        print(f"homebot: no device found has the word {word!r}; these have similar ones", file=sys.stderr)
 
 
 def named_device(door: DoorClient, name: str) -> Device:

@@ -33,6 +33,7 @@ from homebot.devices import (
 )
 from homebot.devices.device import part_names
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure, Quarantine
+from homebot.devices.history_messages import ReadHistory, ReadHistoryResponse
 from homebot.devices.journal_messages import (
     ExplainDevice,
     ExplainMissingState,
@@ -49,6 +50,7 @@ from homebot.devices.names import (
     MERGE_DEVICES,
     OWNER,
     PREFER,
+    READ_HISTORY,
     READ_JOURNAL,
     SPLIT_DEVICE,
     text_address,
@@ -287,6 +289,7 @@ class StillHouse:
         node.create_service(GetHealth, GatewayNames("mqtt").health, self._health)
         node.create_service(GetHealth, DISCOVERY_HEALTH, self._directory_health)
         node.create_service(ReadJournal, READ_JOURNAL, self._read_journal)
+        node.create_service(ReadHistory, READ_HISTORY, lambda _: ReadHistoryResponse(success=True))
         explanations = Explanations(self._read_journal, self._device)
         node.create_service(ExplainDevice, EXPLAIN_DEVICE, explanations.explain)
         node.create_service(ExplainMissingState, EXPLAIN_MISSING_STATE, explanations.explain_missing)

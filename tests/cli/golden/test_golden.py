@@ -195,9 +195,12 @@ def test_a_command_to_an_address_that_no_device_has_is_sent_with_a_warning(
     assert [topic for topic, _, _ in still.published] == ["nobody/reads/this", "zigbee2mqtt/Kitchen lamp/set"]
 
 
-def test_near_matches_are_told_to_be_that(still_homebot: Homebot, capsys: Text, still: StillHouse) -> None:
+@pytest.mark.parametrize(("command", "code"), [("find", 0), ("history", 1)])
+def test_near_matches_are_told_to_be_that(
+    still_homebot: Homebot, capsys: Text, still: StillHouse, command: str, code: int
+) -> None:
     still.is_near = True
-    assert main(["--door", still_homebot.door, "find", "light"]) == 0
+    assert main(["--door", still_homebot.door, command, "light"]) == code
     assert capsys.readouterr().err == "homebot: no device found has the word 'lihgt'; these have similar ones\n"
 
 

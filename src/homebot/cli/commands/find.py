@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import find_devices, unapproved
+from homebot.cli.device_queries import find_devices, note_near_matches, unapproved
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.wording.values import life, state_text, types
@@ -21,7 +21,6 @@ __all__ = ["add_arguments"]
 
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "AVAILABILITY")
 _IF_ANY = ("AREA", "STATE")
-_NEAR = " is a near match"
 _WIDEST = 300
 
 
@@ -67,7 +66,7 @@ def _find(options: argparse.Namespace) -> int:
             print(why_none(door, query))
             _show_left_out(found)
         else:
-            _note_near_matches(found)
+            note_near_matches(found)
             _show(found, why=options.why)
             _show_left_out(found)
         return 0 if found.results else 1
@@ -81,14 +80,6 @@ def _show_left_out(found: QueryDevicesResponse) -> None:
         print(f"homebot: {printable(found.message, _WIDEST)}", file=sys.stderr)
     for one in found.left_out:
         print(f"homebot: left out: {printable(one.key)}: {printable(one.value, _WIDEST)}", file=sys.stderr)
-
-
-def _note_near_matches(found: QueryDevicesResponse) -> None:
-    """Print which words no device has, but others that are like them."""
-    reasons = [{one for one in result.reasons if one.endswith(_NEAR)} for result in found.results]
-    for reason in sorted(set.intersection(*reasons)):
-        word = reason.removesuffix(_NEAR)
-        print(f"homebot: no device found has the word {word!r}; these have similar ones", file=sys.stderr)
 
 
 def _show(found: QueryDevicesResponse, *, why: bool) -> None:

@@ -13,7 +13,7 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import set_client_command, whole
-from homebot.cli.device_queries import device_or_similar, find_devices, house_time
+from homebot.cli.device_queries import device_or_similar, find_devices, house_time, note_near_matches
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.history_plot import plot_lines
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments"]
 
 _ROWS = 24
+_MATCHES = 50
 _MOST = 5000
 _NARROWEST, _WIDEST = 40, 120
 _DAY = 86_400.0
@@ -116,8 +117,10 @@ def _devices(door: DoorClient, text: str) -> dict[str, object]:
     device = device_or_similar(door, text)
     if not isinstance(device, list):
         return {"device": device.id}
-    if not find_devices(door, text, 1).total:
+    found = find_devices(door, text, _MATCHES)
+    if not found.results:
         raise PeerError(why_none(door, text))
+    note_near_matches(found)
     return {"query": text}
 
 
