@@ -17,6 +17,7 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import chain
 from typing import NamedTuple, TypeAlias
 
@@ -69,7 +70,7 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
     found = []
     for part, words in zip(parts, ids, strict=True):
         used = writes if part.writes else reads
-        kinds = frozenset(chain.from_iterable(_kinds(part)))
+        kinds = frozenset(chain.from_iterable(_kinds(part.advertised, part.service_type)))
         found.append(
             Candidate(
                 part=part,
@@ -172,14 +173,15 @@ def _letters_of_id(short: Candidate, long: Candidate, start: int) -> int:
 
 def _named_by_type(long: Candidate, start: int) -> int:
     """Count the words before *start* that only name the kind of part, as in ``0x17_switch_child_lock``."""
-    for words in _kinds(long.part):
+    for words in _kinds(long.part.advertised, long.part.service_type):
         if words and long.words[max(0, start - len(words)) : start] == words:
             return len(words)
     return 0
 
 
-def _kinds(part: Part) -> tuple[tuple[str, ...], ...]:
-    return tuple(_words(kind) for kind in (part.advertised, part.service_type))
+@lru_cache(maxsize=512)  # all lamps of a house have the same
+def _kinds(advertised: str, service_type: str) -> tuple[tuple[str, ...], ...]:
+    return _words(advertised), _words(service_type)
 
 
 _ADDRESS = re.compile(r"(?<![0-9a-z])[0-9a-f]{2}(?::[0-9a-f]{2}){5}(?:(?::[0-9a-f]{2}){2})?(?![0-9a-z])")
@@ -188,8 +190,10 @@ _SEPARATORS = str.maketrans(":/", "  ")
 
 def _words(text: str) -> tuple[str, ...]:
     """Return the words of an id; a hardware address is one."""
-    digits = _ADDRESS.sub(lambda match: match[0].replace(":", ""), fold(text))
-    return tuple(digits.translate(_SEPARATORS).split())
+    plain = fold(text)
+    if ":" in plain:
+        plain = _ADDRESS.sub(lambda match: match[0].replace(":", ""), plain)
+    return tuple(plain.translate(_SEPARATORS).split())
 
 
 def _by_topic(mine: _Numbered, theirs: _Numbered) -> _Pairs:
