@@ -265,6 +265,28 @@ async def test_a_flood_of_devices_is_all_announced_but_not_all_told() -> None:
         assert lines[-1]["message"].endswith("(and 450 more like this)")
 
 
+async def test_a_lost_link_is_one_line_and_one_when_it_is_back() -> None:
+    """All devices of it are announced; one that becomes unavailable by itself keeps its line."""
+    async with layer() as house:
+        for number in range(60):
+            house.gateway.sees(f"lights/{number:02}")
+        await house.heard()
+        with capture_logs() as lines:
+            house.gateway.publish_state("unavailable", "connection refused")
+            assert len(await house.heard()) == 60
+            house.gateway.publish_state("unavailable", "no answer")
+            house.gateway.publish_state("active")
+            assert len(await house.heard()) == 60
+            house.gateway.devices.report_reachable("lights/07", reachable=False)
+            await house.heard()
+        told = [line["message"] for line in lines if line["event"].startswith("discovery.")]
+    assert told[:2] == [
+        "60 devices cannot be reached: fake is unavailable: connection refused",
+        "fake reaches 60 devices again",
+    ]
+    assert [text.partition(" changed")[0] for text in told[2:]] == ["lights/07"]
+
+
 async def test_who_asks_in_a_flood_is_answered_before_it_ends() -> None:
     """As many devices come in a turn as a gateway hands over in one, and no answer waits for the last of them."""
     answered = anyio.Event()

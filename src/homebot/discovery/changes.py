@@ -58,6 +58,7 @@ class _PendingChange:
     why: str
     other: str
     device: Device | None = None
+    is_of_link: bool = False
 
 
 @final
@@ -68,6 +69,7 @@ class ChangeQueue:
         sequence: Number of the last change that was taken.
         states_lost: Changes of states that were dropped before they were taken.
         states: Changes of states that wait to be taken.
+        of_links: Numbers of those among the changes taken last that a gateway's link made, lost or back.
         growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
         recent: The last changes that were taken, for late clients.
         announced: The number of announcements so far, new or changed.
@@ -84,19 +86,24 @@ class ChangeQueue:
         self.pending: list[_PendingChange] = []
         self._last: dict[str, _PendingChange] = {}
         self.states: list[NewStates] = []
+        self.of_links: set[int] = set()
         self.growing: dict[str, _PendingChange] = {}
         self.recent = ChangeLog(self.sequence)
         self.announced = 0
         self.collects_states = False
         self.collects_settings = False
 
-    def add(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
-        """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
+    def add(self, kind: ChangeKind, entry: Entry, why: str, other: str = "", *, is_of_link: bool = False) -> None:
+        """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one.
+
+        Args:
+            is_of_link: Whether the link of a gateway made it, which is lost or back.
+        """
         pending = self._last.get(entry.id)
         if kind == "changed" and pending is not None and pending.kind != "stale":
             return
         self.growing.pop(entry.id, None)
-        change = _PendingChange(kind, entry, why, other)
+        change = _PendingChange(kind, entry, why, other, is_of_link=is_of_link)
         self.pending.append(change)
         self._last[entry.id] = change
 
@@ -144,6 +151,7 @@ class ChangeQueue:
         taken = self.pending if at_most is None else self.pending[:at_most]
         self.pending = [] if at_most is None else self.pending[at_most:]
         found: list[DeviceChange] = []
+        self.of_links.clear()
         for one in taken:
             found += self._changes(one)
         for change in found:
@@ -198,6 +206,8 @@ class ChangeQueue:
             del self._last[entry.id]
         device = one.device or entry.to_device(self._topics)
         found = [self._change(one.kind, device, one.why, one.other)]
+        if one.is_of_link:
+            self.of_links.add(self.sequence)
         before, entry.published_conflicts = entry.published_conflicts, device.conflicts
         if before == device.conflicts or one.kind == "removed":
             return found

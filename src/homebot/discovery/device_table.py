@@ -76,11 +76,13 @@ class DeviceTable:
         self.unsaved = UnsavedDevices(self.entries, self.tombstones)
         self.counters = IndexCounters()
 
-    def record_change(self, kind: ChangeKind, entry: Entry, why: str, other: str = "") -> None:
+    def record_change(
+        self, kind: ChangeKind, entry: Entry, why: str, other: str = "", *, is_of_link: bool = False
+    ) -> None:
         """Record a change of *entry*, which makes its message and its postings out of date."""
         entry.invalidate_device()
         self.outdated[entry.id] = None
-        self.changes.add(kind, entry, why, other)
+        self.changes.add(kind, entry, why, other, is_of_link=is_of_link)
 
     def drop(self, entry: Entry) -> None:
         """Remove *entry*, but not its announcements."""

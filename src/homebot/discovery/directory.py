@@ -26,7 +26,7 @@ from homebot.discovery.services import DirectoryServices
 from homebot.discovery.source_record import LostLink
 from homebot.errors import TypeMismatchError
 from homebot.graph import DurabilityPolicy, EndpointInfo, EntityKind, Node, QoSProfile, Subscription
-from homebot.log import LogLimit
+from homebot.log import LogLimit, more_like_this
 from homebot.messages import Time
 from homebot.places import Places
 from homebot.support.isolation import run_as
@@ -37,6 +37,8 @@ __all__ = ["Directory", "DirectorySettings"]
 REJECTED = "discovery.index_full"
 NOT_FOLLOWED = "discovery.source_not_followed"
 FOREIGN = "discovery.foreign_sighting"
+LINK_LOST = "discovery.link_lost"
+LINK_BACK = "discovery.link_back"
 
 _SOURCES_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -186,8 +188,19 @@ class Directory:
             why = f"{gateway} is unavailable: {state.reason}"
             lost = LostLink(Time.from_seconds(self._clock.now()), why) if is_lost else None
             self._publisher.collect()
-            await TimeSlice(self._clock).do(self.index.record_link(gateway, lost))
+            if count := await TimeSlice(self._clock).do(self.index.record_link(gateway, lost)):
+                self._log_link(gateway, lost, count)
             self._publisher.wake()
+
+    def _log_link(self, gateway: str, lost: LostLink | None, count: int) -> None:
+        event = LINK_LOST if lost else LINK_BACK
+        if (held_back := self._limit.allows(event)) is None:
+            return
+        devices = "1 device" if count == 1 else f"{count} devices"
+        message = f"{devices} cannot be reached: {lost.why}" if lost else f"{gateway} reaches {devices} again"
+        self._node.log.info(
+            event, message=message + more_like_this(held_back), gateway=gateway, devices=count, held_back=held_back
+        )
 
     def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
         """Log that *gateway* published in the name of another, which is not believed."""

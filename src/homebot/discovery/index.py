@@ -136,8 +136,12 @@ class DeviceIndex:
         else:
             self._states.record(self._table.owners[key], source, report)
 
-    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None]:
-        """Record that *gateway* lost its link to all of its devices, or has it again; pauses after each device."""
+    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
+        """Record that *gateway* lost its link to all of its devices, or has it again; pauses after each device.
+
+        Returns:
+            How many devices cannot be reached any more, or can again.
+        """
         return self._states.record_link(gateway, lost)
 
     def _add(self, key: SourceKey, sighting: Sighting) -> None:

@@ -182,7 +182,8 @@ class ChangePublisher:
         changes = queue.pop(at_most)
         for change in changes:
             self._changes.publish(change)
-            self._log(change)
+            if change.sequence not in queue.of_links:  # one line tells of all devices of a link
+                self._log(change)
         if len(changes) >= at_most:
             return True
         if not queue.states:

@@ -61,25 +61,33 @@ class StateRecorder:
         if before is not None and self._reach(entry) != before:
             self._table.record_change("changed", entry, entry.reachability().why)
 
-    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None]:
-        """Record that *gateway* lost its link, or has it again; pauses after each device."""
+    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
+        """Record that *gateway* lost its link, or has it again; pauses after each device.
+
+        Returns:
+            How many devices cannot be reached any more, or can again.
+        """
         table = self._table
-        before = table.lost.pop(gateway, None)
+        before, count = table.lost.pop(gateway, None), 0
         if lost is not None:
             lost = table.lost[gateway] = lost if before is None else LostLink(before.since, lost.why)
         for key in [key for key in table.sources if key[0] == gateway]:
             if (source := table.sources.get(key)) is not None:
-                self._record_link_of(table.owners[key], source, lost)
+                count += self._record_link_of(table.owners[key], source, lost)
             yield
+        return count
 
-    def _record_link_of(self, entry: Entry, source: SourceRecord, lost: LostLink | None) -> None:
+    def _record_link_of(self, entry: Entry, source: SourceRecord, lost: LostLink | None) -> bool:
+        """Record the link of *source*; return whether *entry* cannot be reached any more, or can again."""
         before = self._reach(entry)
         source.lost = lost
         entry.is_denied = is_denied(entry.sources.values())
         entry.invalidate_device()
-        if self._reach(entry) != before:
+        after = self._reach(entry)
+        if after != before:
             why = f"{source.key[0]} has its link again" if lost is None else lost.why
-            self._table.record_change("changed", entry, why)
+            self._table.record_change("changed", entry, why, is_of_link=True)
+        return (before[0] == "no") is not (after[0] == "no")
 
     def _record_values(self, entry: Entry, source: SourceRecord, report: Report) -> list[_NewValue]:
         """Record the readings of *report*; return the new values among them."""
