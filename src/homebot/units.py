@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from datetime import timedelta
 from typing import Annotated, Final
 
 from pydantic import BeforeValidator, Field
@@ -33,24 +34,27 @@ Bytes = Annotated[int, Field(gt=0, description="bytes")]
 Port = Annotated[int, Field(ge=0, le=65_535, description="TCP port; 0 is any free one")]
 
 
-def parse_duration(text: str | float) -> float:
+def parse_duration(text: str | float | timedelta, key: str = "") -> float:
     """Return a length of time in seconds.
 
     Args:
         text: A number and a unit, or several with the larger unit first: ``90s``, ``1h30m``, ``1.5d``, ``500ms``.
             Units are d, h, m, s and ms. A plain number is seconds.
+        key: The name of the setting or argument, for the error.
 
     Raises:
         UsageError: It cannot be read, is below 0, or is without end.
     """
+    where = f"{key}: " if key else ""
     if isinstance(text, str):
         parts = _DURATION.fullmatch(text.strip())
         if parts is None or not any(parts.groups()):
-            raise UsageError(f"{text!r} is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)")
+            raise UsageError(f"{where}{text!r} is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)")
         return sum(float(part) * unit for part, unit in zip(parts.groups("0"), _UNITS.values(), strict=True))
-    if not 0 <= text < math.inf:
-        raise UsageError(f"{text} is not a duration: it must be a finite number of seconds, 0 or more")
-    return float(text)
+    seconds = text.total_seconds() if isinstance(text, timedelta) else text
+    if type(seconds) not in (int, float) or not 0 <= seconds < math.inf:
+        raise UsageError(f"{where}{text} is not a duration: it must be a finite number of seconds, 0 or more")
+    return float(seconds)
 
 
 _UNITS: Final = {"d": 86_400.0, "h": 3_600.0, "m": 60.0, "s": 1.0, "ms": 0.001}

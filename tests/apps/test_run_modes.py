@@ -137,5 +137,5 @@ async def test_a_mode_that_does_not_exist_is_named() -> None:
     node = Node(Graph(), "hall")
     with pytest.raises(UsageError, match="mode: there is no 'paralel'; did you mean parallel"):
         HandlerRuns(node, lambda _: None, "job", "paralel")  # type: ignore[arg-type]  # what is under test
-    with pytest.raises(UsageError, match="most: 0 is below 1"):
+    with pytest.raises(UsageError, match="most: 0 is no number from 1 on"):
         HandlerRuns(node, lambda _: None, "job", "queued", 0)

@@ -47,6 +47,9 @@ class Diary(App):
         self.calls.append(f"{self.now():%m-%d %H:%M:%S}")
         self.causes.append(current_trigger().text)
 
+    def say(self, word: str) -> None:
+        self.calls.append(word)
+
     def fail(self) -> None:
         self.note()
         raise ValueError("odd")
@@ -350,6 +353,24 @@ async def test_a_cancelled_job_is_called_no_longer() -> None:
         (lambda app: app.after("1h", lambda: None, name="x", durable=True), "a durable timer needs a name, and a meth"),
         (lambda app: app.after("1h", app.note, catch_up="1h"), "catch_up is for a durable timer"),
         (lambda app: app.daily("22:00", app.note, catch_up="90d"), "catch_up: 90d is more than 31 days"),
+        (lambda app: app.daily("22:00", app.note, days=["mon"]), "days: ['mon'] is no text; write it like mon-fri"),
+        (lambda app: app.daily("22:00", app.note, days="monkey"), "days: there is no day 'monkey'; did you mean mon"),
+        (
+            lambda app: app.daily("22:00", app.note, days="mon-"),
+            "days: there is no day ''; write it like mon-fri or sat,sun",
+        ),
+        (lambda app: app.daily(22, app.note), "22 is no time of day; write it like 22:00"),
+        (lambda app: app.at(None, app.note), "there is no event None of the sun"),
+        (lambda app: app.at("sunset", app.note, offset="400d"), "offset: 400d is more than 12 hours"),
+        (lambda app: app.at("sunset", app.note, jitter="13h"), "jitter: 13h is more than 12 hours"),
+        (lambda app: app.at("sunset", app.note, offset=None), "offset: None is not a duration"),
+        (lambda app: app.after(None, app.note), "delay: None is not a duration"),
+        (lambda app: app.after(1e300, app.note), "delay: 1e+300 is more than 100 years"),
+        (lambda app: app.every(True, app.note), "period: True is not a duration"),
+        (lambda app: app.every("1h", app.note, name=3), "name: 3 is no text of one character or more"),
+        (lambda app: app.after("1h", app.note, name=[3], durable=True), "a durable timer needs a name"),
+        (lambda app: app.after("1h", app.note()), "handler: None is no function; give it without brackets"),
+        (lambda app: app.daily("22:00", app.say), "handler: say is called with no argument: missing a required"),
     ],
 )
 async def test_a_wrong_argument_is_named(setup: Callable[[Diary], object], problem: str) -> None:

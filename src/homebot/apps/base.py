@@ -324,7 +324,7 @@ class App(ABC, Generic[SettingsT]):
             The reaction; its ``cancel()`` ends it.
 
         Raises:
-            UsageError: The app does not run, there is no such mode, or no query.
+            UsageError: The app does not run, there is no such mode, no query, or another argument is wrong.
         """
         if handler is None:
             return partial(self.on, query, mode=mode, most=most, key=key)
@@ -345,8 +345,14 @@ class App(ABC, Generic[SettingsT]):
 
         Returns:
             The outcomes, in the order of the handles; of a command that makes no sense to its device ``Refused``.
+
+        Raises:
+            UsageError: *command* is no function of a handle.
         """
-        from homebot.devices.outcomes import Refused  # noqa: PLC0415 - some apps only watch
+        from homebot.apps.run_modes import check_handler  # noqa: PLC0415 - some apps only watch
+        from homebot.devices.outcomes import Refused  # noqa: PLC0415
+
+        check_handler(command, "a handle")
 
         outcomes: dict[int, Outcome] = {}
 
@@ -365,8 +371,10 @@ class App(ABC, Generic[SettingsT]):
         """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.
 
         Raises:
-            UsageError: The app does not run.
+            UsageError: The app does not run, or *function* is none.
         """
+        if not callable(function):
+            raise UsageError(f"start_task() takes a coroutine function without brackets, not {function!r:.60}")
         if self._tasks is None:
             raise UsageError(f"{self.node.full_name} does not run yet; start its tasks in run()")
         self._tasks.start_soon(self._isolated, function)

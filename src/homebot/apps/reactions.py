@@ -8,7 +8,7 @@ from typing import Any, Final, Generic, TypeAlias, TypeVar, final
 
 import anyio
 
-from homebot.apps.run_modes import HandlerRuns, RunMode
+from homebot.apps.run_modes import HandlerRuns, RunMode, check_handler
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -46,6 +46,9 @@ class Reaction(Generic[ItemT]):
     ) -> None:
         if not queries or not all(hasattr(one, "__aiter__") for one in queries):
             raise UsageError("on() takes a live query, such as self.devices.follow(Light), or several")
+        check_handler(handler, "the change")
+        if key is not None and not callable(key):
+            raise UsageError(f"key: {key!r:.60} is no function, such as per_room")
         self.name = getattr(handler, "__name__", "handler")
         self._handler = handler
         self._key = key

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
+from inspect import signature
 from typing import Final, Literal, TypeAlias, final, get_args
 
 import anyio
@@ -16,7 +17,7 @@ from homebot.log import LogLimit, more_like_this
 from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
 from homebot.support.similar import did_you_mean
 
-__all__ = ["FAILURES_IN_A_ROW", "MOST_RUNS", "HandlerRuns", "RunHandler", "RunMode", "StartTask"]
+__all__ = ["FAILURES_IN_A_ROW", "MOST_RUNS", "HandlerRuns", "RunHandler", "RunMode", "StartTask", "check_handler"]
 
 CALL_DROPPED: Final = "app.call_dropped"
 FAILURES_IN_A_ROW: Final = 5
@@ -27,6 +28,23 @@ _QUIET: Final = 600.0  # seconds between two lines about dropped calls of a hand
 RunMode: TypeAlias = Literal["single", "restart", "queued", "parallel"]
 RunHandler: TypeAlias = Callable[[], Awaitable[object] | None]
 StartTask: TypeAlias = Callable[[Callable[[], Coroutine[object, object, object]]], object]
+
+
+def check_handler(handler: object, *arguments: str) -> None:
+    """Refuse a *handler* that cannot be called with so many *arguments*, by their names for people.
+
+    Raises:
+        UsageError: It is no function, or takes others.
+    """
+    if not callable(handler):
+        raise UsageError(f"handler: {handler!r:.60} is no function; give it without brackets, like self.turn_off")
+    try:
+        signature(handler).bind(*arguments)
+    except TypeError as exc:
+        takes = ", ".join(arguments) or "no argument"
+        raise UsageError(f"handler: {getattr(handler, '__name__', handler)} is called with {takes}: {exc}") from exc
+    except ValueError:  # a function of C, which has no signature
+        return
 
 
 @final
@@ -63,8 +81,8 @@ class HandlerRuns:
         if mode not in (modes := get_args(RunMode)):
             hint = did_you_mean(str(mode), modes, f"modes are {', '.join(modes)}")
             raise UsageError(f"mode: there is no {mode!r}; {hint}")
-        if most < 1:
-            raise UsageError(f"most: {most} is below 1, so that nothing would run")
+        if type(most) is not int or most < 1:
+            raise UsageError(f"most: {most!r} is no number from 1 on")
         self.dropped = self.failures = 0
         self.trouble = ""
         self._node = node

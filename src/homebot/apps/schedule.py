@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Final, Protocol, TypeAlias, final
 import anyio
 
 from homebot.apps.jobs import Due, Interval, Job, JobFacts, Times, WallJob
-from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode
+from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
 from homebot.apps.wall_time import TimeOfDay, read_days, read_time
 from homebot.errors import UsageError
 from homebot.graph.current_cause import TimerCause
@@ -34,6 +34,8 @@ __all__ = ["Length", "Schedule"]
 JOB_SKIPPED: Final = "app.job_skipped"
 MOST_JOBS: Final = 1000
 LONGEST_CATCH_UP: Final = 31 * 86_400.0
+LONGEST: Final = 100 * 366 * 86_400.0
+LONGEST_OFFSET: Final = 43_200.0  # seconds from an event of the sun, so that each has its own day
 _TIMERS, _DAYS = "_timers", "_days"
 _GRACE: Final = 60.0  # seconds by which a durable timer may be late in any case
 _OWN: Final = "homebot.apps."
@@ -115,7 +117,7 @@ class Schedule:
         text = f"after {delay if isinstance(delay, str) else f'{seconds:g} s'}"
         method = getattr(handler, "__name__", "")
         if durable:
-            if getattr(handler, "__self__", None) is not self._app or not name:
+            if getattr(handler, "__self__", None) is not self._app or not name or type(name) is not str:
                 raise UsageError(
                     "a durable timer needs a name, and a method of the app as its handler: "
                     "it is found by them after a restart"
@@ -161,10 +163,12 @@ class Schedule:
         """See :meth:`homebot.App.at`."""
         from homebot.apps.sun import sun_time  # noqa: PLC0415 - astral takes 40 ms
 
-        home, seconds = self._app.context, _signed("offset", offset)
+        home, seconds, spread = self._app.context, _signed("offset", offset), _seconds("jitter", jitter)
+        if key := "offset" if abs(seconds) > LONGEST_OFFSET else "jitter" if spread > LONGEST_OFFSET else "":
+            raise UsageError(f"{key}: {offset if key == 'offset' else jitter} is more than 12 hours")
         times = sun_time(event, home.latitude, home.longitude, seconds)
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
-        return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, _seconds("jitter", jitter))
+        return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, spread)
 
     def read(self, name: str) -> date | None:
         """Return the day of the last call of the job *name*."""
@@ -201,6 +205,7 @@ class Schedule:
         return Interval(self._facts(name, text, handler, mode), self._clock.monotonic() + delay, period)
 
     def _facts(self, name: str, text: str, handler: RunHandler, mode: RunMode) -> JobFacts:
+        check_handler(handler)
         runs = HandlerRuns(self._app.node, self._app.start_task, f"job {name}", mode)
         zone = self._app.context.zone
         return JobFacts(name, text, _calling_line(), handler, runs, self._clock, zone, self._forget)
@@ -215,6 +220,8 @@ class Schedule:
             function = handler.func if isinstance(handler, partial) else handler
             base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()
             return next(one for one in _numbered(base) if one not in self._jobs)
+        if type(name) is not str or not name:
+            raise UsageError(f"name: {name!r:.60} is no text of one character or more")
         if (other := self._jobs.get(name)) is not None:
             raise UsageError(f"two jobs are named {name!r}: at {other.where} and at {_calling_line()}; rename one")
         return name
@@ -295,14 +302,14 @@ def _signed(key: str, length: Length) -> float:
         text = length.strip()
         return -_seconds(key, text[1:]) if text.startswith("-") else _seconds(key, text.removeprefix("+"))
     seconds = length.total_seconds() if isinstance(length, timedelta) else length
-    return math.copysign(_seconds(key, abs(seconds)), seconds)
+    return -_seconds(key, -seconds) if type(seconds) in (int, float) and seconds < 0 else _seconds(key, seconds)
 
 
 def _seconds(key: str, length: Length) -> float:
-    try:
-        return parse_duration(length.total_seconds() if isinstance(length, timedelta) else length)
-    except UsageError as exc:
-        raise UsageError(f"{key}: {exc}") from exc
+    seconds = parse_duration(length, key)
+    if seconds > LONGEST:
+        raise UsageError(f"{key}: {length} is more than 100 years")
+    return seconds
 
 
 def _catch_up(length: Length) -> float:

@@ -50,7 +50,7 @@ def sun_time(event: str, latitude: float | None, longitude: float | None, offset
     Raises:
         UsageError: There is no such event, or the place is not known.
     """
-    if event not in _EVENTS:
+    if type(event) is not str or event not in _EVENTS:
         hint = did_you_mean(event, _EVENTS, f"events are {', '.join(_EVENTS)}; for a time of day use daily()")
         raise UsageError(f"there is no event {event!r} of the sun; {hint}")
     return SunTime(event, _observer(event, latitude, longitude), offset)

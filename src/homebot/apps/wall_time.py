@@ -15,7 +15,8 @@ from homebot.support.similar import did_you_mean
 
 __all__ = ["TimeOfDay", "moment_of", "read_days", "read_time"]
 
-_DAYS: Final = ("mon", "tue", "wed", "thu", "fri", "sat", "sun")
+_DAYS: Final = ("monday", "tuesday", "wednesday", "thursday", "friday", "saturday", "sunday")
+_SHORTEST: Final = 3
 _TIME: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", re.ASCII)
 
 
@@ -38,7 +39,7 @@ def read_time(text: str) -> time:
     Raises:
         UsageError: It is none.
     """
-    if (found := _TIME.fullmatch(text.strip())) is None:
+    if type(text) is not str or (found := _TIME.fullmatch(text.strip())) is None:
         raise UsageError(f"{text!r} is no time of day; write it like 22:00 or 7:30:15")
     hour, minute, second = (int(part or 0) for part in found.groups())
     return time(hour, minute, second)
@@ -50,6 +51,8 @@ def read_days(text: str) -> frozenset[int]:
     Raises:
         UsageError: A day does not exist.
     """
+    if type(text) is not str:
+        raise UsageError(f"days: {text!r} is no text; write it like mon-fri or sat,sun")
     found: set[int] = set()
     for part in filter(None, text.replace(" ", "").lower().split(",")):
         first, dash, last = part.partition("-")
@@ -76,8 +79,8 @@ def moment_of(day: date, at: time, zone: tzinfo) -> float:
 
 
 def _day(name: str) -> int:
-    if name[:3] not in _DAYS:
-        raise UsageError(
-            f"days: there is no day {name!r}; {did_you_mean(name, _DAYS, 'write it like mon-fri or sat,sun')}"
-        )
-    return _DAYS.index(name[:3])
+    for number, day in enumerate(_DAYS):
+        if len(name) >= _SHORTEST and day.startswith(name):
+            return number
+    hint = did_you_mean(name, [day[:_SHORTEST] for day in _DAYS], "write it like mon-fri or sat,sun")
+    raise UsageError(f"days: there is no day {name!r}; {hint}")

@@ -184,18 +184,17 @@ def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
     if kind == "number":
         return _number(name, plain, part, target)
     if kind == "numbers":
-        return _color(name, plain, part, target)
+        return _color(plain)
     options = next((one.options for one in part.capabilities if one.name == name), ())
     return next((one for one in options if one.casefold() == plain.casefold()), plain)
 
 
-def _color(name: str, text: str, part: Part, target: str) -> tuple[float, ...]:
-    spelt = [to_number(one) for one in re.split(r"[\s,]+", text)]
-    numbers = tuple(one for one in spelt if one is not None)
-    if (len(spelt), len(numbers)) != (2, 2):
-        check_setting(target, part, name, ())
-        raise RefusedError(f"{text[:40]!r} as {name} of {target}", f"it takes {accepted_values(part, name)}")
-    return numbers
+def _color(text: str) -> PlainValue:
+    """Return the hue and the saturation, or *text* if it is none, which :func:`check_setting` refuses."""
+    match [to_number(one) for one in re.split(r"[\s,]+", text)]:
+        case [float() as hue, float() as saturation]:
+            return hue, saturation
+    return text
 
 
 def _number(name: str, text: str, part: Part, target: str) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
-__all__ = ["CAPABILITIES", "EVENTS", "LIGHTS_UP", "CapabilityType", "ValueKind", "implied_settings"]
+__all__ = ["CAPABILITIES", "EVENTS", "LIGHTS_UP", "CapabilityType", "ValueKind", "implied_settings", "settable_options"]
 
 ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
 
@@ -42,6 +42,7 @@ class CapabilityType(NamedTuple):
         fineness: By how much numbers may differ that are the same setting; None for half a percent.
         accepts: Further reports that mean that a commanded text was obeyed.
         on_the_way: Reports that mean that a commanded text is being obeyed.
+        only_reported: Texts that no command sets.
         moves: Whether any number means that a motor is on its way.
         zero_is_off: Whether 0 is another state than a small number.
         always_sent: Commanded texts that no report shows to be so already.
@@ -63,6 +64,7 @@ class CapabilityType(NamedTuple):
     fineness: float | None = None
     accepts: _Words = _NO_WORDS
     on_the_way: _Words = _NO_WORDS
+    only_reported: frozenset[str] = frozenset()
     moves: bool = False
     zero_is_off: bool = False
     always_sent: frozenset[str] = frozenset()
@@ -148,6 +150,7 @@ _CONTROLS = (
         options=_OPENINGS,
         accepts=_STOPS,
         on_the_way=_OPENS,
+        only_reported=frozenset({"opening", "closing"}),
         always_sent=_STOPPED,
     ),
     CapabilityType(
@@ -158,6 +161,7 @@ _CONTROLS = (
         options=("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"),
         accepts=_words({"open": "unlocked opening"}),
         on_the_way=_words({"locked": "locking", "unlocked": "unlocking", "open": "unlocking"}),
+        only_reported=frozenset({"locking", "unlocking", "opening", "jammed"}),
         always_sent=frozenset({"open"}),
     ),
     CapabilityType("heating_setpoint", "number", "temperature to heat to", 0x0201, "°C", fineness=_HALF_DEGREE),
@@ -184,6 +188,7 @@ _CONTROLS = (
         options=_OPENINGS,
         accepts=_STOPS,
         on_the_way=_OPENS,
+        only_reported=frozenset({"opening", "closing"}),
         always_sent=_STOPPED,
     ),
     CapabilityType(
@@ -208,6 +213,7 @@ _CONTROLS = (
         "text",
         "state of the alarm; can be set to disarmed, armed_home, armed_away, …",
         on_the_way=_words({"disarmed": "disarming pending", **{f"armed_{one}": "arming pending" for one in _ARMED}}),
+        only_reported=frozenset({"pending", "arming", "disarming"}),
     ),
     CapabilityType("siren_tone", "text", "tone of the siren"),
     CapabilityType(
@@ -320,6 +326,12 @@ SETTABLE: frozenset[str] = frozenset(
 
 LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
 """Capabilities of a light by which it is turned on."""
+
+
+def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]:
+    """Return those of the *options* of *capability* that a command may set, rather than a report alone have."""
+    known = CAPABILITIES.get(capability)
+    return tuple([one for one in options if known is None or one not in known.only_reported])
 
 
 def implied_settings(

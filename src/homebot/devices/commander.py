@@ -206,12 +206,12 @@ def _checked(
 ) -> tuple[Setting, ...]:
     """Return the settings of a command that makes sense."""
     target = f"{device.id}#{part.id}" if part.id else device.id
-    if not (0 <= transition < math.inf):
-        raise RefusedError(f"a transition of {transition} s", "it must be a finite number of seconds, 0 or more")
+    if type(transition) not in (int, float) or not (0 <= transition < math.inf):
+        raise RefusedError(f"a transition of {transition!r} s", "it must be a finite number of seconds, 0 or more")
     if not 0 < len(values) <= MOST_SETTINGS:
         raise RefusedError(f"{len(values)} settings of {target}", f"a command has 1 to {MOST_SETTINGS}")
-    if len(code) > _LONGEST_CODE:
-        raise RefusedError(f"a code for {target}", f"it has more than {_LONGEST_CODE} characters")
+    if type(code) is not str or len(code) > _LONGEST_CODE:
+        raise RefusedError(f"a code for {target}", f"it must be a text of {_LONGEST_CODE} characters at most")
     settings = []
     for capability, value in values.items():
         check_setting(target, part.part, capability, value)

@@ -26,7 +26,7 @@ from homebot.devices.services import (
     SubscribeToTopicRequest,
     SubscribeToTopicResponse,
 )
-from homebot.errors import ClosedError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.errors import ClosedError, RefusedError, ServiceError, ServiceUnavailableError, UsageError
 from homebot.graph import Client, Node, Subscription
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.log import LogLimit
@@ -106,7 +106,7 @@ class Devices:
             if service_type and not devices:
                 await self._view.check(type_is(service_type), f"find({service_type!r})")
             return devices
-        wanted = service_type.where(*none, **query)
+        wanted = _checked_kind(service_type).where(*none, **query)
         find = self._view.find if wanted.near is None else self._view.find_near
         answer = await find(wanted.search)
         handles: list[HandleT] = []
@@ -138,7 +138,7 @@ class Devices:
         if isinstance(service_type, str):
             _check_plain(service_type, none, query)
             return Follow(self._node, service_type)
-        wanted = service_type.where(*none, **query)
+        wanted = _checked_kind(service_type).where(*none, **query)
         return FollowHandles(self._node, wanted, _call_text("follow", wanted, query))
 
     def messages(self, kind: HandleType[P, HandleT], *none: P.args, **query: P.kwargs) -> HandleMessages[HandleT]:
@@ -315,6 +315,12 @@ def _call_text(name: str, query: HandleQuery[HandleT], conditions: Mapping[str, 
     """Return a call of an app as it is written there."""
     given = (f"{key}={value!r}" for key, value in conditions.items())
     return f"{name}({', '.join((query.kind.__name__, *given))})"
+
+
+def _checked_kind(kind: HandleType[P, HandleT]) -> HandleType[P, HandleT]:
+    if not hasattr(kind, "where"):
+        raise UsageError(f"{kind!r:.60} is no kind of handle, such as Light, and no type of device as text")
+    return kind
 
 
 def _check_plain(service_type: str, extra: tuple[object, ...], conditions: Mapping[str, object]) -> None:

@@ -7,6 +7,7 @@ from typing import TypeVar, final
 import homebot.devices.query
 from homebot.devices.handles.handle import Handle
 from homebot.devices.history_messages import (
+    MOST_POINTS,
     EnergyOfDay,
     HistorySeries,
     ReadEnergy,
@@ -40,6 +41,10 @@ class HistoryClient:
 
     async def read(self, handle: Handle, capability: str, since: str | float, points: int) -> HistorySeries:
         """Return the past of *capability* of *handle*; without values where nothing is known."""
+        if not isinstance(handle, Handle):
+            raise UsageError(f"history() takes a handle, as find() returns it, not {handle!r:.60}")
+        if type(points) is not int or not 0 <= points <= MOST_POINTS:
+            raise UsageError(f"points: {points!r} is no whole number from 0 to {MOST_POINTS:,}")
         device, part = handle.device.id, handle.part_id
         request = ReadHistoryRequest(
             device=device, part=part, capability=capability, since=self._begin(since), points=points
@@ -50,12 +55,12 @@ class HistoryClient:
 
     async def read_energy(self, query: str, since: str | float) -> tuple[EnergyOfDay, ...]:
         """Return the energy by day and device."""
-        terms = query_terms(homebot.devices.query.parse_query(query)) if query else ()
+        terms = query_terms(homebot.devices.query.parse_query(str(query))) if query else ()
         request = ReadEnergyRequest(query=terms, since=self._begin(since))
         return (await self._call(ReadEnergy, READ_ENERGY, request)).days
 
     def _begin(self, since: str | float) -> Time:
-        return Time.from_seconds(self._node.graph.clock.now() - parse_duration(since))
+        return Time.from_seconds(self._node.graph.clock.now() - parse_duration(since, "since"))
 
     async def _call(self, service: ServiceType[RequestT, AnswerT], name: str, request: RequestT) -> AnswerT:
         """Return the answer to *request*.

@@ -92,10 +92,10 @@ _enter.__qualname__ = "Handle.hold.__aenter__"  # the name in the warning
 @asynccontextmanager
 async def _hold(node: Node, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AsyncIterator[Hold]:
     setting = _setting(view, part_id, word)
-    if not by.strip():
+    if type(by) is not str or not by.strip():
         raise UsageError("a holder needs a name: by='robot'")
-    if not (SHORTEST_TTL <= ttl <= LONGEST_TTL):
-        raise UsageError(f"a ttl of {ttl} s is out of range: {SHORTEST_TTL:g} to {LONGEST_TTL:g} s")
+    if type(ttl) not in (int, float) or not (SHORTEST_TTL <= ttl <= LONGEST_TTL):
+        raise UsageError(f"a ttl of {ttl!r} s is out of range: {SHORTEST_TTL:g} to {LONGEST_TTL:g} s")
     if setting is None:
         hold = Hold()
         hold.outcome = Gone()
@@ -187,8 +187,11 @@ def _setting(view: DeviceView, part_id: str, word: str) -> Setting | None:
     """Return the setting that *word* means; None if the device or the part is gone.
 
     Raises:
+        UsageError: It is no word.
         RefusedError: The part does not take it, or it does not last.
     """
+    if type(word) is not str:
+        raise UsageError(f"hold() takes a word, such as 'on' or '0.4', not {word!r:.60}")
     part = None if view.is_gone else view.device.part(part_id)
     if part is None:
         return None

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, settable_options
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = ["accepted_values", "check_setting"]
 
+_HUE, _SATURATION = 360, 100
 _COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
 """The accepted values of every colour, the one capability with several numbers."""
 
@@ -28,8 +29,10 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
     """
     for one in part.capabilities:
         if one.name == capability and one.settable:
-            if not isinstance(value, bool):
-                _check_value(target, one, value)
+            if not _is_taken(one, value):
+                shown = f"{value:g}" if isinstance(value, float) else f"{value!r:.40}"
+                accepted = "True or False" if _kind(one) == "bool" else _accepted(one)
+                raise RefusedError(f"{shown} as {capability} of {target}", f"it takes {accepted}")
             return
     known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable))
     raise RefusedError(
@@ -47,23 +50,39 @@ def accepted_values(part: Part, capability: str) -> str:
 
 def _accepted(capability: Capability) -> str:
     known = CAPABILITIES.get(capability.name)
-    kind = "text" if known is None else known.kind
-    if capability.options:
-        return ", ".join(capability.options)
-    if kind == "bool":
-        return "on or off"
-    if kind == "numbers":
-        return _COLOR
-    return _span(_bounds(capability), capability) if kind == "number" else "a value"
+    if options := capability.options or (known.options if known is not None else ()):
+        return ", ".join(settable_options(capability.name, options))
+    match _kind(capability):
+        case "bool":
+            return "on or off"
+        case "numbers":
+            return _COLOR
+        case "number":
+            return _span(_bounds(capability), capability)
+    return "a text"
 
 
-def _check_value(target: str, capability: Capability, value: PlainValue) -> None:
-    name = capability.name
-    bounds = _bounds(capability)
-    if isinstance(value, float) and not (math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])):
-        raise RefusedError(f"{value:g} as {name} of {target}", f"it takes {_span(bounds, capability)}")
-    if isinstance(value, str) and capability.options and value not in capability.options:
-        raise RefusedError(f"{value[:40]!r} as {name} of {target}", f"it takes {', '.join(capability.options)}")
+def _is_taken(capability: Capability, value: PlainValue) -> bool:
+    """Return whether *value* is of the kind of *capability*, and one that it accepts; that of an own one may be any."""
+    kind = _kind(capability)
+    match value:
+        case bool():
+            return kind in ("bool", "")
+        case float():
+            bounds = _bounds(capability)
+            return kind in ("number", "") and math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])
+        case str():
+            return kind in ("text", "") and (
+                not capability.options or value in settable_options(capability.name, capability.options)
+            )
+        case (float() | int() as hue, float() | int() as saturation):
+            return kind in ("numbers", "") and 0 <= hue <= _HUE and 0 <= saturation <= _SATURATION
+    return False
+
+
+def _kind(capability: Capability) -> str:
+    known = CAPABILITIES.get(capability.name)
+    return "" if known is None else known.kind
 
 
 def _span(bounds: tuple[float, ...], capability: Capability) -> str:

@@ -22,10 +22,10 @@ def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list
     """
     from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
 
-    wanted = fold(name)
+    wanted = fold(str(name))  # perhaps that of an app, which may be anything
     names = {fold(one): one for one in sorted(set(known), reverse=True)}
     found = get_close_matches(wanted, names, n=_MOST, cutoff=cutoff)
-    return [names[one] for one in found or sorted(one for one in names if wanted.strip("/") in one)[:_MOST]]
+    return [names[one] for one in found or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MOST]]
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float = _CUTOFF) -> str:

@@ -356,13 +356,21 @@ async def test_a_fan_with_a_speed_called_off_is_turned_off_by_that(house: House,
     [
         (
             lambda it: it.turn_on(level=40, kelvin=2700),
-            "color_temperature of a was refused: it has no such setting; it takes on_off, level",
+            "color_temperature of a was refused: it has no such setting; it takes on_off, level, effect, color",
         ),
         (lambda it: it.turn_on(level=0), "0 as level of a was refused: it takes a level above 0 and up to 100 %"),
         (lambda it: it.turn_on(level=float("nan")), "it takes a level above 0 and up to 100 %"),
         (lambda it: it.set_level(101), "101 as level of a was refused: it takes 5 to 100 %"),
         (lambda it: it.set_level(float("inf")), "it takes 5 to 100 %"),
-        (lambda it: it.turn_on(color=(361, 0)), "it takes hue 0 to 360 and saturation 0 to 100"),
+        (lambda it: it.turn_on(level="40"), "'40' as level of a was refused: it takes 5 to 100 %"),
+        (lambda it: it.set_level(True), "True as level of a was refused: it takes 5 to 100 %"),
+        (lambda it: it.command("level", {}), "{} as level of a was refused: it takes 5 to 100 %"),
+        (lambda it: it.command("on_off", "on"), "'on' as on_off of a was refused: it takes True or False"),
+        (lambda it: it.turn_on(color=(361, 0)), "(361, 0) as color of a was refused: it takes hue (0 to 360) and sat"),
+        (lambda it: it.turn_on(color="red"), "'red' as color of a was refused: it takes hue (0 to 360)"),
+        (lambda it: it.turn_on(color=(1,)), "(1,) as color of a was refused: it takes hue (0 to 360)"),
+        (lambda it: it.turn_on(transition="2s"), "a transition of '2s' s was refused"),
+        (lambda it: it.command("level", 40, code=1234), "it must be a text of 255 characters"),
         (
             lambda it: it.turn_on(transition=-1),
             "a transition of -1 s was refused: it must be a finite number of seconds, 0 or more",
@@ -370,7 +378,7 @@ async def test_a_fan_with_a_speed_called_off_is_turned_off_by_that(house: House,
         (lambda it: it.command("effect", "party"), "'party' as effect of a was refused: it takes rainbow, fire"),
         (
             lambda it: it.command("nonsense", 1),
-            "nonsense of a was refused: it has no such setting; it takes on_off, level, effect",
+            "nonsense of a was refused: it has no such setting; it takes on_off, level, effect, color",
         ),
     ],
 )
@@ -380,6 +388,7 @@ async def test_an_unsupported_command_is_refused_with_the_supported_ones(house: 
         Capability(name="on_off", settable=True),
         Capability(name="level", settable=True, bounds=(5.0, 100.0)),
         Capability(name="effect", settable=True, options=("rainbow", "fire")),
+        Capability(name="color", settable=True),
         Capability(name="color_temperature"),
     )
     house.has(house.device("a", house.part("light", capabilities=capabilities)))
@@ -499,7 +508,7 @@ async def test_a_code_goes_with_the_command(house: House, kind: Any, capability:
     await act(handle, "")
     assert house.told == [("mqtt", "", capability, value, 0.0)] * 2
     assert house.codes == ["1234", ""]
-    with pytest.raises(RefusedError, match="it has more than 255 characters") as refused:
+    with pytest.raises(RefusedError, match="it must be a text of 255 characters") as refused:
         await act(handle, "7355" * 64)
     assert "7355" not in str(refused.value)
 

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from homebot.devices.names import is_text_address, read_text_address, text_address
 from homebot.devices.part import Capability, Part
+from homebot.devices.setting_check import accepted_values, check_setting
 from homebot.devices.text.commands import decode_command, encode_command, main_part
 from homebot.devices.text.states import decode_text, encode_state
 from homebot.devices.value import PlainValue
@@ -272,3 +273,13 @@ def test_an_encoded_command_is_decoded_to_the_same_value(name: str, value: Plain
     else:
         assert what == name
         assert meant == (pytest.approx(value, abs=0.1) if isinstance(value, float) else value)
+
+
+def test_states_that_are_only_reported_are_no_words() -> None:
+    """An alarm panel lists its states among its options, as it reports them."""
+    panel = part(alarm=("disarmed", "armed_home", "pending", "arming", "disarming", "triggered"))
+    with pytest.raises(RefusedError, match=r"this part takes disarmed, armed_home, triggered$"):
+        decode_command("pending", panel)
+    assert accepted_values(panel, "alarm") == "disarmed, armed_home, triggered"
+    with pytest.raises(RefusedError, match="takes disarmed, armed_home, triggered"):
+        check_setting("it", panel, "alarm", "arming")

@@ -6,7 +6,8 @@ import math
 from collections import deque
 from collections.abc import AsyncIterator, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Generic, Literal, Self, TypeAlias, TypeVar, final
+from datetime import timedelta
+from typing import TYPE_CHECKING, Final, Generic, Literal, Self, TypeAlias, TypeVar, final, get_args
 
 import anyio
 
@@ -18,6 +19,7 @@ from homebot.devices.handles.handle import Handle
 from homebot.devices.handles.handle_query import HandleQuery
 from homebot.devices.house_view import HouseView
 from homebot.devices.query import And
+from homebot.errors import UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
 from homebot.support.timer_queue import TimerQueue
@@ -95,13 +97,23 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         self._early_events: deque[tuple[float, StateChange]] = deque(maxlen=_MAX_EARLY)
         self.events_lost = 0
 
-    async def only(self, *kinds: _Kind) -> AsyncIterator[HandleChange[HandleT]]:
-        """Yield the changes of these kinds alone: ``only("event")`` for presses of buttons."""
+    def only(self, *kinds: _Kind) -> AsyncIterator[HandleChange[HandleT]]:
+        """Return an iterator over the changes of these kinds alone: ``only("event")`` for presses of buttons.
+
+        Raises:
+            UsageError: There is no such kind, or none is given.
+        """
+        known = get_args(_Kind)
+        if not kinds or not set(kinds) <= set(known):
+            raise UsageError(f"only() takes {', '.join(known)}; not {', '.join(map(repr, kinds)) or 'nothing'}")
+        return self._only(kinds)
+
+    async def _only(self, kinds: tuple[_Kind, ...]) -> AsyncIterator[HandleChange[HandleT]]:
         async for change in self:
             if change.kind in kinds:
                 yield change
 
-    def became(self, *, lasting: str | float = 0.0, **conditions: object) -> Became[HandleT]:
+    def became(self, *, lasting: str | float | timedelta = 0.0, **conditions: object) -> Became[HandleT]:
         """Return a live query that yields ``appeared`` each time that a handle comes to meet further conditions.
 
         Those that meet them at the beginning count.
@@ -118,7 +130,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         more = self._query.kind.where(**conditions)  # type: ignore[arg-type]  # checked there
         given = ", ".join(f"{key}={value!r}" for key, value in conditions.items())
         follow = FollowHandles(self._node, self._query.narrowed(more), f"{self._text}.became({given})")
-        return Became(follow, more.exact_values, parse_duration(lasting), self._clock)
+        return Became(follow, more.exact_values, parse_duration(lasting, "lasting"), self._clock)
 
     def close(self) -> None:
         """End the query. Twice is fine."""

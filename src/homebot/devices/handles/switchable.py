@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle
@@ -15,8 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Fan", "Light", "Plug", "Siren", "Switch"]
 
-_HUE = 360.0
-_SATURATION = 100.0
 _OFF = "off"
 
 
@@ -82,7 +79,7 @@ class Light(Handle):
         *,
         level: float | None = None,
         kelvin: float | None = None,
-        color: tuple[float, float] | None = None,
+        color: tuple[float, ...] | list[float] | None = None,
         effect: str | None = None,
         transition: float = 0.0,
     ) -> Outcome:
@@ -98,10 +95,10 @@ class Light(Handle):
         Raises:
             RefusedError: It does not support one of these, or a value is out of range; nothing was sent.
         """
-        if level is not None and not 0 < level <= 100:
+        if isinstance(level, int | float) and not 0 < level <= 100:
             raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
         settings: dict[str, PlainValue] = {"level": level, "color_temperature": kelvin}
-        settings["color"] = None if color is None else self._checked_color(color)
+        settings["color"] = tuple(color) if isinstance(color, list) else color
         settings["effect"] = effect
         settings = {name: value for name, value in settings.items() if value is not None} or {"on_off": True}
         return await self.commands(settings, transition=transition)
@@ -121,12 +118,6 @@ class Light(Handle):
         if level == 0:
             return await self.turn_off(transition=transition)
         return await self.command("level", level, transition=transition)
-
-    def _checked_color(self, color: tuple[float, float]) -> tuple[float, float]:
-        hue, saturation = float(color[0]), float(color[1])
-        if not (math.isfinite(hue) and 0 <= hue <= _HUE and 0 <= saturation <= _SATURATION):
-            raise RefusedError(f"{color} as color of {self.id}", "it takes hue 0 to 360 and saturation 0 to 100")
-        return hue, saturation
 
 
 class _Switchable(Handle):

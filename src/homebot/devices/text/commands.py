@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
 
+from homebot.devices.capabilities import settable_options
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.states import FRACTION_CAPABILITIES, SPEED_WORDS, bounds_of, encode_value, percent
 from homebot.devices.value import PlainValue
@@ -83,10 +84,10 @@ def _phrase_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
 
 def _option_command(text: str, settable: Mapping[str, Capability]) -> tuple[str, PlainValue] | None:
     for name, capability in settable.items():
-        if text in capability.options or name == "text":
+        if text in settable_options(name, capability.options) or name == "text":
             return name, text
     for name, capability in settable.items():
-        for option in capability.options:
+        for option in settable_options(name, capability.options):
             if option.casefold() == text:  # such as the OFF of a fan
                 return name, option
     return None
@@ -161,5 +162,5 @@ def _known(settable: Mapping[str, Capability]) -> str:
     words += ["2700 K"] if "color_temperature" in settable else []
     if (name := _number_in(settable)) is not None:
         words.append("a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number")
-    words += [option for capability in settable.values() for option in capability.options]
+    words += [option for name, one in settable.items() for option in settable_options(name, one.options)]
     return ", ".join(dict.fromkeys(words)) or "nothing"
