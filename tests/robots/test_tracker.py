@@ -199,9 +199,9 @@ async def test_a_parked_robot_counts_while_it_lives_and_no_longer_once_its_odome
 
 
 async def test_the_smaller_error_wins_while_it_counts(one: House) -> None:
-    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/robot/pose", stamped(5, 1))
     await one.say("/amcl_pose", amcl(5, 1, 0.05))
-    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/robot/pose", stamped(5, 1))
     assert [told.source for told in one.news()] == ["/robot/pose", "/amcl_pose"]
     for _ in range(4):
         await anyio.sleep(3)
@@ -209,6 +209,20 @@ async def test_the_smaller_error_wins_while_it_counts(one: House) -> None:
     assert {told.source for told in one.news()} == set()  # each is a sign of life
     await anyio.sleep(11)
     assert [told.source for told in one.news()] == ["/rosie/room"]
+
+
+async def test_a_pose_of_amcl_that_a_later_position_contradicts_counts_for_ten_seconds(one: House) -> None:
+    """A sign of life keeps it only for a robot that is parked."""
+    await one.say("/amcl_pose", amcl(5, 1, 0.05))
+    for _ in range(6):
+        await anyio.sleep(2)
+        await one.say("/robot/pose", stamped(1, 1))
+    assert [(told.room, told.source) for told in one.news()] == [("Kitchen", "/amcl_pose"), ("Hall", "/robot/pose")]
+    await one.say("/amcl_pose", amcl(5, 1, 0.05))
+    for _ in range(6):
+        await anyio.sleep(2)
+        await one.say("/robot/pose", stamped(5.2, 1))
+    assert [(told.room, told.source) for told in one.news()][-1] == ("Kitchen", "/amcl_pose")
 
 
 async def test_frames_follow_a_driving_robot_closer_than_the_poses_of_amcl(one: House) -> None:

@@ -27,6 +27,10 @@ _FASTEST: Final = 2.0
 _STEP: Final = 0.7
 """Metres, beside three times its error and the way of the fastest robot, by which a pose may jump."""
 
+_PARKED: Final = 0.25
+"""Metres, beside three times its error, from the last pose of AMCL to another source's within which a robot stands."""
+
+_AMCL: Final = "/amcl_pose"
 _CONSISTENT: Final = 3
 _MOST_SOURCES: Final = 100
 
@@ -54,6 +58,7 @@ class TrackedRobot:
         self.sigma: float | None = None
         self._poses: dict[str, RobotPose] = {}
         self._consistent = 0
+        self._is_parked = True
 
     def place(
         self,
@@ -68,7 +73,8 @@ class TrackedRobot:
         """Take the place that *source* states instead of its last, and check whether the robot was carried away.
 
         Args:
-            limit: Seconds for which it counts; of ``/amcl_pose`` from the last sign of life, for a parked one.
+            limit: Seconds for which it counts; of ``/amcl_pose`` from the last sign of life, unless a later position
+                of another source shows that the robot is elsewhere.
             at: The position; None where only the room is known.
             age: Seconds since it was received.
             by_robot: Whether the robot states it, so that it lives.
@@ -82,6 +88,10 @@ class TrackedRobot:
         self._poses[source] = pose
         if len(self._poses) > _MOST_SOURCES:  # tags, of which there may be many
             del self._poses[next(iter(self._poses))]
+        if source.endswith(_AMCL) or any(
+            one.source.endswith(_AMCL) and _is_apart(one, pose) for one in self._poses.values()
+        ):
+            self._is_parked = source.endswith(_AMCL)
         if before is not None and (jump := _jump(before, pose)):
             self.doubt(f"{source} jumped by {jump:.1f} m")
         elif self.unsure_because and pose.has_position:
@@ -128,12 +138,19 @@ class TrackedRobot:
     def expires_at(self, pose: RobotPose) -> float:
         """Return when *pose* no longer counts."""
         at = pose.received_at.to_seconds()
-        return pose.limit + (max(at, self.alive_at) if pose.limit and pose.source.endswith("/amcl_pose") else at)
+        is_parked = pose.limit and self._is_parked and pose.source.endswith(_AMCL)
+        return pose.limit + (max(at, self.alive_at) if is_parked else at)
 
     def next_change(self) -> float:
         """Return after how many seconds :meth:`best` changes by itself; infinite for never."""
         now = self.now()
         return min((end - now for end in map(self.expires_at, self._poses.values()) if end > now), default=math.inf)
+
+
+def _is_apart(parked: RobotPose, pose: RobotPose) -> bool:
+    """Return whether *pose* is of a robot that is no longer where it was *parked*."""
+    metres = math.dist((parked.x, parked.y), (pose.x, pose.y)) if pose.has_position else 0.0
+    return metres > _PARKED + 3 * max(parked.error, pose.error)
 
 
 def _jump(before: RobotPose, after: RobotPose) -> float:
