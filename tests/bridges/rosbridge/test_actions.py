@@ -63,7 +63,7 @@ async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(house:
         ({"action": "/nobody"}, "action /nobody has no server now"),
         ({"action_type": "nav2_msgs/action/Spin"}, "is a example_interfaces/action/Fibonacci, not a nav2_msgs"),
         ({"args": {"order": "three"}}, "field 'order'"),
-        ({"args": 3}, "field 'args'"),
+        ({"args": 3}, "field 'args': has to be an object, or a list of the fields in order, got 3"),
     ],
 )
 async def test_a_goal_that_cannot_be_sent_has_a_result_too(
@@ -167,6 +167,14 @@ async def test_roslib_cancels_all_goals_with_an_empty_call(house: House) -> None
             await peer.send("send_action_goal", id=name, args={"order": 50}, **GOAL)
         await peer.send("call_service", service="fib/_action/cancel_goal", args={})
         await the_end(fib)
+
+
+async def test_a_list_of_arguments_fills_the_fields_of_a_goal_in_order(house: House) -> None:
+    async with house.peer() as robot, house.peer() as user:
+        await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
+        await robot.settle()
+        await user.send("send_action_goal", id="g", args=[5], **GOAL)
+        assert (await robot.receive())["args"] == {"order": 5}
 
 
 async def test_what_a_goal_and_its_end_lack_is_zero_or_empty(house: House) -> None:

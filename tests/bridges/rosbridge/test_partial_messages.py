@@ -11,7 +11,11 @@ from pydantic import Field
 from homebot.bridges.rosbridge.types import partial_message_from_client
 from homebot.errors import TypeMismatchError
 from homebot.messages import message as fields
+from homebot.messages.builtin_interfaces import Time
+from homebot.messages.definition import zero_message
+from homebot.messages.geometry_msgs import PoseStamped
 from homebot.messages.message import Message
+from homebot.messages.std_msgs import Header
 
 
 class Mode(StrEnum):
@@ -43,8 +47,11 @@ class Choice(Message, ros_type="test_msgs/msg/Choice"):
     mode: Mode
 
 
+NOW = 12.5
+
+
 def test_nothing_at_all_is_a_message_of_zeros() -> None:
-    message, missing = partial_message_from_client(Twist, {})
+    message, missing = partial_message_from_client(Twist, {}, NOW)
     assert missing == ("linear", "path", "covariance", "raw", "is_fast", "frame")
     assert message == Twist(
         linear=Vector(x=0.0, y=0.0), path=(), covariance=(0.0, 0.0, 0.0), raw=b"", is_fast=False, frame=""
@@ -53,7 +60,9 @@ def test_nothing_at_all_is_a_message_of_zeros() -> None:
 
 def test_messages_inside_are_completed_too() -> None:
     whole = {"covariance": [1.0] * 3, "raw": "", "is_fast": True, "frame": "map"}
-    message, missing = partial_message_from_client(Twist, whole | {"linear": {"x": 2}, "path": [{"y": 1}, {"x": 3}]})
+    message, missing = partial_message_from_client(
+        Twist, whole | {"linear": {"x": 2}, "path": [{"y": 1}, {"x": 3}]}, NOW
+    )
     assert missing == ("linear.y", "path.x", "path.y")
     assert message.model_dump()["linear"] == {"x": 2.0, "y": 0.0}
     assert message.model_dump()["path"] == ({"x": 0.0, "y": 1.0}, {"x": 3.0, "y": 0.0})
@@ -69,4 +78,13 @@ def test_messages_inside_are_completed_too() -> None:
 )
 def test_a_wrong_field_is_refused(message_type: type[Message], values: dict[str, object], problem: str) -> None:
     with pytest.raises(TypeMismatchError, match=problem):
-        partial_message_from_client(message_type, values)
+        partial_message_from_client(message_type, values, NOW)
+
+
+def test_a_header_without_a_stamp_is_of_now_and_one_that_is_not_there_is_zero() -> None:
+    stated, missing = partial_message_from_client(PoseStamped, {"header": {"frame_id": "map"}}, NOW)
+    assert stated == zero_message(PoseStamped).model_copy(
+        update={"header": Header(stamp=Time(sec=12, nanosec=500_000_000), frame_id="map")}
+    )
+    assert missing == ("pose",)
+    assert partial_message_from_client(PoseStamped, {}, NOW)[0] == zero_message(PoseStamped)

@@ -16,6 +16,7 @@ from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseState
 from homebot.devices.names import HOLD_PART
 from homebot.errors import RefusedError, ServiceFailedError, ServiceGoneError, ServiceTimeoutError
 from homebot.messages import SetBool, Trigger
+from homebot.messages.definition import zero_message
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse, SuccessResponse, TriggerRequest
 
 
@@ -36,6 +37,24 @@ async def test_a_client_calls_a_service(house: House, peer: Peer) -> None:
     assert house.entities() == set()
 
 
+async def test_what_a_request_and_its_response_lack_is_zero_or_empty_but_not_of_a_type_of_homebot(
+    house: House, peer: Peer
+) -> None:
+    """As the original bridge makes them; a command of homebot says what it means."""
+    switch = house.node("lamp").create_service(SetBool, "/switch", echo)
+    await peer.send("call_service", service="/switch", args={})
+    assert (await peer.receive())["values"]["success"] is False
+    switch.close()
+    await peer.send("advertise_service", service="/switch", type="std_srvs/SetBool")
+    await peer.send("call_service", service="/switch", args=[True])
+    asked = await peer.receive()
+    await peer.send("service_response", service="/switch", id=asked["id"], values={"success": True}, result=True)
+    assert (await peer.receive())["values"] == {"success": True, "message": ""}
+    house.node("control").create_service(HoldPart, HOLD_PART, lambda _: zero_message(LeaseState))
+    await peer.send("call_service", service=HOLD_PART, args={"part": "1"})
+    assert "field 'device' is missing" in (await peer.receive())["values"]
+
+
 async def test_a_list_of_arguments_fills_the_fields_in_order(house: House, peer: Peer) -> None:
     house.node("lamp").create_service(SetBool, "/switch", echo)
     await peer.send("call_service", service="/switch", args=[True])
@@ -50,7 +69,6 @@ async def test_a_list_of_arguments_fills_the_fields_in_order(house: House, peer:
         ("/nobody", {}, "service /nobody has no server now; /rosapi/services lists all$"),
         ("/swich", {}, "service /swich has no server now; did you mean /switch?"),
         ("bad name", {}, "has a character that is not allowed in names"),
-        ("/switch", {}, "field 'data' is missing"),
         ("/switch", {"data": "yes"}, "field 'data': .*got 'yes'"),
         ("/switch", {"data": True, "more": 1}, "field 'more' is unknown"),
         ("/raises", {}, "RuntimeError: the bulb is broken"),
@@ -157,7 +175,7 @@ async def test_a_client_provides_a_service(house: House, peer: Peer) -> None:
     [
         ({"result": False, "values": "no power"}, "no power"),
         ({"result": True, "values": {"success": 1}}, "field 'success'"),
-        ({"result": True}, "is missing"),
+        ({"result": True, "values": {"succes": True}}, "field 'succes' is unknown"),
     ],
 )
 async def test_a_bad_answer_of_a_client_fails_the_call(

@@ -12,7 +12,8 @@ import json
 from collections.abc import Generator, Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic_core import PydanticCustomError
 
 from homebot.bridges.rosbridge.json_pieces import MAX_NESTING, RefusedJsonError, parse_in_pieces
 from homebot.errors import PeerError
@@ -61,6 +62,15 @@ Name = Annotated[str, Field(min_length=1, max_length=500)]
 Id = Annotated[str, Field(max_length=_LONGEST_ID)]
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
+
+
+def _arguments(value: object) -> object:
+    if not isinstance(value, dict | list):
+        raise PydanticCustomError("arguments", "has to be an object, or a list of the fields in order")
+    return value
+
+
+Arguments = Annotated[dict[str, Any] | list[Any], BeforeValidator(_arguments)]
 
 
 class FrameError(PeerError):
@@ -164,7 +174,7 @@ class CallService(Operation, ops=("call_service",)):
     """
 
     service: Name
-    args: dict[str, Any] | list[Any] = Field(default_factory=dict)
+    args: Arguments = Field(default_factory=dict)
     timeout: Seconds = 0
     compression: str = "none"
     fragment_size: int | None = None
@@ -211,12 +221,12 @@ class SendActionGoal(ActionOperation, ops=("send_action_goal",)):
     """A goal for an action.
 
     Attributes:
-        args: The fields of the goal.
+        args: The fields of the goal; a list fills them in order.
         feedback: Whether the client wants the feedback.
     """
 
     action_type: str = ""
-    args: dict[str, Any] = Field(default_factory=dict)
+    args: Arguments = Field(default_factory=dict)
     feedback: bool = False
 
 

@@ -15,7 +15,7 @@ from homebot.bridges.rosbridge.protocol import (
     frame_text,
 )
 from homebot.bridges.rosbridge.provided_services import Provisions
-from homebot.bridges.rosbridge.types import action_type_of, partial_message_from_client
+from homebot.bridges.rosbridge.types import action_type_of, request_from_client
 from homebot.errors import PeerError
 from homebot.graph import Node
 from homebot.graph.actions import ActionServer, GoalState, ServerGoal
@@ -81,7 +81,7 @@ class ProvidedActions:
         running = self._find(op)
         if running is not None:
             feedback_type = running.goal.action_type.Feedback
-            running.goal.publish_feedback(partial_message_from_client(feedback_type, op.values)[0])
+            running.goal.publish_feedback(self._read(feedback_type, op.values))
 
     def end(self, op: ActionResult) -> None:
         """End a goal; a second result is ignored, which roslib sends after it has advertised twice.
@@ -97,9 +97,12 @@ class ProvidedActions:
         try:
             if isinstance(op.values, dict):
                 result_type = running.goal.action_type.Result
-                end = op.status, partial_message_from_client(result_type, op.values)[0]
+                end = op.status, self._read(result_type, op.values)
         finally:
             running.end.set_result(end)
+
+    def _read(self, message_type: type[Message], values: dict[str, Any]) -> Message:
+        return request_from_client(message_type, values, self._node.graph.clock.now())
 
     def _has_room(self) -> bool:
         return len(self._running) < self._limit and self._outbox.has_room

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, frame_text
-from homebot.bridges.rosbridge.types import message_from_client, service_type_of
+from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.errors import PeerError, RefusedError
 from homebot.graph import Node
 from homebot.messages.json import message_to_text
@@ -136,4 +136,4 @@ class ProvidedServices:
         if not response.result:
             raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
         values = response.values if isinstance(response.values, dict) else {}
-        return message_from_client(service_type.Response, values)
+        return request_from_client(service_type.Response, values, self._node.graph.clock.now())

@@ -168,7 +168,7 @@ class Publications:
         except TypeMismatchError:
             if right_to_publish(name) is Right.RAW:
                 raise
-            message, missing = partial_message_from_client(message_type, values)
+            message, missing = partial_message_from_client(message_type, values, self._node.graph.clock.now())
         self._access.check_robot(name, message)
         return message, missing
 

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
 import anyio.lowlevel
 from anyio.abc import TaskGroup
 
-from homebot.bridges.rosbridge.access import ClientAccess, right_to_publish
+from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import CancelActionGoal, SendActionGoal, failure_frame, frame_text
-from homebot.bridges.rosbridge.services import cause_of_call, parse_queries
+from homebot.bridges.rosbridge.services import cause_of_call, named_values, parse_queries
 from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.bridges.rosbridge.types import action_type_of, message_from_client, partial_message_from_client
-from homebot.devices.client_rights import Right
+from homebot.bridges.rosbridge.types import action_type_of, request_from_client
 from homebot.errors import HomebotError, PeerError
 from homebot.graph.actions import ActionClient, ClientGoal, GoalState
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -76,7 +74,7 @@ class SentGoals:
         if self._node.graph.get_action_type(name) is None:
             raise PeerError(f"action {name} has no server now; /rosapi/action_servers lists all")
         action_type = action_type_of(self._node.graph, name, op.action_type)
-        request = self._goal_message(name, action_type.Goal, op.args)
+        request = self._goal_message(action_type.Goal, op.args)
         if name not in self._clients:
             self._clients[name] = ActionClient(self._node, action_type, name)
         sent = _SentGoal(op, self._clients[name])
@@ -103,15 +101,11 @@ class SentGoals:
         self._clients.popitem()[1].close()
         return True
 
-    def _goal_message(self, action: str, goal_type: type[Message], args: Mapping[str, object]) -> Message:
-        """Return the goal; what it lacks is zero or empty, but on homebot's own actions refused."""
-        values, problem = parse_queries(goal_type, args)
+    def _goal_message(self, goal_type: type[Message], args: dict[str, Any] | list[Any]) -> Message:
+        values, problem = parse_queries(goal_type, named_values(goal_type, args))
         if problem is not None:
             raise problem
-        values = self._access.stamped(goal_type, values)
-        if right_to_publish(action) is Right.RAW:
-            return message_from_client(goal_type, values)
-        return partial_message_from_client(goal_type, values)[0]
+        return request_from_client(goal_type, self._access.stamped(goal_type, values), self._node.graph.clock.now())
 
     async def _run(self, sent: _SentGoal, request: Message) -> None:
         """Wait for the end of a goal and answer it."""

@@ -12,7 +12,7 @@ from homebot.bridges.rosbridge.protocol import (
     failure_frame,
     frame_text,
 )
-from homebot.bridges.rosbridge.types import message_from_client, partial_message_from_client
+from homebot.bridges.rosbridge.types import request_from_client
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
@@ -32,7 +32,21 @@ from homebot.messages.json import message_to_pieces
 from homebot.messages.message import Message
 from homebot.support.isolation import error_text
 
-__all__ = ["call_service", "cause_of_call", "missing_service", "parse_queries", "refusal"]
+__all__ = ["call_service", "cause_of_call", "missing_service", "named_values", "parse_queries", "refusal"]
+
+
+def named_values(request_type: type[Message], args: dict[str, Any] | list[Any]) -> dict[str, Any]:
+    """Return *args* by the names of the fields; a list fills the fields in order.
+
+    Raises:
+        TypeMismatchError: A list has too many values.
+    """
+    if isinstance(args, dict):
+        return args
+    names = [field.name for field in fields_of(request_type)]
+    if len(args) > len(names):
+        raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
+    return dict(zip(names, args, strict=False))
 
 
 def parse_queries(
@@ -149,15 +163,9 @@ def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[
     if service_type is None:
         raise ServiceUnavailableError(name)
     request_type: type[Message] = service_type.Request
-    values, problem = parse_queries(request_type, _values(request_type, op.args))
-    read = _cancel_request if name.endswith("/_action/cancel_goal") else message_from_client
-    request = read(request_type, access.stamped(request_type, values))
+    values, problem = parse_queries(request_type, named_values(request_type, op.args))
+    request = request_from_client(request_type, access.stamped(request_type, values), node.graph.clock.now())
     return node.create_client(service_type, name), request, problem
-
-
-def _cancel_request(request_type: type[Message], values: Mapping[str, object]) -> Message:
-    """Return the request to cancel goals; roslib's ``cancelAllGoals`` leaves everything out."""
-    return partial_message_from_client(request_type, values)[0]
 
 
 def _timeout(op: CallService, service: str) -> float:
@@ -174,12 +182,3 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
     hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"
     return f"service {error.service} has no server now; {hint}"
-
-
-def _values(request_type: type[Message], args: dict[str, Any] | list[Any]) -> dict[str, Any]:
-    if isinstance(args, dict):
-        return args
-    names = [field.name for field in fields_of(request_type)]
-    if len(args) > len(names):
-        raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
-    return dict(zip(names, args, strict=False))

@@ -1,7 +1,8 @@
 """Python classes by ROS type name, and messages as clients write them.
 
 ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
-``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none.
+``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none. A header without a stamp
+is of now, as by the original bridge.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ __all__ = [
     "message_from_client",
     "message_type_of_topic",
     "partial_message_from_client",
+    "request_from_client",
     "same_type",
     "service_type_of",
 ]
@@ -190,19 +192,36 @@ def message_from_client(message_type: type[Message], value: Mapping[str, object]
 
 
 def partial_message_from_client(
-    message_type: type[Message], value: Mapping[str, object]
+    message_type: type[Message], value: Mapping[str, object], now: float
 ) -> tuple[Message, tuple[str, ...]]:
     """Return the message that the JSON object *value* spells in part, and the names of the fields that it lacks.
 
     The names have dots where they are of messages inside. A field with a default is not missing. A text that has to be
     one of an enumeration stays missing.
 
+    Args:
+        now: Seconds since the Unix epoch.
+
     Raises:
         TypeMismatchError: A field is unknown, of another type, or cannot be zero; the message names it and its value.
     """
     missing: dict[str, None] = {}
-    whole = _in_ros2(message_type, value, missing)
+    stamp = Time.from_seconds(now).model_dump()
+    whole = _in_ros2(message_type, value, missing, stamp=stamp)
     return message_from_json(message_type, whole), tuple(missing)
+
+
+def request_from_client(message_type: type[Message], value: Mapping[str, object], now: float) -> Message:
+    """Return the part of a service or action that *value* spells; what it lacks is zero or empty, as in ROS.
+
+    One of homebot's own types has to be whole: it may be a command.
+
+    Raises:
+        TypeMismatchError: As :func:`message_from_client`, and :func:`partial_message_from_client`.
+    """
+    if message_type.ros_type.startswith("homebot/"):
+        return message_from_client(message_type, value)
+    return partial_message_from_client(message_type, value, now)[0]
 
 
 def _with_ros2_names(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
@@ -212,26 +231,37 @@ def _with_ros2_names(message_type: type[Message], value: Mapping[str, object]) -
 
 
 def _in_ros2(
-    message_type: type[Message], value: Mapping[str, object], missing: dict[str, None] | None, path: str = ""
+    message_type: type[Message],
+    value: Mapping[str, object],
+    missing: dict[str, None] | None,
+    path: str = "",
+    stamp: object = None,
 ) -> dict[str, object]:
-    """Return *value* with ROS 2's names, and with the fields that it lacks if *missing* takes their names."""
+    """Return *value* with ROS 2's names, and with the fields that it lacks if *missing* takes their names.
+
+    A header in it that has no stamp gets *stamp*, unless that is None.
+    """
     fields = fields_by_name(message_type)
     whole = _with_ros2_names(message_type, value)
     if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
         whole.pop(_ROS1_COUNTER, None)
+        if stamp is not None:
+            whole.setdefault("stamp", stamp)
     for name, field in fields.items():
         if name in whole:
-            whole[name] = _element(field, whole[name], missing, f"{path}{name}.")
+            whole[name] = _element(field, whole[name], missing, f"{path}{name}.", stamp)
         elif missing is not None and message_type.model_fields[name].is_required() and field.choices is None:
             is_message = field.message is not None and not field.is_array
-            whole[name] = _element(field, {}, {}, "") if is_message else zero_of(field)
+            whole[name] = _element(field, {}, {}) if is_message else zero_of(field)
             missing[f"{path}{name}"] = None
     return whole
 
 
-def _element(field: FieldDefinition, value: object, missing: dict[str, None] | None, path: str) -> object:
+def _element(
+    field: FieldDefinition, value: object, missing: dict[str, None] | None, path: str = "", stamp: object = None
+) -> object:
     if field.message is None:
         return value
     if isinstance(value, list) and field.is_array:
-        return [_element(field, item, missing, path) for item in value]
-    return _in_ros2(field.message, value, missing, path) if isinstance(value, dict) else value
+        return [_element(field, item, missing, path, stamp) for item in value]
+    return _in_ros2(field.message, value, missing, path, stamp) if isinstance(value, dict) else value
