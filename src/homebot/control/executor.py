@@ -32,7 +32,7 @@ from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, settings_text
-from homebot.control.witnesses import Witnesses
+from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import CommandEvent, CommandRequest, CommandResult, Setting
@@ -152,15 +152,16 @@ class CommandExecutor:
         now = self._clock.monotonic()
         if command.place in self.leases.parts:
             self.leases.record_stop(command, now)
-        self._policies.record_sent(command)
+        self._policies.turns.record(command, now)
         self.timelines.of(command.device, command.part).command(order_of(command), now, is_raw=True)
 
     def rehearse(self, command: IssuedCommand) -> Outcome | None:
         """Record and return the outcome that a rehearsal assumes of *command*; None if it is to be sent."""
         outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
         if outcome is not None:
-            self.leases.record_stop(command, self._clock.monotonic())
-            self._policies.record_sent(command)
+            now = self._clock.monotonic()
+            self.leases.record_stop(command, now)
+            self._policies.turns.record(command, now)
             self._journal.record("would", command)
             self._node.log.info(
                 WOULD_SEND,
@@ -187,7 +188,7 @@ class CommandExecutor:
         )
 
     async def _carry_out(self, command: IssuedCommand) -> Outcome:
-        """Check a command, send it unless it is done already, and wait for its outcome."""
+        """Check a command, send it unless it is done already, and return its outcome by the reports and witnesses."""
         if len(self._open) >= MOST_PENDING:
             reason = f"{MOST_PENDING:,} commands wait for their outcome"
             return Refused("control", reason, command_id=command.id)
@@ -195,30 +196,26 @@ class CommandExecutor:
             return refused
         if self._learnt.is_awaited:
             await self._learnt.load()
-        opened, is_certain = self._begin(command)
+        opened, is_so = self._begin(command)
+        witnesses: list[Witness] = []
         try:
-            if is_certain and _is_so(opened):
+            if is_so:
                 return self._decided(opened, AlreadySo(command_id=command.id))
             if self.rehearsal is not None and (assumed := self.rehearse(command)) is not None:
                 return await self._rehearsed(opened, assumed)
-            return self._decided(opened, await self._send(opened))
+            witnesses = await self.witnesses.begin(opened)
+            outcome = await self._sending.run(opened)
+            if witnesses:
+                outcome = await self.witnesses.verify(opened, witnesses, outcome)
+            if await self._is_gone(command, outcome):
+                outcome = Gone(command_id=command.id)
+            return self._decided(opened, outcome)
         except asyncio.CancelledError:
             self._on_cancelled(opened)
             raise
         finally:
-            del self._open[command.id]
-
-    async def _send(self, opened: OpenCommand) -> Outcome:
-        """Send a command, and return its outcome by the reports of the device and its witnesses."""
-        witnesses = await self.witnesses.begin(opened)
-        try:
-            outcome = await self._sending.run(opened)
-            if witnesses:
-                outcome = await self.witnesses.verify(opened, witnesses, outcome)
-        finally:
             self.witnesses.end(witnesses)
-        is_gone = _is_lost(outcome) and await self._is_gone(opened.command)
-        return Gone(command_id=opened.command.id) if is_gone else outcome
+            del self._open[command.id]
 
     def _on_cancelled(self, opened: OpenCommand) -> None:
         """Record the outcome of a command that is cancelled by its issuer: it is not sent again."""
@@ -229,7 +226,7 @@ class CommandExecutor:
         self._journal.decided(command.issuer, command.place, outcome)
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
-        """Append a command to its timeline; return it, and whether the present values of the part are certain."""
+        """Append a command to its timeline; return it, and whether the part is known to be as commanded."""
         timeline, order = self.timelines.of(command.device, command.part), order_of(command)
         is_at_rest, is_sure = True, command.place not in self.witnesses.contradicted
         for older in timeline.open_commands():
@@ -244,7 +241,8 @@ class CommandExecutor:
         progress = timeline.command(order, self._clock.monotonic(), known.values, last)
         progress.must_answer = self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
-        return opened, known.is_recent and is_at_rest
+        is_so = known.is_recent and is_at_rest and progress.was_so
+        return opened, is_so and not (progress.has_echo or command.is_always_sent)
 
     async def _rehearsed(self, opened: OpenCommand, assumed: Outcome) -> Outcome:
         await asyncio.sleep(durations.REHEARSED)
@@ -255,8 +253,10 @@ class CommandExecutor:
         shown = without_codes(wanted, command.device, command.part) if assumed.succeeded else ()
         return replace(assumed, reported={one.capability: one.value.plain() for one in shown})
 
-    async def _is_gone(self, command: IssuedCommand) -> bool:
-        """Return whether the device or its part was removed while its answer was awaited."""
+    async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
+        """Return whether no answer came because the device or its part was removed meanwhile."""
+        if not (isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")):
+            return False
         await asyncio.sleep(0)  # the directory takes in what the gateway published before it answered
         try:
             device = await self._lookup.device(command.device.id)
@@ -331,19 +331,9 @@ class CommandExecutor:
             opened.timeline.accept(command, capability, problem, self._clock.monotonic())
 
 
-def _is_so(opened: OpenCommand) -> bool:
-    """Return whether the part is known to be as commanded, so that nothing is sent."""
-    progress = opened.progress
-    return progress.was_so and not progress.has_echo and not opened.command.is_always_sent
-
-
 def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> bool:
     """Return whether an older command would change a value that *command* sets."""
     return any(one in older and changes(one, older[one], one, value) for one, value in command.settings.items())
-
-
-def _is_lost(outcome: Outcome) -> bool:
-    return isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")
 
 
 def _is_news(opened: OpenCommand, fact: Reported) -> bool:

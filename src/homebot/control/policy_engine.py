@@ -3,35 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from datetime import tzinfo
-from functools import lru_cache
-from typing import Final, final
+from functools import lru_cache, partial
+from typing import Final, TypeAlias, final
 from zoneinfo import ZoneInfo
 
 from homebot.control.command import IssuedCommand
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.policies.detections import DETECTION, Detections
-from homebot.control.policies.facts import Facts
+from homebot.control.policies.facts import Facts, Verdict
 from homebot.control.policies.house import House
-from homebot.control.policies.policies import Policies
-from homebot.control.policies.rights import client_refusal
+from homebot.control.policies.rate_limit import TurnCounter
+from homebot.control.policies.rights import check_approval, check_grants, client_refusal
 from homebot.control.policies.settings import PolicySettings
-from homebot.control.policies.turn_counter import TurnCounter
 from homebot.control.timelines import Timelines
 from homebot.devices import DeviceChange, StateChange
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.house_view import HouseView
 from homebot.devices.outcomes import Refused
-from homebot.devices.query import facets_of, fits
+from homebot.devices.query import Or, facets_of, fits
 from homebot.graph import Node
 
-__all__ = ["PolicyEngine"]
+__all__ = ["Policies", "Policy", "PolicyEngine"]
 
 _MOST_NAMED: Final = 5
 _CLOCK_SET: Final = 5.0
 """Seconds by which the computer's clock differs from the monotonic one if it was set, or has slept."""
+
+Policy: TypeAlias = Callable[[IssuedCommand, Facts], Verdict]
 
 
 @final
@@ -70,7 +71,7 @@ class PolicyEngine:
         self._learnt = learnt
         self._house = House(Detections(learnt.saver(DETECTION)))
         self._house.detections.add(detected)
-        self._turns = TurnCounter()
+        self.turns = TurnCounter()
         self._timelines = timelines
         self._ahead = self._clock.now() - self._clock.monotonic()
         self._clock_set_at = -math.inf
@@ -97,7 +98,7 @@ class PolicyEngine:
         if abs(now - monotonic - self._ahead) > _CLOCK_SET:
             self._clock_set_at = monotonic
         self._ahead = now - monotonic
-        facts = Facts(now, monotonic, self._zone, self._house, self._turns, self._timelines.of, self._clock_set_at)
+        facts = Facts(now, monotonic, self._zone, self._house, self.turns.count, self._timelines.of, self._clock_set_at)
         verdicts = self._policies.check(command, facts)
         for verdict in verdicts:
             if is_recorded and (verdict.reason or not verdict.allowed):
@@ -129,10 +130,6 @@ class PolicyEngine:
             return ()
         await self._learnt.load()
         return self._house.detections.sensors
-
-    def record_sent(self, command: IssuedCommand) -> None:
-        """Record that *command* is sent."""
-        self._turns.record(command, self._clock.monotonic())
 
     def on_device(self, change: DeviceChange) -> None:
         """See :class:`HouseWatcher`."""
@@ -169,6 +166,31 @@ class PolicyEngine:
     async def _await_house(self) -> None:
         await HouseView.of(self._node).wait_until_complete()
         self._house.is_known = True
+
+
+@final
+class Policies:
+    """The policies of the settings: first rights, then dangers, then times.
+
+    Attributes:
+        needs: The query for the devices with values that some policy needs.
+    """
+
+    def __init__(self, settings: PolicySettings) -> None:
+        tables = tuple(settings.tables())
+        rights: tuple[Policy, ...] = (partial(check_grants, settings.approvals),)
+        rights += (check_approval,) if settings.approvals else ()
+        self._policies = (*rights, *(one.judge for one in tables))
+        self.needs = Or(tuple(one.needs for one in tables if one.needs is not None))
+
+    def check(self, command: IssuedCommand, facts: Facts) -> tuple[Verdict, ...]:
+        """Return the verdicts up to the first refusal, which is the last of them then."""
+        verdicts: list[Verdict] = []
+        for policy in self._policies:
+            verdicts.append(policy(command, facts))
+            if not verdicts[-1].allowed:
+                break
+        return tuple(verdicts)
 
 
 def _zone(name: str) -> tzinfo | None:

@@ -124,7 +124,7 @@ class Sending:
         sent.progress.send(began)
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        self._policies.record_sent(command)  # before it waits: a check meanwhile needs it
+        self._policies.turns.record(command, began)  # before it waits: a check meanwhile needs it
         try:
             for capability, value in command.settings.items():
                 if command.place in self._leases.parts:  # since the check, or the setting before
@@ -138,7 +138,7 @@ class Sending:
                     value,
                     command.transition,
                     command.code,
-                    plan.time_left(began),
+                    plan.began + plan.lasts - began if is_repeated else plan.lasts,
                     command.id,
                     plan.keeps_for if plan.attempts < plan.tries else 0.0,
                     repeated=is_repeated,
@@ -151,5 +151,5 @@ class Sending:
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
         if clock.monotonic() - began > durations.SENT_AT_ONCE:
-            self._policies.record_sent(command)  # it may not have reached the device before
+            self._policies.turns.record(command, clock.monotonic())  # it may not have reached the device before
         return None

@@ -78,7 +78,15 @@ class Timelines:
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""
-        return self._entry(device, part).timeline
+        place = device.id, part.id
+        entry = self._entries.get(place)
+        if entry is None:
+            entry = self._create(place, device, part)
+        else:
+            self._entries.move_to_end(place)
+        if entry.routes is not part.routes and entry.routes != part.routes:
+            self._follow(place, entry, part)
+        return entry.timeline
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
         """Return the routes of a device that are tried last, as their last commands had no effect, by part."""
@@ -92,7 +100,8 @@ class Timelines:
 
     def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
         """Call *on_value* with each live report of a part; return the function that ends it."""
-        listeners = self._entry(device, part).listeners
+        self.of(device, part)
+        listeners = self._entries[device.id, part.id].listeners
         listeners.append(on_value)
         return partial(listeners.remove, on_value)
 
@@ -108,17 +117,6 @@ class Timelines:
         timeline = self.get(place)
         fact = None if timeline is None else timeline.find(capability, value, stamp)
         return None if timeline is None or fact is None else timeline.cause_of(fact)
-
-    def _entry(self, device: Device, part: DevicePart) -> _TrackedPart:
-        place = device.id, part.id
-        entry = self._entries.get(place)
-        if entry is None:
-            entry = self._create(place, device, part)
-        else:
-            self._entries.move_to_end(place)
-        if entry.routes is not part.routes and entry.routes != part.routes:
-            self._follow(place, entry, part)
-        return entry
 
     def _create(self, place: _Place, device: Device, part: DevicePart) -> _TrackedPart:
         target = _target(device, part)

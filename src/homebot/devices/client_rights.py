@@ -123,8 +123,7 @@ class ClientRights(NamedTuple):
         """Return whether *part* of *device*, which always *asks* or does not, may be commanded."""
         if self.acts_on_all:
             return True
-
-        if not asks and self.acts_on_harmless:
+        if not asks and _ANY in self.acts_on:
             return True
         facets = PartFacets(without_taught_room(device))
         facets.part = part

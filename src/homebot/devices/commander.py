@@ -118,8 +118,17 @@ class Commander:
         part = None if view.is_gone else view.device.part(part_id)
         if part is None:
             return Gone()
-        settings = _checked(view.device, part, values, transition, code)
-        request = self._request(view.device.id, part.id, settings, transition, code)
+        trigger = current_trigger()
+        request = CommandRequest(
+            device=view.device.id,
+            part=part.id,
+            settings=_checked(view.device, part, values, transition, code),
+            transition=float(transition),
+            code=code,
+            issuer=self._node.full_name,
+            cause=trigger.id,
+            trigger=trigger,
+        )
         try:
             outcome = await self._control.call(request, timeout=_LONGEST)
         except ServiceUnavailableError:
@@ -131,22 +140,6 @@ class Commander:
         for capability, value in outcome.reported.items():
             view.record_result(part.id, capability, value, self._clock.now())
         return outcome
-
-    def _request(
-        self, device_id: str, part_id: str, settings: tuple[Setting, ...], transition: float, code: str
-    ) -> CommandRequest:
-        trigger = current_trigger()
-        return CommandRequest(
-            device=device_id,
-            part=part_id,
-            settings=settings,
-            transition=float(transition),
-            code=code,
-            issuer=self._node.full_name,
-            scope=(),
-            cause=trigger.id,
-            trigger=trigger,
-        )
 
     async def send_text(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send a raw text; see :meth:`homebot.devices.Devices.tell`."""

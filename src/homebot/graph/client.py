@@ -115,8 +115,8 @@ class Client(Generic[RequestT, ResponseT]):
         if type(outcome) is not self._answer_type and isawaitable(outcome):
             is_bound = cancel_with_caller or server.cancel_with_caller
             outcome = await self._outcome_of(HandlerRun(server, outcome), timeout, is_bound=is_bound)
-        else:
-            server.call_next()
+        elif server.line:
+            server.call_next()  # an answer at once takes no room
         if isinstance(outcome, self._answer_type):
             return outcome
         raise _no_response(self.info.name, outcome)
@@ -171,7 +171,7 @@ class Client(Generic[RequestT, ResponseT]):
         limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout), cancels=is_bound))
         try:
             if is_bound:
-                await run.serve_caller()
+                await run.serve(is_callers_task=True)
             return await run.outcome
         except BaseException:
             run.abandon()

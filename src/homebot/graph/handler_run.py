@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Iterator
-from contextlib import suppress
 from contextvars import ContextVar
-from functools import partial
 from inspect import iscoroutine
 from typing import Any, Final, Protocol, TypeAlias, final
 
@@ -76,37 +74,27 @@ class HandlerRun:
         self._end_event: anyio.Event | None = None
         server.add_run(self)
 
-    async def serve(self) -> None:
-        """Run the handler in the current task, one of the serving node."""
+    async def serve(self, *, is_callers_task: bool = False) -> None:
+        """Run the handler in the current task: one of the serving node, or its caller's, with which it is cancelled."""
+        token = _current.set(self)
+        self.task = asyncio.current_task()
+        outcome: object = _UNSERVED
         with anyio.CancelScope() as scope:
             self._stop = scope.cancel
-            await self._run(is_callers_task=False)
-
-    async def serve_caller(self) -> None:
-        """Run the handler in the task of its caller, with which it is cancelled."""
-        with suppress(TimeoutError):  # a failure of the handler is no error here
-            async with asyncio.timeout(None) as limit:  # a cancel scope would cost four times as much
-                self._stop = partial(limit.reschedule, 0.0)
-                await self._run(is_callers_task=True)
-
-    async def _run(self, *, is_callers_task: bool) -> None:
-        self.task = asyncio.current_task()
-        token = _current.set(self)
-        outcome: object = _UNSERVED
-        try:
-            if self.server.is_closed or self._is_cancelled:
-                self._discard_handler()
-            else:
-                outcome = await self._handler
-        except BaseException as exc:
-            if self._is_end(exc, is_callers_task=is_callers_task):
-                raise
-            if isinstance(exc, asyncio.CancelledError):
-                uncancel()
-            outcome = self.server.failed(exc, has_caller=not self.outcome.done())
-        finally:
-            _current.reset(token)
-            self._end(outcome)
+            try:
+                if self.server.is_closed or self._is_cancelled:
+                    self._discard_handler()
+                else:
+                    outcome = await self._handler
+            except BaseException as exc:
+                if self._is_end(exc, is_callers_task=is_callers_task):
+                    raise
+                if isinstance(exc, asyncio.CancelledError):
+                    uncancel()
+                outcome = self.server.failed(exc, has_caller=not self.outcome.done())
+            finally:
+                _current.reset(token)
+                self._end(outcome)
 
     def _is_end(self, error: BaseException, *, is_callers_task: bool) -> bool:
         """Return whether *error* ends this run: its cancellation, or that of its task."""

@@ -12,8 +12,9 @@ from tests.control.policies.houses import make_command, make_device, make_facts
 from tests.control.test_journal import read
 
 from homebot.control import Control, ControlSettings
-from homebot.control.policies import Policies, Verdict
+from homebot.control.policies import Verdict
 from homebot.control.policies.rights import check_approval
+from homebot.control.policy_engine import Policies
 from homebot.devices import FIND_DEVICES, Fact, FindDevices
 from homebot.devices.always_ask import always_asks, waits_for_approval
 from homebot.devices.approval_messages import ApproveDevice, GetUnapproved

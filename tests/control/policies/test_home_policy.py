@@ -10,7 +10,8 @@ from tests.control.policies.houses import make_command, make_device, make_facts
 
 from homebot.control import ControlSettings
 from homebot.control.command import IssuedCommand
-from homebot.control.policies import Facts, HomePolicy, Policies, Verdict
+from homebot.control.policies import Facts, HomePolicy, Verdict
+from homebot.control.policy_engine import Policies
 from homebot.devices.query import CanDo, Or
 
 LAMP = make_command(make_device("lamp", "light", settable=("on_off",)), {"on_off": True})

@@ -10,7 +10,8 @@ from tests.control.policies.houses import NONE, make_command, make_device, make_
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
-from homebot.control.policies import Policies, Verdict
+from homebot.control.policies import Verdict
+from homebot.control.policy_engine import Policies
 from homebot.devices import Device, Freshness
 from homebot.devices.handles import Thermostat
 from homebot.devices.outcomes import Refused

@@ -14,7 +14,7 @@ from tests.sizes import examples
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
-from homebot.control.policies import Policies
+from homebot.control.policy_engine import Policies
 from homebot.devices import Device
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light

@@ -10,8 +10,8 @@ from tests.control.policies.houses import START, make_command, make_device, make
 
 from homebot.config import parse_settings
 from homebot.control import ControlSettings
-from homebot.control.policies import Policies
 from homebot.control.policies.quiet_hours import is_within
+from homebot.control.policy_engine import Policies
 from homebot.errors import ConfigError
 
 TABLE: dict[str, object] = {

@@ -7,7 +7,7 @@ import pytest
 from tests.control.conftest import Home, OpenHome, obey
 from tests.control.policies.houses import START, make_command, make_device
 
-from homebot.control.policies.turn_counter import TurnCounter
+from homebot.control.policies.rate_limit import TurnCounter
 from homebot.devices import Device
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light

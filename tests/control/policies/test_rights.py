@@ -11,7 +11,7 @@ from tests.control.policies.houses import make_command, make_device, make_facts
 
 from homebot.config import parse_config
 from homebot.control import ControlSettings
-from homebot.control.policies import Policies
+from homebot.control.policy_engine import Policies
 from homebot.devices import Device
 from homebot.devices.client_rights import read_scope
 from homebot.devices.command_messages import CommandRequest, Setting

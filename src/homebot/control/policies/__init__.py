@@ -7,7 +7,6 @@ if TYPE_CHECKING:
     from homebot.control.policies.facts import Facts, FactUsed, Verdict
     from homebot.control.policies.home_policy import HomePolicy
     from homebot.control.policies.house import House, SensorReading
-    from homebot.control.policies.policies import Policies, Policy
     from homebot.control.policies.settings import PolicySettings
 
 __all__ = [
@@ -15,8 +14,6 @@ __all__ = [
     "Facts",
     "HomePolicy",
     "House",
-    "Policies",
-    "Policy",
     "PolicySettings",
     "SensorReading",
     "Verdict",
@@ -29,7 +26,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.control.policies.facts": "FactUsed Facts Verdict",
             "homebot.control.policies.home_policy": "HomePolicy",
             "homebot.control.policies.house": "House SensorReading",
-            "homebot.control.policies.policies": "Policies Policy",
             "homebot.control.policies.settings": "PolicySettings",
         },
     )

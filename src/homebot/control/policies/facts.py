@@ -12,7 +12,6 @@ from pydantic import BaseModel, ConfigDict
 
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.house import House
-from homebot.control.policies.turn_counter import TurnCounter
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.devices import Device, DevicePart
 from homebot.devices.query import Query
@@ -22,6 +21,9 @@ __all__ = ["FactUsed", "Facts", "PolicyTable", "Verdict"]
 
 TimelineOf: TypeAlias = Callable[[Device, DevicePart], PartTimeline]
 """Returns the timeline of a part."""
+
+CountTurns: TypeAlias = Callable[[IssuedCommand, float, float], int]
+"""Returns how often the values that a command turns turned within so many seconds before a monotonic time."""
 
 
 class Facts(NamedTuple):
@@ -38,7 +40,7 @@ class Facts(NamedTuple):
     monotonic: float
     zone: tzinfo | None
     house: House
-    turns: TurnCounter
+    turns: CountTurns
     timeline_of: TimelineOf
     clock_set_at: float = -math.inf
 

@@ -39,7 +39,7 @@ _SAFE_SETTING: Final = ("lock",)
 door opener: some models move the door at either value."""
 
 
-def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) -> Verdict:  # noqa: FBT001 - see Policy
+def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) -> Verdict:  # noqa: FBT001 - bound by a partial
     """Refuse a command to a device that its issuer may not command.
 
     Without a right that names a dangerous device an issuer may still lock, stop or turn it off.

@@ -57,10 +57,6 @@ class SendingPlan:
     began: float = -math.inf
     lost_at: float = -math.inf
 
-    def time_left(self, now: float) -> float:
-        """Return the seconds until the end."""
-        return self.lasts if self.attempts == 1 else self.began + self.lasts - now
-
 
 def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return the next step of a command at *now*."""

@@ -111,15 +111,15 @@ class Motion:
         settings = order.settings
         self._is_positioned = order.moves and "position" in settings
         self._goals: dict[str, float] = {}
-        self._now: dict[str, float] = {}
+        self._now: dict[str, PlainValue] = {}
         level = 0.0 if settings.get("on_off") is False else settings.get("level")
         if isinstance(level, float):
             self._goals["level"] = level
-            self._begin("level", 0.0 if last.get("on_off") is False else last.get("level"))
+            self._now["level"] = 0.0 if last.get("on_off") is False else last.get("level")
         position = END_POSITIONS.get(settings.get("movement"))
         if order.moves and not self._is_positioned and position is not None:
             self._goals["position"] = position
-            self._begin("position", last.get("position"))
+            self._now["position"] = last.get("position")
 
     def shows(self, capability: str, value: PlainValue) -> bool:
         """Return whether a report shows that the device is on its way."""
@@ -130,11 +130,7 @@ class Motion:
             return False
         before = self._now.get(capability)
         self._now[capability] = value
-        return before is not None and abs(before - goal) - abs(value - goal) >= _STEP
-
-    def _begin(self, capability: str, value: PlainValue) -> None:
-        if isinstance(value, float):
-            self._now[capability] = value
+        return isinstance(before, float) and abs(before - goal) - abs(value - goal) >= _STEP
 
 
 def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:
