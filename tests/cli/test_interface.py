@@ -56,9 +56,9 @@ def test_a_workspace_is_imported_and_counts_with_its_table(workspace: Path, caps
 
 
 def test_a_workspace_with_an_error_is_not_imported(workspace: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (workspace / "src/my_pets/msg/Toy.msg").write_text("string color\nBall ball\n")
+    (workspace / "src/my_pets/msg/Toy.msg").write_text("\ufeffstring color\nBall ball\n", "utf-8")
     assert main(["interface", "import", str(workspace)]) == 1
-    assert "unknown message type 'my_pets/msg/Ball'" in capsys.readouterr().err
+    assert "my_pets/msg/Toy has a field of an unknown message type 'my_pets/msg/Ball'" in capsys.readouterr().err
     assert not Path("interfaces").exists()
 
 

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from homebot.bridges.rosbridge.types import OWN_MODULES
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages import Message, Time
+from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import definition_text, fields_of
 from homebot.messages.interfaces import Interfaces, find_action, find_message, find_service, interfaces
 from homebot.messages.std_msgs import Header
@@ -89,6 +90,20 @@ def test_a_definition_has_constants_defaults_bounds_and_nested_types() -> None:
             pet.model_validate({"header": header, "weights": [], "toys": ()} | wrong)
 
 
+def test_integers_may_begin_with_zeros_and_strings_be_wide() -> None:
+    """As the packages of ROS write them; a wide string is counted and written in units of UTF-16."""
+    wide = Interfaces().define("my_pkg/msg/Wide", "wstring data\nwstring<=3[] more\nint8 first 010\nint8 SECOND=0b11\n")
+    assert isinstance(wide, type)
+    assert [field.declaration for field in fields_of(wide)] == ["wstring data", "wstring<=3[] more", "int8 first"]
+    made = wide.model_validate({"data": "é😀", "more": ("abc",)})
+    assert (made.model_dump()["first"], vars(wide)["SECOND"]) == (10, 3)
+    assert message_to_cdr(made)[4:] == bytes.fromhex("03000000 e900 3dd8 00de 0000 01000000 03000000 6100 6200 6300 0a")
+    with pytest.raises(ValidationError):
+        wide.model_validate({"data": "", "more": ("abcd",)})
+    of_ros = Interfaces().define("example_interfaces/msg/WString", "wstring data\n")
+    assert type_hash(of_ros) == "RIHS01_32033e06d9dfe5468c5d6e1dc8b7a23c8910bad071cfd4e151a951d580e68dd8"
+
+
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
@@ -102,9 +117,10 @@ def test_a_definition_has_constants_defaults_bounds_and_nested_types() -> None:
         ("bool a maybe", "line 1: a bool is true or false"),
         ("int8[0] a", "line 1: the length of an array is at least 1"),
         ("int8<=3 a", "line 1: only a string has a bound"),
-        ("wstring a", "line 1: 'wstring' is no type"),
+        ("wchar a", "line 1: 'wchar' is no type"),
+        ("int8 a 0x", "line 1: invalid literal"),
         ("Point", "line 1: a line is TYPE NAME"),
-        ("Nowhere a", "unknown message type 'my_pkg/msg/Nowhere'"),
+        ("Nowhere a", "my_pkg/msg/Mine has a field of an unknown message type 'my_pkg/msg/Nowhere'"),
         ("Mine a", "my_pkg/msg/Mine holds itself"),
         ("string json", "messages have a 'json' of their own"),
         ("int8 a\n---\nint8 b", "a .msg file has 1 parts"),

@@ -3,7 +3,8 @@
 Little-endian, with the header that says so. Each value is aligned to its own size, counted from the end of the header.
 
 Source: OMG DDS Interoperability Wire Protocol 2.5, section 10 (PLAIN_CDR, version 1); ROS 2 design, "Interface
-definition using .msg files" and "Legacy interface definition" for the byte of a message without fields.
+definition using .msg files" and "Legacy interface definition" for the byte of a message without fields; Fast CDR 2,
+``Cdr.cpp``, for wide strings.
 """
 
 from __future__ import annotations
@@ -55,6 +56,10 @@ def _write_elements(out: bytearray, field: FieldDefinition, values: Sequence[obj
     for value in values:
         if isinstance(value, Message):
             _write_message(out, value)
+        elif field.ros_type == "wstring":
+            text = str(value).encode("utf-16-le", errors="replace")
+            _write_numbers(out, "I", (len(text) // 2,))
+            out += text
         else:
             text = str(value).encode(errors="replace") + b"\x00"
             _write_numbers(out, "I", (len(text),))

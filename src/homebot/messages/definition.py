@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
-from typing import Any, Literal, TypeVar, get_args, get_origin
+from typing import Any, Final, Literal, TypeVar, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
 from pydantic.fields import FieldInfo
@@ -17,6 +17,7 @@ from homebot.messages.message import Message, RosType
 from homebot.messages.numeric_array import LAYOUTS, NumericArray, RosArray
 
 __all__ = [
+    "TEXTS",
     "FieldDefinition",
     "definition_body",
     "definition_text",
@@ -29,7 +30,10 @@ __all__ = [
 
 MessageT = TypeVar("MessageT", bound=Message)
 
-_ZEROS = {"bool": False, "string": "", "float32": 0.0, "float64": 0.0}
+TEXTS: Final = ("string", "wstring")
+"""The primitives that are text."""
+
+_ZEROS = {"bool": False, "string": "", "wstring": "", "float32": 0.0, "float64": 0.0}
 _PRIMITIVES: dict[object, str] = {bool: "bool", int: "int64", float: "float64", str: "string"}
 
 
@@ -199,11 +203,11 @@ def _element(
 
 
 def _longest(metadata: tuple[object, ...]) -> int | None:
-    """Return the bound that a text declares as ``RosType("string")`` with a greatest length.
+    """Return the bound that a text declares as a ``RosType`` of text with a greatest length.
 
     Other greatest lengths of texts are bounds of homebot's own messages, which their ROS types do not have.
     """
-    declared = any(isinstance(mark, RosType) and mark.name == "string" for mark in metadata)
+    declared = any(isinstance(mark, RosType) and mark.name in TEXTS for mark in metadata)
     return next((mark.max_length for mark in _flat(metadata) if isinstance(mark, MaxLen)), None) if declared else None
 
 

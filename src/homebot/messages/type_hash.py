@@ -21,7 +21,7 @@ __all__ = ["type_hash"]
 _Field: TypeAlias = "dict[str, Any]"
 
 _NESTED: Final = 1
-_BOUNDED_STRING: Final = 21
+_BOUNDED_TEXTS: Final = {"string": 21, "wstring": 22}
 _FIXED_ARRAY, _BOUNDED_ARRAY, _ARRAY = 48, 96, 144
 _PRIMITIVES: Final = {
     "int8": 2,
@@ -38,6 +38,7 @@ _PRIMITIVES: Final = {
     "bool": 15,
     "byte": 16,
     "string": 17,
+    "wstring": 18,
 }
 _EVENT_INFO: Final = "service_msgs/msg/ServiceEventInfo"
 
@@ -108,7 +109,7 @@ def _described(fields: Iterable[FieldDefinition]) -> list[_Field]:
 
 def _field_type(field: FieldDefinition) -> dict[str, object]:
     is_nested = field.ros_type not in _PRIMITIVES
-    number = _NESTED if is_nested else _PRIMITIVES[field.ros_type] if field.longest is None else _BOUNDED_STRING
+    number = _NESTED if is_nested else (_PRIMITIVES if field.longest is None else _BOUNDED_TEXTS)[field.ros_type]
     if field.is_array:
         number += _FIXED_ARRAY if field.size is not None else _ARRAY if field.bound is None else _BOUNDED_ARRAY
     return {

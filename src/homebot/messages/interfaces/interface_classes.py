@@ -9,7 +9,7 @@ from pydantic import Field
 from homebot.errors import UsageError
 from homebot.messages import message as fields
 from homebot.messages.action import ActionType, message_class
-from homebot.messages.definition import FieldDefinition
+from homebot.messages.definition import TEXTS, FieldDefinition
 from homebot.messages.interfaces.interface_text import ParsedMessage
 from homebot.messages.message import Message, RosType, ServiceType
 from homebot.messages.numeric_array import LAYOUTS
@@ -76,6 +76,7 @@ def _annotation(field: FieldDefinition, find: FindMessage) -> object:
 def _element(field: FieldDefinition, find: FindMessage) -> object:
     if field.ros_type in _NUMBERS:
         return _NUMBERS[field.ros_type][0]
-    if field.ros_type == "string":
-        return str if field.longest is None else Annotated[str, RosType("string"), Field(max_length=field.longest)]
+    if field.ros_type in TEXTS:
+        text = Annotated[str, RosType(field.ros_type)]
+        return text if field.longest is None else Annotated[text, Field(max_length=field.longest)]
     return bool if field.ros_type == "bool" else find(field.ros_type)

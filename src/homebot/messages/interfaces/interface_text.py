@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from homebot.errors import UsageError
-from homebot.messages.definition import FieldDefinition
+from homebot.messages.definition import TEXTS, FieldDefinition
 from homebot.messages.numeric_array import LAYOUTS
 
 __all__ = ["KINDS", "ParsedMessage", "interface_key", "parse_interface", "split_definitions"]
@@ -17,7 +17,7 @@ __all__ = ["KINDS", "ParsedMessage", "interface_key", "parse_interface", "split_
 KINDS: Final = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 """The messages of each kind of interface, by the suffixes of their names."""
 
-_PRIMITIVES: Final = {*LAYOUTS, "bool", "string"}
+_PRIMITIVES: Final = {*LAYOUTS, *TEXTS, "bool"}
 _NAME = re.compile(r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>msg|srv|action)/)?(?P<name>[A-Z][A-Za-z0-9]*)")
 _LINE = re.compile(
     r"(?P<base>[A-Za-z][A-Za-z0-9_/]*)(?:<=(?P<longest>\d+))?(?P<array>\[(?P<bound><=)?(?P<count>\d*)\])?"
@@ -98,7 +98,7 @@ def _add_line(message: ParsedMessage, line: str) -> None:
     base, name, value = parts["base"], parts["name"], parts["value"]
     if name in message.fields or name in message.constants:
         raise ValueError(f"there are two {name!r}")
-    if parts["longest"] and base != "string":
+    if parts["longest"] and base not in TEXTS:
         raise ValueError("only a string has a bound before its brackets")
     if parts["constant"]:
         message.constants[name] = _constant(parts)
@@ -152,16 +152,24 @@ def _parse_default(of: FieldDefinition, text: str) -> object:
 
 
 def _parse_value(base: str, text: str) -> Any:
-    if base == "string":
+    if base in TEXTS:
         quoted = len(text) > 1 and text[0] == text[-1] and text[0] in "\"'"
         return str(ast.literal_eval(text)) if quoted else text
     if base == "bool":
         if text.lower() not in _TRUTHS:
             raise ValueError("a bool is true or false")
         return _TRUTHS[text.lower()]
-    number = float(text) if base.startswith("float") else int(text, 0)
+    number = float(text) if base.startswith("float") else _parse_integer(text)
     try:
         array(LAYOUTS[base], (number,))
     except OverflowError:
         raise ValueError(f"{text} is out of the range of {base}") from None
     return number
+
+
+def _parse_integer(text: str) -> int:
+    """Return the integer in *text*: decimal, also with zeros before it, or with the prefix of another base."""
+    try:
+        return int(text)
+    except ValueError:
+        return int(text, 0)

@@ -90,7 +90,7 @@ class Interfaces:
             if not key:
                 raise UsageError(f"{path}: an interface is PACKAGE/{kind}/Name.{kind}, its name in CamelCase")
             try:
-                texts[key] = path.read_text(encoding="utf-8")
+                texts[key] = path.read_text(encoding="utf-8-sig")
             except UnicodeDecodeError as exc:
                 raise UsageError(f"{path} is no text in UTF-8: {exc}") from exc
         return texts
@@ -218,6 +218,8 @@ class Interfaces:
         self._open.append(key)
         try:
             return build_interface(key, parse_interface(key, self._texts[key]), self.find_message)
+        except UnknownTypeError as exc:
+            raise UsageError(f"{key} has a field of an {exc}") from exc
         finally:
             self._open.pop()
 
