@@ -152,6 +152,11 @@ def test_a_hostile_map_is_refused_with_the_reason(payload: bytes, problem: str) 
         read_map(payload)
 
 
+def test_a_map_may_be_unpacked_already() -> None:
+    payload = (DATA / "valetudo_dreame_d9_named_segments.zlib").read_bytes()
+    assert read_map(zlib.decompress(payload)) == read_map(payload)
+
+
 def test_a_map_without_a_robot_or_rooms_is_one() -> None:
     found = read_map(
         table(entities=[{"__class": "PathMapEntity", "type": "path", "points": [1, 2, 3], "metaData": {}}])

@@ -80,12 +80,29 @@ def test_degrees_are_metres_from_the_stated_origin_and_bearing(bearing: float) -
         assert found == pytest.approx(corner, abs=0.001)
 
 
+def test_a_drawing_may_say_that_it_is_in_metres() -> None:
+    _, plan = read([feature("Polygon", [square(0, 0, 1.2)], name="Closet")], homebot={"frame": "map", "units": "m"})
+    assert plan.rooms[0].polygons[0][0][2] == (1.2, 1.2)
+
+
+def test_a_floor_that_is_null_is_none() -> None:
+    """Drawing programs write every property of every feature."""
+    _, plan = read([feature("Polygon", [square(0, 0)], name="Hall", floor=None, level=None)])
+    assert plan.rooms[0].floor == ""
+
+
 @pytest.mark.parametrize(
     ("features", "more", "key", "reason"),
     [
         ([feature("Polygon", [square(0, 0)])], {}, "features.0.properties.name", "is missing"),
         ([feature("Polygon", [square(0, 0, 0.001)], name="a")], {}, "homebot", '"origin": [lon, lat]'),
         ([feature("Polygon", [square(0, 0, 0.01)], name="a")], {"homebot": {"origin": 3}}, "homebot.origin", "[x, y]"),
+        (
+            [feature("Polygon", [square(0, 0)], name="a", floor=one) for one in (1, 2)],
+            {},
+            "features.1.properties.name",
+            "is on floor '1'",
+        ),
         ([*HOUSE, feature("LineString", [[9, 9], [9, 10]])], {}, "features.6.properties.rooms", "at no room"),
         ([*HOUSE, feature("LineString", [[0, 3], [0, 4]])], {}, "features.6.properties.rooms", '["Hall", "outside"]'),
         ([*HOUSE, feature("LineString", [[4, 1], [4, 2], [4, 3]])], {}, "features.6.geometry", "two ends"),

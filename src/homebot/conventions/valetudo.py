@@ -1,7 +1,7 @@
 """The map of a robot vacuum with Valetudo: its rooms, and where the robot is. Pure.
 
-The payload is JSON, compressed by zlib. Lengths in it are centimetres and pixels from the top left, y down; here they
-are metres from the bottom left, y up.
+The payload is JSON, as a rule compressed by zlib. Lengths in it are centimetres and pixels from the top left, y down;
+here they are metres from the bottom left, y up.
 
 Source: Valetudo 2026.08.0, ``backend/lib/entities/map``.
 """
@@ -149,6 +149,8 @@ def read_map(payload: bytes) -> VacuumMap:
 def _inflated(payload: bytes) -> bytes:
     if len(payload) > _MAX_PAYLOAD:
         raise WireError(f"it has {len(payload):,} bytes; {_MAX_PAYLOAD:,} is the limit")
+    if payload.startswith(b"{"):  # a file, or what another program has unpacked
+        return payload
     try:
         inflater = zlib.decompressobj()
         text = inflater.decompress(payload, _MAX_JSON)

@@ -1,7 +1,8 @@
 """GeoJSON as the table ``[places]``: polygons are rooms, lines doors, and points devices. Pure.
 
 Source: RFC 7946. It knows degrees alone; these need ``"homebot": {"origin": [lon, lat], "bearing": DEGREES}``: where
-the frame ``map`` begins, and its y axis points to. A drawing without it is in metres.
+the frame ``map`` begins, and its y axis points to. A drawing without an origin is in metres, as it may say itself:
+``"homebot": {"frame": "map", "units": "m"}``.
 """
 
 from __future__ import annotations
@@ -54,7 +55,8 @@ class _File:
         self._origin: Point | None = None
         self._bearing = 0.0
         self._plan = HousePlan(source, self._known, source)
-        if settings:
+        self._is_in_metres = settings.get("units") == "m"
+        if settings and not self._is_in_metres:
             self._origin = self._point(settings.get("origin"), "homebot.origin")
             bearing = settings.get("bearing", 0)
             if not isinstance(bearing, int | float) or not math.isfinite(bearing):
@@ -71,6 +73,9 @@ class _File:
             several = coordinates if kind == "MultiPolygon" else [coordinates]
             areas = [[self._points(ring, key) for ring in _list(one)] for one in _list(several)]
             room = found.setdefault(name, {"floor": _floor(given), "polygon": []})
+            if room["floor"] != _floor(given):
+                problem = f"is on floor {room['floor']!r} already; give one of the two rooms another name"
+                raise ConfigError(self._source, f"{key}.properties.name", f"{name!r} {problem}")
             cast("list[object]", room["polygon"]).extend(areas)
             corners += [corner for area in areas for ring in area for corner in ring]
         self._check_extent(corners)
@@ -79,7 +84,11 @@ class _File:
         return found
 
     def _check_extent(self, corners: Collection[Point]) -> None:
-        if corners and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES:
+        if (
+            corners
+            and not self._is_in_metres
+            and max(max(axis) - min(axis) for axis in zip(*corners, strict=True)) < _LEAST_METRES
+        ):
             hint = 'if they are degrees, state "homebot": {"origin": [lon, lat], "bearing": DEGREES}'
             raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
 
@@ -146,4 +155,5 @@ def _list(value: object) -> list[object]:
 
 
 def _floor(properties: _Table) -> str:
-    return str(properties.get("floor", properties.get("level", "")))
+    stated = (properties.get(key) for key in ("floor", "level"))
+    return next((str(one) for one in stated if one is not None), "")
