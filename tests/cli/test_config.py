@@ -139,6 +139,14 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
         ('[door]\ntoken_file = "none"\n', "door.token_file: none cannot be read: No such file or directory"),
         ('[door]\ntoken_file = "empty"\n', "door.token_file: the first line of empty is empty"),
         ('[door]\ntoken_file = "binary"\n', "door.token_file: binary cannot be read: it is not UTF-8 text"),
+        (
+            '[door]\nhost = "127.0.0.1:9090"\n',
+            "door.host: '127.0.0.1:9090' is no name or address; its",
+        ),
+        (
+            '[door]\nallowed_origins = ["house.example"]\n',
+            "door.allowed_origins: 'house.example' is no origin; write it like https://house.example",
+        ),
         ('[door]\ntoken = ""\n', "door.token: value should have at least 1 item after validation, not 0"),
         ("[thing_directory]\nport = -1\n", "thing_directory.port: input should be greater than or equal to 0, got -1"),
         (

@@ -53,6 +53,8 @@ def test_the_shown_url_keeps_the_brackets_of_an_ipv6_address() -> None:
         ("broker:1883", "must start with mqtt://"),
         ("mqtt://", "host is missing"),
         ("mqtt://:1883", "host is missing"),
+        ("mqtt://::1", "an IPv6 address stands in brackets"),
+        ("mqtt://my broker", "host is not a host name or address"),
         ("mqtt://broker:99999", "port"),
         ("mqtt://broker:0", "port"),
         ("mqtt://broker:secret1", "port"),

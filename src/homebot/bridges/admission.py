@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated
 from urllib.parse import parse_qs, urlsplit
 
-from pydantic import BaseModel, ConfigDict, Field, SecretStr
+from pydantic import BaseModel, ConfigDict, Field, SecretStr, field_validator
 
 from homebot.support.addresses import is_loopback
 
@@ -22,6 +22,9 @@ __all__ = ["AccessSettings", "Count", "is_same_origin", "name_of_token", "refusa
 
 _HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
 """A name or an address, with its port (RFC 9110, section 7.2): addresses in answers begin with it."""
+
+_ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^/?#\s]*")
+"""An origin (RFC 6454, section 6.2): anything else is never the one of a page."""
 
 Count = Annotated[int, Field(ge=1)]
 
@@ -46,6 +49,24 @@ class AccessSettings(BaseModel):
     token: Annotated[SecretStr, Field(min_length=1)] | None = None
     allowed_origins: tuple[str, ...] = ()
     max_clients: Count = 64
+
+    @field_validator("host")
+    @classmethod
+    def _check_host(cls, host: str) -> str:
+        if not re.fullmatch(r"[\w.-]*", host):
+            try:
+                _address(host)
+            except ValueError:
+                raise ValueError(f"{host[:100]!r} is no name or address; its port is a key of its own") from None
+        return host
+
+    @field_validator("allowed_origins")
+    @classmethod
+    def _check_origins(cls, origins: tuple[str, ...]) -> tuple[str, ...]:
+        for origin in origins:
+            if not _ORIGIN.fullmatch(origin):
+                raise ValueError(f"{origin[:100]!r} is no origin; write it like https://house.example, without a path")
+        return origins
 
     def listening_problem(self, error: OSError, key: str) -> str:
         """Return the reason why the address cannot be used, and the remedy: *key* chooses another port."""

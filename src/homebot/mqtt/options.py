@@ -143,7 +143,9 @@ class MqttOptions:
 
 def _is_host(value: str) -> bool:
     try:
-        return bool(value.encode("idna"))  # as the resolver does later, with a less clear error
+        return bool(value.encode("idna")) and not any(
+            map(str.isspace, value)
+        )  # as the resolver does later, with a less clear error
     except UnicodeError:
         return False
 
@@ -162,7 +164,7 @@ def _split(url: str) -> SplitResult:
     if parts.scheme not in _PORTS:
         raise UsageError("MQTT address: it must start with mqtt:// or mqtts://")
     if not host:
-        raise UsageError("MQTT address: the host is missing")
+        raise UsageError("MQTT address: the host is missing (an IPv6 address stands in brackets)")
     if parts.path not in {"", "/"} or parts.query or parts.fragment:
         raise UsageError(
             "MQTT address: nothing may follow the port (a /, ? or # in user or password is written %2F, %3F, %23)"
