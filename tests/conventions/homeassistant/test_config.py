@@ -27,6 +27,13 @@ def test_null_and_absent_are_one_for_a_text_and_two_for_a_payload() -> None:
     assert config().payload("k", "OPEN") == "OPEN"
 
 
+def test_the_fields_of_commands_say_which_of_them_share_a_topic_and_not_which_topic() -> None:
+    kinds = ("command_topic", "set_position_topic", "tilt_command_topic")
+    told = [config(**dict(zip(kinds, topics, strict=True))).of_commands() for topics in ("abb", "aba", "cdd", "abc")]
+    assert told[0] == told[2] != told[1]
+    assert told[3] == []
+
+
 @pytest.mark.parametrize(
     ("value", "flag"),
     [(True, True), ("Yes", True), (" on ", True), (1, True), (0.0, False), ("disable", False), (None, True)],

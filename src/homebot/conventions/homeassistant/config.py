@@ -73,10 +73,18 @@ class DiscoveryConfig:
         return clean_text(self.text("unique_id") or self.discovery_id, _MAX_ID)
 
     def of_commands(self) -> list[tuple[str, object]]:
-        """Return the fields that may determine the payloads of commands, sorted, without topics; no code's value."""
+        """Return the fields that may determine the payloads of commands, sorted; no code's value.
+
+        Topics are left out, but for which of them are equal: the part has each once.
+        """
         keys = sorted(filter(_is_of_commands, self.values))
         values = {**self.values, "code": self.has("code")} if "code" in self.values else self.values
-        return list(zip(keys, map(values.__getitem__, keys), strict=True))
+        found = list(zip(keys, map(values.__getitem__, keys), strict=True))
+        kinds = sorted(filter(_is_command_topic, self.values))
+        topics = list(map(str, map(self.values.get, kinds)))
+        if len(set(topics)) < len(topics):
+            found.append(("topics", list(zip(kinds, map(topics.index, topics), strict=True))))
+        return found
 
     def has(self, key: str) -> bool:
         """Return whether the field exists and is not null."""
@@ -246,6 +254,11 @@ def _is_of_commands(key: str) -> bool:
     if key.endswith("template"):
         return "command" in key or key == "set_position_template"
     return key not in _SHOWN and not key.startswith("state_") and not key.endswith("_topic")
+
+
+@lru_cache(maxsize=256)
+def _is_command_topic(key: str) -> bool:
+    return key.endswith("command_topic") or key == "set_position_topic"
 
 
 _HUGE = 10**30
