@@ -8,7 +8,7 @@ import pytest
 from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
-from homebot.devices.always_ask import is_approved, waits_for_approval
+from homebot.devices.always_ask import always_asks, is_approved, waits_for_approval
 from homebot.devices.part import Capability
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.approvals import MAX_APPROVALS
@@ -111,6 +111,22 @@ def test_what_joins_an_approved_device_with_the_same_identifiers_is_not_approved
     assert waits_for_approval(only(again))
     again.places.approve("door", 3.0)
     assert not waits_for_approval(only(again))
+
+
+@pytest.mark.parametrize("kind", ["light", "switch", "x_setting"])
+@pytest.mark.parametrize("relay", [("door_lock", "lock", ""), ("switch", "on_off", "Gate")])
+def test_what_joins_on_the_topic_of_a_lock_always_asks(
+    index: DeviceIndex, kind: str, relay: tuple[str, str, str]
+) -> None:
+    """A lamp may send UNLOCK; one with a topic of its own sends nothing to the lock."""
+    driven, capability, name = relay
+    bolt = part_of(driven, capability, id="l", writes=("door/set",)).model_copy(update={"name": name})
+    lamp = part_of(kind, "on_off", id="g", writes=("door/set",)).model_copy(update={"payloads": "as announced"})
+    apart = part_of("light", "on_off", id="a", writes=("porch/set",))
+    for key, part in (("lock/door", bolt), ("light/door", lamp), ("light/porch", apart)):
+        index.observe(announce(key, part, ids=(MAC,), name="Box"))
+    device = only(index)
+    assert {part.id: always_asks(device, part) for part in device.parts} == {"l": True, "g": True, "a": False}
 
 
 def test_a_further_route_to_an_approved_part_is_not_approved(index: DeviceIndex, lock: Sighting) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import permutations
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -25,6 +26,7 @@ def use(
     reads: tuple[str, ...] = (),
     is_anonymous: bool = False,
     is_native: bool = False,
+    asks: bool = False,
 ) -> TopicUse:
     return TopicUse(
         key=(GATEWAY, key or f"{device} {on}"),
@@ -36,6 +38,7 @@ def use(
         bridge=bridge,
         is_anonymous=is_anonymous,
         is_native=is_native,
+        asks=asks,
     )
 
 
@@ -114,6 +117,13 @@ def test_devices_behind_one_bridge_and_those_that_do_not_say_who_they_are_share_
     assert all(verdicts(*nameless).values())
     pair = [use(f"d{number}", "ir/send", on=f"blaster_{number}", bridge="ir") for number in range(2)]
     assert all(verdicts(*pair).values())
+
+
+@pytest.mark.parametrize("shared", [{"is_anonymous": True}, {"bridge": "b"}])
+def test_a_lamp_shares_no_topic_with_a_lock(shared: dict[str, Any]) -> None:
+    lock, hatch = (use(name, "door/set", on=f"front/{name}", asks=True, **shared) for name in ("lock", "hatch"))
+    lamp = use("lamp", "door/set", on="front/lamp", **shared)
+    assert verdicts(lock, hatch, lamp) == {"lock front/lock": True, "hatch front/hatch": True, "lamp front/lamp": False}
 
 
 def test_what_another_device_speaks_on_is_not_told_anything() -> None:

@@ -163,6 +163,27 @@ def test_what_joins_an_approved_lock_is_not_driven(tmp_path: Path, capsys: Text)
         assert {topic for topic, _ in listener.seen} <= {"door/set", "garage/done"}
 
 
+@pytest.mark.parametrize("device", [{}, {"device": {"identifiers": ["door"], "name": "Door"}}])
+def test_a_lamp_on_the_topic_of_an_approved_lock_unlocks_nothing(
+    tmp_path: Path, capsys: Text, device: dict[str, Any]
+) -> None:
+    """Told on by a program that may command all that is harmless: apart, and as a part of the lock's device."""
+    told = {"command_topic": "door/set", **device}
+    bolt = {"unique_id": "bolt", "name": "Door", **told}
+    glow = {"unique_id": "glow", "name": "Glow", "payload_on": "UNLOCK", **told}
+    with house(tmp_path, "door/#") as (homebot, hostile, listener):
+        hostile.publish("homeassistant/lock/front/bolt/config", json.dumps(bolt).encode())
+        until(lambda: finds(homebot, "Door") or None, PATIENCE)
+        assert run(homebot, "approve", "Door") == 0
+        hostile.publish("homeassistant/light/front/glow/config", json.dumps(glow).encode())
+        until(lambda: run(homebot, "find", "light") == 0 or None, PATIENCE)
+        assert main(["--door", f"127.0.0.1:{homebot.door}", "do", "light", "on"]) == 1
+        assert "refused" in capsys.readouterr().out
+        hostile.publish("door/done", b"")
+        until(lambda: listener.seen or None, PATIENCE)
+        assert listener.seen == [("door/done", b"")]
+
+
 def test_a_lock_whose_announcement_flaps_gets_no_other_command_than_was_approved(tmp_path: Path) -> None:
     """Its payloads are swapped again and again while it is unlocked again and again."""
     with house(tmp_path, "door/set") as (homebot, hostile, listener):

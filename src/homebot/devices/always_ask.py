@@ -79,15 +79,14 @@ def always_asks(device: Device, part: DevicePart) -> bool:
 def why_it_asks(device: Device, part: DevicePart) -> str:
     """Return why *part* of *device* is of the class, for people; empty if it is not.
 
-    Every other part of a device with such a part is as well, but for lights: a garage door often has a button beside
-    its cover, and a lamp.
+    Every other part of a device with such a part is as well, but for lights with topics of their own: a garage door
+    often has a button beside its cover, and a lamp. So is a part with announced payloads on the topic of such a relay.
     """
     if reason := _why_declared(part.part) or _why_by_itself(device, part):
         return reason
-    if part.part.service_type not in _HARMLESS:
-        for one in device.parts:
-            if reason := _why_declared(one.part):
-                return f"beside another part: {reason}"
+    for one in device.parts:
+        if one is not part and (reason := _why_beside(device, part, one)):
+            return reason
     return ""
 
 
@@ -144,6 +143,17 @@ def _waits(device: Device, part: DevicePart) -> bool:
     if not part.routes or any(route.approved for route in part.routes):
         return False
     return any(one.settable for one in part.part.capabilities) and always_asks(device, part)
+
+
+def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
+    """Return why *part* is of the class because of *other*; a command on the topic of a lock may unlock it."""
+    shares_topic = not frozenset(part.part.writes).isdisjoint(other.part.writes)
+    if part.part.service_type in _HARMLESS and not shares_topic:
+        return ""
+    reason = _why_declared(other.part)
+    if not reason and shares_topic and part.part.payloads and other.part.service_type in _RELAYS:
+        reason = _why_by_itself(device, other)
+    return f"beside another part: {reason}" if reason else ""
 
 
 def _why_by_itself(device: Device, part: DevicePart) -> str:

@@ -8,7 +8,8 @@ Any client may announce anything, also a lamp with the command topic of a lock. 
   :mod:`homebot.discovery.topics.use`. The same goes for topics that a device publishes on, and for those below its
   command topics.
 - In a tie, the topic belongs to none, unless it is evidently there for several: they are behind one bridge, or
-  do not identify themselves, and they are three or more, or their places have a name in common.
+  do not identify themselves, and they are three or more, or their places have a name in common. Then it belongs to
+  those of them that always ask, if there are any.
 """
 
 from __future__ import annotations

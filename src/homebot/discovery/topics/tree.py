@@ -23,7 +23,7 @@ __all__ = [
 ]
 
 _COMMON = 3
-_IS_NATIVE = attrgetter("is_native")
+_IS_NATIVE, _ASKS = attrgetter("is_native"), attrgetter("asks")
 
 Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
 """Uses of a topic by announcements; most topics have one, which takes no dict."""
@@ -195,7 +195,10 @@ def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[Sou
 
 
 def _winners(best: list[TopicUse]) -> list[TopicUse]:
-    """Return which of those named equally well may use the topic: all, or none, or the device's own."""
+    """Return which of those named equally well may use the topic: all, or none, or the device's own.
+
+    Beside a device that always asks none that does not: a lamp on the topic of a lock may unlock it.
+    """
     if len(best) == 1:
         return best
     devices = {one.device for one in best}
@@ -203,7 +206,9 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
     if len(devices) == 1:
         is_one_use = is_one_sender or all(map(best[0].repeats, best))
         return best if is_one_use else list(filter(_IS_NATIVE, best))
-    return best if (is_one_sender or len(devices) >= _COMMON) and _is_shared(best) else []
+    if not (is_one_sender or len(devices) >= _COMMON) or not _is_shared(best):
+        return []
+    return list(filter(_ASKS, best)) or best
 
 
 def _is_shared(best: list[TopicUse]) -> bool:

@@ -13,6 +13,7 @@ from operator import attrgetter
 from typing import NamedTuple
 
 from homebot.devices import Sighting
+from homebot.devices.always_ask import ALWAYS_ASK
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
@@ -132,7 +133,7 @@ def _is_specific_word(word: str) -> bool:
     return len(word) >= _SHORTEST and word not in _COMMON and not is_generic(word)
 
 
-_WRITES, _READS = attrgetter("writes"), attrgetter("reads")
+_WRITES, _READS, _TYPE = attrgetter("writes"), attrgetter("reads"), attrgetter("service_type")
 
 
 class TopicUse(NamedTuple):
@@ -144,6 +145,7 @@ class TopicUse(NamedTuple):
         is_anonymous: Whether it does not identify the device.
         is_native: Whether it is in a convention of devices themselves.
         commands: The type and the payloads of its one part; empty for several, or if they follow from the topics.
+        asks: Whether a part is of a type that always asks: its topics are not shared with devices of other types.
     """
 
     key: SourceKey
@@ -157,6 +159,7 @@ class TopicUse(NamedTuple):
     is_anonymous: bool = False
     is_native: bool = False
     commands: tuple[str, ...] = ()
+    asks: bool = False
 
     def has(self, topic: str) -> bool:
         """Return whether *topic* is the device's own."""
@@ -207,6 +210,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
         not sighting.identifiers,
         sighting.native,
         commands,
+        not ALWAYS_ASK.isdisjoint(map(_TYPE, parts)),
     )
 
 
