@@ -20,7 +20,8 @@ from rich.cells import cell_len
 from tests.cli.conftest import Homebot, _lamp
 
 from homebot.cli import main
-from homebot.cli.terminal import print_line, print_rows, print_table, progress, to_lines, to_table
+from homebot.cli.load_rows import HEADINGS, TopicRow
+from homebot.cli.terminal import print_line, print_rows, print_table, progress, show_live, to_lines, to_table
 from homebot.clock import Clock, ManualClock
 from homebot.devices import QUERY_DEVICES, Found, QueryDevices
 from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
@@ -110,6 +111,31 @@ def test_columns_for_which_there_is_no_room_are_named(monkeypatch: pytest.Monkey
             "too narrow: SAYS,",
             "GATEWAY",
         ]
+
+
+def test_next_go_columns_that_would_be_narrower_than_ten_characters() -> None:
+    with on_terminal() as terminal:
+        print_table(HEAD, [("a" * 30, "b" * 30, "c", "d")], if_room=("GATEWAY",), if_wide=("SAYS",))
+        assert terminal.lines()[0].split() == ["DEVICE", "SAYS", "STATE"]
+        print_table((*HEAD, "X" * 10), [("a" * 9, "b" * 30, "c", "d", "e")], if_room=("GATEWAY",), if_wide=("SAYS",))
+        assert ["DEVICE", "STATE", "X" * 10] in [line.split() for line in terminal.lines()]
+
+
+@pytest.mark.parametrize(
+    ("width", "columns"), [(80, "TOPIC MSG/S WAITING LOST SLOWEST BY"), (50, "TOPIC MSG/S WAITING LOST")]
+)
+def test_a_live_table_cuts_names_and_leaves_columns_out_but_shows_its_numbers_whole(
+    monkeypatch: pytest.MonkeyPatch, width: int, columns: str
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    row = TopicRow("/gateway/mqtt/received_topics/of/a/house", 1234.5, 4321, 87654321, 0.0123, "/discovery/of/a/house")
+    with on_terminal() as terminal:
+        show_live(HEADINGS, [("title", [row.cells()])], if_wide=("BY", "SLOWEST", "WAITING"))
+        place = next(at for at, line in enumerate(terminal.lines()) if line.startswith("TOPIC"))
+        head, shown = terminal.lines()[place : place + 2]
+        assert head.split() == columns.split()
+        assert all(number in shown for number in ("1234.5", "4321", "87654321"))
+        assert max(map(cell_len, (head, shown))) <= width
 
 
 def test_nothing_from_outside_is_markup_or_steers_the_terminal() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import groupby
 from typing import TYPE_CHECKING, Final, TextIO, final
@@ -23,6 +23,7 @@ from homebot.support.printable import printable
 __all__ = ["RichTerminal"]
 
 _GAP: Final = 2
+_NARROW: Final = 10
 _OTHER_LINES: Final = 4
 _STYLES: Final = (
     ("unreachable", "red"),
@@ -44,14 +45,26 @@ class RichTerminal:
         self._console = Console(file=stream, highlight=False, markup=False, emoji=False)
 
     def print_table(
-        self, head: Sequence[str], rows: Sequence[Sequence[str]], if_room: Sequence[str], in_colour: str
+        self,
+        head: Sequence[str],
+        rows: Sequence[Sequence[str]],
+        if_room: Sequence[str],
+        if_wide: Sequence[str],
+        in_colour: str,
     ) -> None:
-        """Print *rows* below *head*, without as many of the columns *if_room* as make the rest fit."""
+        """Print *rows* below *head*, without as many of the columns *if_room* as make the rest fit.
+
+        Where even narrow columns do not fit, it is without as many of *if_wide*, too.
+        """
         shown = [
             [_text(cell, _style(cell) if name == in_colour else "") for name, cell in zip(head, row, strict=True)]
             for row in rows
         ]
-        kept = _fitting(head, shown, if_room, self._console.width)
+        widths = _widths(head, shown)
+        kept = _fitting(head, widths, if_room, self._console.width)
+        narrow = {place: min(widths[place], _NARROW) for place in kept}
+        if set(if_room).isdisjoint(head[place] for place in kept):
+            kept = _fitting(head, narrow, if_wide, self._console.width)
         table = Table(box=None, pad_edge=False, padding=(0, _GAP, 0, 0), header_style="bold")
         for place in kept:
             table.add_column(head[place], overflow="fold")
@@ -82,15 +95,26 @@ class RichTerminal:
         """Print *text* in a *style* of rich's."""
         self._console.print(_text(text, style), soft_wrap=True)
 
-    def show_live(self, head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]]) -> None:
-        """Show each of *frames*, as many rows as fit; without a thread of rich's."""
+    def show_live(
+        self, head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]], if_wide: Sequence[str]
+    ) -> None:
+        """Show each of *frames*, as many rows as fit; without a thread of rich's.
+
+        The first column and the last one are cut where the terminal is too narrow; then columns *if_wide* go.
+        """
         with Live(console=self._console, auto_refresh=False, screen=True, vertical_overflow="crop") as live:
             for title, rows in frames:
                 table = Table(box=None, pad_edge=False, expand=True, title_justify="left", title=_text(title))
-                for name in head:
-                    table.add_column(name, no_wrap=True, overflow="ellipsis")
-                for row in rows[: max(1, self._console.height - _OTHER_LINES)]:
-                    table.add_row(*map(_text, row))
+                shown = [[*map(_text, row)] for row in rows[: max(1, self._console.height - _OTHER_LINES)]]
+                widths = _widths(head, shown) | {0: _NARROW, len(head) - 1: _NARROW}
+                kept = _fitting(head, widths, if_wide, self._console.width)
+                spare = max(0, self._console.width - sum(widths[place] + _GAP for place in kept) + _GAP)
+                last = min(_NARROW, spare // 3)
+                widths |= {0: widths[0] + spare - last, len(head) - 1: _NARROW + last}
+                for place in kept:
+                    table.add_column(head[place], no_wrap=True, overflow="ellipsis", width=widths[place])
+                for row in shown:
+                    table.add_row(*(row[place] for place in kept))
                 live.update(table, refresh=True)
 
     @contextmanager
@@ -122,10 +146,14 @@ def _style(cell: str) -> str:
     return next((style for text, style in _STYLES if text in cell), "")
 
 
-def _fitting(head: Sequence[str], rows: Sequence[Sequence[Text]], if_room: Sequence[str], width: int) -> list[int]:
-    """Return the places of the columns that are shown: all but as many of *if_room* as make the rest fit."""
-    kept = list(range(len(head)))
-    widths = [max(len(head[place]), *(row[place].cell_len for row in rows), 0) for place in kept]
+def _widths(head: Sequence[str], rows: Sequence[Sequence[Text]]) -> dict[int, int]:
+    """Return the width of each column by its place."""
+    return {place: max(len(name), *(row[place].cell_len for row in rows), 0) for place, name in enumerate(head)}
+
+
+def _fitting(head: Sequence[str], widths: Mapping[int, int], if_room: Sequence[str], width: int) -> list[int]:
+    """Return the places among *widths* that are shown: all but as many of *if_room* as make the rest fit."""
+    kept = [*widths]
     for name in if_room:
         if sum(widths[place] + _GAP for place in kept) - _GAP <= width:
             break

@@ -44,6 +44,7 @@ def print_table(
     *,
     if_any: Sequence[str] = (),
     if_room: Sequence[str] = (),
+    if_wide: Sequence[str] = (),
     in_colour: str = "",
 ) -> None:
     """Print *rows* below *head*, in columns.
@@ -55,11 +56,12 @@ def print_table(
         rows: As many cells each.
         if_any: Columns to leave out where no row has anything in them.
         if_room: Columns that a terminal goes without where it is too narrow for all; the first goes first.
+        if_wide: Columns that go next, where it is too narrow for columns of ten characters.
         in_colour: The column that says how fresh devices are and whether they can be reached.
     """
     head, rows = without_empty(if_any, head, rows)
     if is_terminal():
-        rich_terminal(sys.stdout).print_table(head, rows, if_room, in_colour)
+        rich_terminal(sys.stdout).print_table(head, rows, if_room, if_wide, in_colour)
     else:
         print(to_table(head, rows))
 
@@ -97,9 +99,15 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
         yield lambda done: None  # noqa: ARG005 - no terminal
 
 
-def show_live(head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]]) -> None:
-    """Show each of *frames*, a title and rows, on the whole terminal as it comes; then give the terminal back."""
-    rich_terminal(sys.stdout).show_live(head, frames)
+def show_live(
+    head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]], if_wide: Sequence[str] = ()
+) -> None:
+    """Show each of *frames*, a title and rows, on the whole terminal as it comes; then give the terminal back.
+
+    Args:
+        if_wide: Columns that a narrow terminal goes without; the first goes first.
+    """
+    rich_terminal(sys.stdout).show_live(head, frames, if_wide)
 
 
 def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -28,6 +28,7 @@ T = TypeVar("T")
 _HEAD = ("DEVICE", "NAME", "TYPE", "AREA", "STATE", "GATEWAY", "COMMAND TOPIC", "AVAILABILITY", "LAST SEEN")
 _IF_ANY = ("NAME", "AREA", "STATE", "COMMAND TOPIC")
 _IF_ROOM = ("GATEWAY", "COMMAND TOPIC")
+_IF_WIDE = ("LAST SEEN", "TYPE", "NAME")
 _WRONG_COMMAND_LINE = 2
 _EXAMPLES = """\
   homebot devices
@@ -79,7 +80,7 @@ def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
     waiting = unapproved(door)
     rows = _all(door, options.type, lambda device: _row(device, now, waiting))
     if rows:
-        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, in_colour="AVAILABILITY")
+        print_table(_HEAD, rows, if_any=_IF_ANY, if_room=_IF_ROOM, if_wide=_IF_WIDE, in_colour="AVAILABILITY")
         count = "1 device" if len(rows) == 1 else f"{len(rows):,} devices"
     else:
         count = f"no device offers {options.type} now" if options.type else "no device discovered yet"

@@ -59,7 +59,7 @@ def _top(door: DoorClient, options: argparse.Namespace) -> int:
 
     found = samples(lambda: door.call("/rosapi/load"), wait)
     if is_live:
-        show_live(HEADINGS, _frames(found, f"{door.home} on {door.where}"))
+        show_live(HEADINGS, _frames(found, f"{door.home} on {door.where}"), if_wide=("BY", "SLOWEST", "WAITING"))
         return 0
     for load in found:
         if not options.json:
