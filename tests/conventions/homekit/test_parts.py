@@ -13,6 +13,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
 READ = ["pr", "ev"]
+EVE, SENSE, KOOGEEK = "-079E-48FF-8F27-9C2605A29F52", "-0000-1000-8000-001D4B474349", "-0DEC-11E5-B939-0800200C9A66"
 
 
 def part(kind: str, values: Mapping[str, object], read_only: str = "", **limits: dict[str, object]) -> HomekitPart:
@@ -48,6 +49,12 @@ def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[s
         ("B7", {"B0": 0, "29": 60.0, "BF": 1, "B6": 1}, "fan",
          {"on_off": False, "fan_speed": 0.0, "fan_mode": "auto", "oscillation": True}),
         ("BB", {"B0": 1, "A8": 0}, "fan", {"on_off": True, "fan_mode": "manual"}),
+        ("BC", {"B0": 0, "29": 60.0}, "thermostat", {"fan_speed": 60.0}),
+        ("BA", {"AC": 1, "AB": 12.0}, "x_sensor", {"problem": True, "measurement": 12.0}),
+        ("47", {"25": True, f"0000000A{SENSE}": 0.8, f"0000000C{SENSE}": 379.7}, "plug",
+         {"on_off": True, "power": 0.8, "energy": 379.7}),
+        (f"4AAAF930{KOOGEEK}", {f"4AAAF931{KOOGEEK}": 5.0}, "electrical_meter", {"power": 5.0}),
+        (f"E863F00A{EVE}", {f"E863F10F{EVE}": 1005.7}, "pressure_sensor", {"pressure": 1005.7}),
         ("113", {"11A": False, "119": 30}, "speaker", {"volume": 30.0}),
         ("D8", {"B0": 1}, "video_player", {"on_off": True}),
         ("45", {"1D": 1, "1E": 1}, "door_lock", {"lock": "locked"}),
@@ -65,6 +72,7 @@ def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[s
         ("D0", {"B0": 1, "D2": 1, "D5": 0}, "water_valve", {"valve": "open"}),
         ("D0", {"B0": 1, "D2": 0, "D5": 0}, "water_valve", {"valve": "opening"}),
         ("D7", {"B0": 0}, "water_valve", {"valve": "closed"}),
+        ("CF", {"B0": 1, "D1": 1, "D2": 0}, "water_valve", {"on_off": True, "running": False}),
         ("7E", {"66": 3, "67": 1}, "x_alarm_panel", {"alarm": "arming"}),
         ("7E", {"66": 4, "67": 1}, "x_alarm_panel", {"alarm": "triggered"}),
         ("7E", {"66": 3}, "x_alarm_panel", {"alarm": "disarmed"}),
@@ -82,6 +90,8 @@ def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[s
          {"thermostat_mode": "off", "thermostat_action": "off", "local_temperature": 26.0, "heating_setpoint": 22.0}),
         ("BD", {"B0": 1, "B3": 2, "B4": 1, "10": 40.0, "CA": 50.0}, "x_humidifier",
          {"on_off": True, "humidifier_mode": "humidify", "humidity": 40.0, "humidity_setpoint": 50.0}),
+        ("BD", {"B0": 1, "B4": 2, "10": 70.0, "CA": 30.0, "C9": 50.0}, "x_humidifier",
+         {"on_off": True, "humidifier_mode": "dehumidify", "humidity": 70.0, "humidity_setpoint": 50.0}),
         ("85", {"22": True, "79": 1}, "occupancy_sensor", {"occupancy": True, "battery_low": True}),
         ("86", {"71": 0}, "occupancy_sensor", {"occupancy": False}),
         ("80", {"6A": 1, "7A": 0}, "contact_sensor", {"contact": True, "tamper": False}),
@@ -133,6 +143,8 @@ def test_a_service_is_a_part_with_its_readings(
         ("BC", {"B0": 1, "B1": 1, "B2": 0, "11": 20.0}, "thermostat_mode", "off", {"B0": 0}),
         ("BC", {"B0": 0, "B1": 0, "B2": 0, "11": 20.0}, "thermostat_mode", "cool", {"B2": 2, "B0": 1}),
         ("BD", {"B0": 1, "B3": 0, "B4": 0, "10": 40.0, "C9": 50.0}, "humidity_setpoint", 45.0, {"C9": 45.0}),
+        ("BD", {"B0": 1, "B4": 2, "10": 70.0, "CA": 30.0, "C9": 50.0}, "humidity_setpoint", 45.0, {"C9": 45.0}),
+        ("BC", {"B0": 0, "29": 60.0}, "fan_speed", 40.0, {"29": 40.0}),
         ("113", {"11A": False, "119": 30}, "volume", 10.0, {"119": 10.0}),
     ],
 )
@@ -172,6 +184,39 @@ def test_modes_and_setpoints_are_those_that_the_accessory_has() -> None:
     assert "cooling_setpoint" not in heater.abilities
 
 
+def test_a_mode_without_alternative_is_the_only_one() -> None:
+    """Humidifiers that cannot dry bound their mode by 1 and 1."""
+    found = part("BD", {"B0": 0, "B4": 1, "10": 45.0}, cB4={"minValue": 1, "maxValue": 1})
+    assert found.abilities["humidifier_mode"].capability.options == ("humidify",)
+
+
+def test_a_share_of_the_humidity_has_the_bounds_of_the_accessory() -> None:
+    found = part("4A", {"F": 0, "33": 0, "11": 20.0, "35": 20.0, "34": 30.0}, c34={"minValue": 20, "maxValue": 50})
+    assert found.abilities["humidity_setpoint"].capability.bounds == (20.0, 50.0)
+
+
+def test_the_sources_of_a_television_are_the_services_beside_it() -> None:
+    television = service(48, "D8", characteristic(49, "B0", 1), characteristic(50, "E7", 2))
+    inputs = (
+        service(250 + at, "D9", characteristic(260 + at, "E6", number), characteristic(270 + at, "E3", name, READ))
+        for at, (number, name) in enumerate({2: "HDMI 1", 70_000: "Live TV"}.items())
+    )
+    (found,) = parts_of(parse_accessories([accessory(1, "TV", television, *inputs)])[1])
+    assert found.abilities["option"].capability.options == ("HDMI 1", "Live TV")
+    assert (values(found)["option"], written(found, "option", "Live TV")) == ("HDMI 1", {"E7": 70_000})
+
+
+@pytest.mark.parametrize(
+    ("percent", "most", "step", "speed"), [(66.0, 3, 1, 2.0), (10.0, 100, 25, 25.0), (5.0, 3, 1, 1.0)]
+)
+def test_a_fan_counts_its_speeds_as_it_likes(percent: float, most: float, step: float, speed: float) -> None:
+    found = part("40", {"25": False, "29": 0.0}, c29={"minValue": 0, "maxValue": most, "minStep": step})
+    (wanted,) = [value for one, value in found.command("fan_speed", percent)[0].items() if one.type == "29"]
+    assert found.service.characteristics["29"].encode(wanted) == speed
+    found.service.characteristics["25"].value, found.service.characteristics["29"].value = True, speed
+    assert values(found)["fan_speed"] == pytest.approx(speed / most * 100, abs=0.001)
+
+
 def test_what_cannot_be_written_cannot_be_set() -> None:
     on_off = part("49", {"25": True}, read_only="25").abilities["on_off"]
     assert (on_off.capability.settable, on_off.write) == (False, None)
@@ -181,6 +226,8 @@ def test_values_are_written_in_the_format_and_the_bounds_of_their_characteristic
     found = part("43", {"25": True, "8": 50, "13": 1.0}, c8={"minValue": 10, "maxValue": 90}).service.characteristics
     assert [found["25"].encode(1.0), found["8"].encode(3.7), found["13"].encode(1.5)] == [True, 10, 1.5]
     assert type(found["8"].encode(40.2)) is int
+    target = part("4A", {"35": 20.0, "33": 1}, c35={"minValue": 4.5, "maxValue": 37, "minStep": 0.5}).service
+    assert [target.characteristics["35"].encode(one) for one in (21.3, 21.1, 40.0)] == [21.5, 21.0, 37.0]
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,7 @@ class HapCharacteristic:
         perms: Its permissions: ``pr`` (read), ``pw`` (write), ``ev`` (events), ``tw`` (timed writes only), …
         bounds: Its smallest and largest value; empty for none.
         valid_values: The values that it can have, where it lists them.
+        step: The distance of its values from each other; 0 for any.
     """
 
     iid: int
@@ -50,9 +51,13 @@ class HapCharacteristic:
     value: object = None
     bounds: tuple[float, ...] = ()
     valid_values: tuple[int, ...] = ()
+    step: float = 0.0
 
     def encode(self, value: float) -> object:
-        """Return *value* as its format has it, within its bounds."""
+        """Return *value* as its format has it, within its bounds and in its steps."""
+        if self.step > 0:
+            least = self.bounds[0] if self.bounds else 0.0
+            value = round(least + round((value - least) / self.step) * self.step, 6)
         if self.bounds:
             value = min(max(value, self.bounds[0]), self.bounds[1])
         if self.format == "bool":
@@ -151,7 +156,7 @@ def _parse_characteristic(data: object) -> HapCharacteristic | None:
     if iid is None or not kind or not isinstance(perms, list):
         return None
     least, most = finite_number(fields.get("minValue")), finite_number(fields.get("maxValue"))
-    values = fields.get("valid-values")
+    values = [least] if least is not None and least == most else fields.get("valid-values")
     return HapCharacteristic(
         iid,
         kind,
@@ -159,5 +164,6 @@ def _parse_characteristic(data: object) -> HapCharacteristic | None:
         frozenset(one for one in perms if isinstance(one, str)),
         fields.get("value"),
         (least, most) if least is not None and most is not None and least < most else (),
-        tuple(one for one in values if isinstance(one, int)) if isinstance(values, list) else (),
+        tuple(int(one) for one in values if finite_number(one) is not None) if isinstance(values, list) else (),
+        finite_number(fields.get("minStep")) or 0.0,
     )

@@ -21,13 +21,14 @@ __all__ = ["CLIMATE_ROWS"]
 
 THERMOSTAT, HEATER, HUMIDIFIER = "4A", "BC", "BD"
 TARGET, TEMPERATURE, SETPOINT, HEAT_TO, COOL_TO, HUMIDITY = "33", "11", "35", "12", "D", "10"
-ACTIVE, HEATER_TARGET, DRY_TO, WET_TO, SPEED = "B0", "B2", "C9", "CA", "29"
+ACTIVE, HEATER_TARGET, HUMIDIFIER_TARGET, DRY_TO, WET_TO = "B0", "B2", "B4", "C9", "CA"
 _MODES: Final = {0: "off", 1: "heat", 2: "cool", 3: "auto"}
 _ACTIONS: Final = {0: "idle", 1: "heating", 2: "cooling"}
 _HEATER_MODES: Final = {0: "auto", 1: "heat", 2: "cool"}
 _HEATER_ACTIONS: Final = {0: "off", 1: "idle", 2: "heating", 3: "cooling"}
 _HUMIDIFIER_MODES: Final = {0: "auto", 1: "humidify", 2: "dehumidify"}
 _HEAT, _COOL, _AUTO = 1, 2, 3
+_DRY: Final = 2
 
 
 def _can(mode: int, service: HapService) -> bool:
@@ -77,6 +78,22 @@ def _write_heater_mode(service: HapService, value: PlainValue) -> Writes:
     return {ACTIVE: 0} if number is None else {HEATER_TARGET: number, ACTIVE: 1}
 
 
+def _humidity_of(service: HapService) -> str:
+    """Return the characteristic of the humidity to reach in the present mode."""
+    dries = service.number(HUMIDIFIER_TARGET) == _DRY and DRY_TO in service.characteristics
+    return DRY_TO if dries or WET_TO not in service.characteristics else WET_TO
+
+
+def _read_humidity(service: HapService) -> PlainValue:
+    return read_number("humidity_setpoint", _humidity_of(service), service)
+
+
+def _write_humidity(service: HapService, value: PlainValue) -> Writes:
+    kind = _humidity_of(service)
+    least, most = service.characteristics[kind].bounds or (0.0, 100.0)
+    return {kind: require_number("humidity_setpoint", value, least, most, "%")}
+
+
 CLIMATE_ROWS: Final = (
     ServiceRow(f"{THERMOSTAT} {HEATER}", "local_temperature", TEMPERATURE),
     ServiceRow(f"{THERMOSTAT} {HUMIDIFIER}", "humidity", HUMIDITY),
@@ -98,9 +115,16 @@ CLIMATE_ROWS: Final = (
     ServiceRow(HEATER, "thermostat_action", "B1", "", _HEATER_ACTIONS),
     ServiceRow(HEATER, "heating_setpoint", HEAT_TO, HEAT_TO),
     ServiceRow(HEATER, "cooling_setpoint", COOL_TO, COOL_TO),
-    ServiceRow(f"{HEATER} {HUMIDIFIER}", "fan_speed", SPEED, SPEED),
     ServiceRow(HUMIDIFIER, "on_off", ACTIVE, ACTIVE),
-    ServiceRow(HUMIDIFIER, "humidifier_mode", "B4", "B4", _HUMIDIFIER_MODES),
-    ServiceRow(HUMIDIFIER, "humidity_setpoint", WET_TO, WET_TO),
+    ServiceRow(HUMIDIFIER, "humidifier_mode", HUMIDIFIER_TARGET, HUMIDIFIER_TARGET, _HUMIDIFIER_MODES),
+    ServiceRow(
+        HUMIDIFIER,
+        "humidity_setpoint",
+        f"{WET_TO} {DRY_TO} {HUMIDIFIER_TARGET}",
+        WET_TO,
+        None,
+        _read_humidity,
+        _write_humidity,
+    ),
     ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
 )

@@ -1,4 +1,4 @@
-"""The services of lamps, plugs, switches, fans, speakers and televisions. Pure.
+"""The services of lamps, plugs, switches, fans, speakers and televisions; the meters of makers. Pure.
 
 Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9 (characteristics): 8.2 Air Purifier,
 8.13 Fan, 8.23 Light Bulb, 8.29 Outlet, 8.36 Speaker, 8.38 Switch.
@@ -11,20 +11,29 @@ from typing import Final
 
 from homebot.conventions.command_values import require_color, require_number
 from homebot.conventions.homekit.accessory import HapService
-from homebot.conventions.homekit.rows import ServiceRow, Writes, read_number
+from homebot.conventions.homekit.rows import ServiceRow, Writes
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
 from homebot.devices.value import PlainValue
 
 __all__ = ["POWER_ROWS"]
 
-LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER, HEATER = "43", "49", "47", "40", "B7", "BB", "BC"
+LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER = "43", "49", "47", "40", "B7", "BB"
+HEATER, HUMIDIFIER = "BC", "BD"
 SPEAKER, SMART_SPEAKER, TELEVISION = "113", "228", "D8"
 ON, ACTIVE, BRIGHTNESS, HUE, SATURATION, MIREDS, SPEED = "25", "B0", "8", "13", "2F", "CE", "29"
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
 _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 _FAN_MODES: Final = {0: "manual", 1: "auto"}
-_EVE: Final = "E863F1{}-079E-48FF-8F27-9C2605A29F52"
-"""The types by which Eve's plugs measure."""
+_EVE, _SENSE, _KOOGEEK = "-079E-48FF-8F27-9C2605A29F52", "-0000-1000-8000-001D4B474349", "-0DEC-11E5-B939-0800200C9A66"
+_OTHER_POWERS: Final = ("7BBBA96E-EB2D-11E5-A837-0800200C9A66", "FC093458-18F0-4B1D-8360-BB68A3FCC9C5")
+_METERS: Final = {
+    "power": (f"E863F10D{_EVE}", f"0000000A{_SENSE}", f"4AAAF931{_KOOGEEK}", *_OTHER_POWERS),
+    "energy": (f"E863F10C{_EVE}", f"0000000C{_SENSE}"),
+    "voltage": (f"E863F10A{_EVE}", f"00000008{_SENSE}"),
+    "current": (f"E863F126{_EVE}", f"00000009{_SENSE}", f"00000004{_SENSE}"),
+    "pressure": (f"E863F10F{_EVE}",),
+}
+"""The types of Eve, ConnectSense, Koogeek and VOCOlinc, under any service, as aiohomekit 4.0 names them."""
 
 
 def _mired_bounds(service: HapService) -> tuple[float, float]:
@@ -60,20 +69,35 @@ def _switch_of(service: HapService) -> str:
     return ON if ON in service.characteristics else ACTIVE
 
 
+def _share(service: HapService, kind: str) -> float:
+    """Return what one percent is: some fans count their speeds from 0 to 3."""
+    bounds = service.characteristics[kind].bounds
+    return bounds[1] / 100 if kind == SPEED and bounds else 1.0
+
+
 def _read_speed(service: HapService) -> PlainValue:
-    if service.number(_switch_of(service)) == 0:
+    if service.type in _FANS.split() and service.number(_switch_of(service)) == 0:
         return 0.0  # it keeps the speed of before
-    return read_number("fan_speed", SPEED, service)
+    speed = service.number(SPEED)
+    percent = None if speed is None else round(speed / _share(service, SPEED), 4)
+    return percent if percent is not None and 0 <= percent <= 100 else None
 
 
 def _writer(capability: str, kind: str) -> Callable[[HapService, PlainValue], Writes]:
-    """Return what sets a percentage, by which 0 turns off."""
+    """Return what sets a percentage, by which 0 turns off, and another one on."""
 
     def write(service: HapService, value: PlainValue) -> Writes:
         percent = require_number(capability, value, 0.0, 100.0, "%")
-        return {kind: max(1.0, percent), _switch_of(service): 1} if percent > 0 else {_switch_of(service): 0}
+        if percent == 0:
+            return {_switch_of(service): 0}
+        least = service.characteristics[kind].step or 1.0
+        return {kind: max(least, percent * _share(service, kind)), _switch_of(service): 1}
 
     return write
+
+
+def _write_only_speed(service: HapService, value: PlainValue) -> Writes:
+    return {SPEED: require_number("fan_speed", value, 0.0, 100.0, "%") * _share(service, SPEED)}
 
 
 POWER_ROWS: Final = (
@@ -84,13 +108,11 @@ POWER_ROWS: Final = (
     ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
     ServiceRow(OUTLET, "plugged_in", "26"),
     ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _writer("fan_speed", SPEED)),
+    ServiceRow(f"{HEATER} {HUMIDIFIER}", "fan_speed", SPEED, SPEED, None, _read_speed, _write_only_speed),
     ServiceRow(FAN, "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
     ServiceRow(_FANS, "direction", "28", "28", _DIRECTIONS),
     ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "volume", "119", "119"),
-    ServiceRow(f"{OUTLET} {SWITCH}", "power", _EVE.format("0D")),
-    ServiceRow(f"{OUTLET} {SWITCH}", "energy", _EVE.format("0C")),
-    ServiceRow(f"{OUTLET} {SWITCH}", "voltage", _EVE.format("0A")),
-    ServiceRow(f"{OUTLET} {SWITCH}", "current", _EVE.format("26")),
+    *(ServiceRow("", name, kind) for name, kinds in _METERS.items() for kind in kinds),
 )

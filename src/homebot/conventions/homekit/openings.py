@@ -20,8 +20,10 @@ GARAGE, COVERING = "41", "8C"
 _MOTORS: Final = f"81 8B {COVERING}"
 """Doors, windows and coverings."""
 
-_VALVES: Final = "D0 D7 CF"
-"""Valves, faucets and irrigation systems."""
+_VALVES: Final = "D0 D7"
+"""Valves and faucets."""
+
+IRRIGATION: Final = "CF"
 
 POSITION, POSITION_TARGET, MOVEMENT, HOLD = "6D", "7C", "72", "6F"
 _LOCKED: Final = {0: "unlocked", 1: "locked"}
@@ -101,6 +103,8 @@ OPENING_ROWS: Final = (
     ),
     _target_row(_VALVES, "valve", "D2", "B0", _OPENED, {0: "closing", 1: "opening"}, {}),
     ServiceRow(_VALVES, "valve", "B0", "B0", _OPENED),  # a faucet
+    ServiceRow(IRRIGATION, "on_off", "B0", "B0"),  # whether its programs may water
+    ServiceRow(IRRIGATION, "running", "D2"),
     _target_row(GARAGE, "movement", "E", "32", _OPEN, {0: "opening", 1: "closing"}, _DOOR_MOVES),
     ServiceRow(_MOTORS, "position", POSITION, POSITION_TARGET),
     ServiceRow(

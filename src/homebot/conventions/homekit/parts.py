@@ -6,7 +6,7 @@ Source: HomeKit Accessory Protocol Specification R2, chapter 8 (services), among
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +15,7 @@ from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
 from homebot.conventions.homekit.rows import HomekitAbility, ServiceRow
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import UnableError
@@ -22,7 +23,7 @@ from homebot.errors import UnableError
 __all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
 
 AIR, MOTION, OCCUPANCY, CONTACT, LEAK, SMOKE = "8D", "85", "86", "80", "83", "87"
-MONOXIDE, DIOXIDE, BATTERY = "7F", "97", "96"
+MONOXIDE, DIOXIDE, BATTERY, FILTER = "7F", "97", "96", "BA"
 PRESS: Final = "73"
 """The characteristic Programmable Switch Event."""
 
@@ -53,7 +54,9 @@ _SENSOR_ROWS: Final = (
     ),  # 2 is "not chargeable"
     ServiceRow(f"{BATTERY} {_SENSORS}", "battery_low", "79"),
     ServiceRow(_SENSORS, "tamper", "7A"),
-    ServiceRow(_SENSORS, "problem", "77"),
+    ServiceRow(f"{_SENSORS} D0 CF", "problem", "77"),
+    ServiceRow(FILTER, "measurement", "AB", unit="%"),  # of its life that is left
+    ServiceRow(FILTER, "problem", "AC"),
 )
 
 _ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *_SENSOR_ROWS)
@@ -82,12 +85,14 @@ _TYPES: Final[Mapping[str, str]] = {
     "humidity_sensor": "82",
     "light_sensor": "84",
     "x_battery": "96",
+    "x_sensor": "BA",
     "generic_switch": "89 121",
 }
 """The types of services of each type of parts."""
 
 _TYPE_OF: Final = {service: kind for kind, services in _TYPES.items() for service in services.split()}
 _HEATER, _COOL_TO = "BC", "D"
+_TELEVISION, _SOURCE, _INPUT, _INPUT_ID = "D8", "E7", "D9", "E6"
 _NAME, _CONFIGURED_NAME, _LABEL_INDEX = "23", "E3", "CB"
 
 
@@ -117,16 +122,27 @@ class HomekitPart:
 def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
     """Yield the parts of an accessory."""
     own_name = accessory.information.text(_NAME)
+    rows = (*_ROWS, *_source_rows(accessory))
     for service in accessory.services.values():
         found: dict[str, HomekitAbility] = {}
-        for row in _ROWS if service.type in _TYPE_OF else ():
+        for row in rows:
             if row.capability not in found and (ability := row.ability(service)) is not None:
                 found[row.capability] = ability
         if found:
             yield HomekitPart(_part(service, own_name, found.values()), service, found)
 
 
-def _part(service: HapService, own_name: str, abilities: Iterable[HomekitAbility]) -> Part:
+def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
+    """Yield the row of a television's sources, which are services beside it."""
+    inputs = [one for one in accessory.services.values() if one.type == _INPUT]
+    names = {one.number(_INPUT_ID): one.text(_CONFIGURED_NAME) or one.text(_NAME) for one in inputs}
+    sources = {int(number): name for number, name in names.items() if number is not None and name}
+    if sources:
+        yield ServiceRow(_TELEVISION, "option", _SOURCE, _SOURCE, sources)
+
+
+def _part(service: HapService, own_name: str, abilities: Collection[HomekitAbility]) -> Part:
+    first = CAPABILITIES[next(iter(abilities)).capability.name]
     only_heats = service.type == _HEATER and _COOL_TO not in service.characteristics
     name = service.text(_CONFIGURED_NAME) or service.text(_NAME)
     index = service.number(_LABEL_INDEX)
@@ -135,7 +151,7 @@ def _part(service: HapService, own_name: str, abilities: Iterable[HomekitAbility
     return Part(
         id=str(service.iid),
         name=name,
-        service_type="thermostat" if only_heats else _TYPE_OF[service.type],
+        service_type="thermostat" if only_heats else _TYPE_OF.get(service.type, first.sensor),
         category="diagnostic" if service.type == BATTERY else "",
         capabilities=tuple(one.capability for one in abilities),
     )

@@ -42,7 +42,7 @@ class ServiceRow:
     """A capability of the services that have its characteristics.
 
     Attributes:
-        services: The types of the services, separated by spaces.
+        services: The types of the services, separated by spaces; empty for any.
         watched: The types of the characteristics that its value depends on, separated by spaces; a service without the
             first one does not have the capability.
         target: The characteristic by which it is set; empty for none.
@@ -63,12 +63,14 @@ class ServiceRow:
     options: Callable[[HapService], tuple[str, ...]] | None = None
     bounds: Callable[[HapService], tuple[float, ...]] | None = None
     when: Callable[[HapService], object] | None = None
+    unit: str = ""
 
     def ability(self, service: HapService) -> HomekitAbility | None:
         """Return the ability of *service* by this row; None if it has none."""
         first, *_ = watched = self.watched.split()
         known = service.characteristics.get(first)
-        if known is None or service.type not in self.services.split() or (self.when and not self.when(service)):
+        is_of_row = not self.services or service.type in self.services.split()
+        if known is None or not is_of_row or (self.when and not self.when(service)):
             return None
         is_settable = service.can(self.target, "pw")
         kind, is_event = CAPABILITIES[self.capability].kind, CAPABILITIES[self.capability].is_event
@@ -77,6 +79,7 @@ class ServiceRow:
             name=self.capability,
             readable=is_event or "pr" in known.perms,
             settable=is_settable,
+            unit=self.unit,
             bounds=self._bounds(service) if is_settable and kind == "number" else (),
             options=self.options(service) if self.options else tuple(texts.values()),
         )
@@ -87,7 +90,9 @@ class ServiceRow:
     def _bounds(self, service: HapService) -> tuple[float, ...]:
         if self.bounds is not None:
             return self.bounds(service)
-        return CAPABILITIES[self.capability].bounds or service.characteristics[self.target].bounds
+        usual, own = CAPABILITIES[self.capability].bounds, service.characteristics[self.target].bounds
+        is_narrower = own and (not usual or (usual[0] <= own[0] and own[1] <= usual[1]))
+        return own if is_narrower and self.write is None else usual or own
 
 
 def known_values(service: HapService, kind: str, values: Mapping[int, str]) -> dict[int, str]:
@@ -95,7 +100,7 @@ def known_values(service: HapService, kind: str, values: Mapping[int, str]) -> d
     found = service.characteristics.get(kind)
     if found is None:
         return {}
-    least, most = found.bounds or (0.0, 255.0)
+    least, most = found.bounds or (0.0, 2.0**32)
     return {raw: text for raw, text in values.items() if raw in (found.valid_values or (raw,)) and least <= raw <= most}
 
 
