@@ -218,10 +218,31 @@ class Subscription(Generic[MessageT]):
 
     async def run_concurrently(self, callback: Callback[MessageT]) -> None:
         """Call *callback* in one task for each message, at most ``depth`` of them at a time."""
+        limit = asyncio.Semaphore(self.qos.queue_depth)
         try:
-            await _ConcurrentRun(self, callback, self.on_failure).run()
+            async with anyio.create_task_group() as tasks:
+                with suppress(ClosedError):
+                    while True:
+                        await limit.acquire()  # first: until then messages wait in the queue that counts losses
+                        message = await self.receive()
+                        self.unbegun += 1
+                        tasks.start_soon(self._handle, callback, limit, message)
         finally:
             self._abandon()
+
+    async def _handle(self, callback: Callback[MessageT], limit: asyncio.Semaphore, message: MessageT) -> None:
+        self.unbegun -= 1
+        task = asyncio.current_task()
+        try:
+            result = callback(message)
+            if result is not None:
+                await result
+        except BaseException as exc:  # every failure but the end of this task
+            if is_end_of(task, exc):
+                raise
+            self.on_failure(exc)
+        finally:
+            limit.release()
 
     async def run_batches(self, handle: Callable[[Iterator[MessageT]], None]) -> None:
         """Call *handle* with an iterator over the queued messages, until the subscription is closed.
@@ -270,45 +291,6 @@ class Subscription(Generic[MessageT]):
             return item.message
         self.expired += 1
         return None
-
-
-class _ConcurrentRun(Generic[MessageT]):
-    """Runs a callback in one task for each message, at most as many at a time as may be queued."""
-
-    def __init__(
-        self,
-        subscription: Subscription[MessageT],
-        callback: Callback[MessageT],
-        on_failure: Callable[[BaseException], None],
-    ) -> None:
-        self._subscription = subscription
-        self._callback = callback
-        self._on_failure = on_failure
-        self._limit = asyncio.Semaphore(subscription.qos.queue_depth)
-
-    async def run(self) -> None:
-        """Run until the subscription is closed and all messages are handled."""
-        async with anyio.create_task_group() as tasks:
-            with suppress(ClosedError):
-                while True:
-                    await self._limit.acquire()  # first: until then messages wait in the queue that counts losses
-                    message = await self._subscription.receive()
-                    self._subscription.unbegun += 1
-                    tasks.start_soon(self._handle, message)
-
-    async def _handle(self, message: MessageT) -> None:
-        self._subscription.unbegun -= 1
-        task = asyncio.current_task()
-        try:
-            result = self._callback(message)
-            if result is not None:
-                await result
-        except BaseException as exc:  # every failure but the end of this task
-            if is_end_of(task, exc):
-                raise
-            self._on_failure(exc)
-        finally:
-            self._limit.release()
 
 
 def key_of(message_type: type[MessageT]) -> Callable[[MessageT | Expiring[MessageT]], Hashable] | None:

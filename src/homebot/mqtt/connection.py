@@ -22,8 +22,8 @@ from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
-from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, SessionGrant
+from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.status import OFFLINE, ONLINE, StatusPublisher
 from homebot.mqtt.subscriptions import SubscriptionSet
@@ -91,6 +91,7 @@ class MqttConnection:
 
     Attributes:
         ack: Acknowledges messages to the broker; see `MqttClient.ack`.
+        publish: Publishes; see `MqttClient.publish`. Raises LinkError at once while the link is down.
     """
 
     def __init__(
@@ -112,6 +113,7 @@ class MqttConnection:
         self._url = options.url
         self._client = make_client(options)
         self.ack = self._client.ack
+        self.publish = self._client.publish
         self._status = StatusPublisher(self._client, status_topic, self._url)
         self._clock = LoopClock() if clock is None else clock
         self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
@@ -191,22 +193,6 @@ class MqttConnection:
             if self._state.phase is LinkPhase.CLOSED:
                 raise ClosedError(f"the connection to {self._url} is closed")
             await self._changed.wait()
-
-    async def publish(
-        self,
-        topic: str,
-        payload: bytes = b"",
-        *,
-        qos: int = 0,
-        retain: bool = False,
-        properties: MessageProperties = NO_PROPERTIES,
-    ) -> PublishResult:
-        """Publish; see `MqttClient.publish`. Raises LinkError at once while the link is down."""
-        try:
-            return await self._client.publish(topic, payload, qos=qos, retain=retain, properties=properties)
-        except LinkError:
-            await checkpoint()  # a caller that retries in a loop would starve the supervisor
-            raise
 
     async def require_peer(self, heard_at: float, answers: Callable[[], bool]) -> None:
         """Check that an answer of a peer on the broker would be received, and that the peer may exist.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.devices.device import Device, DevicePart, Endpoint, Route
+from homebot.devices.device import Device, DevicePart, Endpoint
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.names import is_text_address, read_text_address, text_address
 from homebot.devices.text.commands import decode_command
@@ -54,18 +54,18 @@ def part_at(device: Device, gateway: str, address: str) -> DevicePart | None:
 
     Of several routes to it only those that lead there are left, if any is known to.
     """
-    if is_text_address(address):
-        part = _part_at(device, address)
-        return part and _by_routes(part, [one for one in part.routes if text_address(one.key, one.part) == address])
+    is_text = is_text_address(address)
+    keys = {one.key for one in device.endpoints if (one.gateway, one.command_address) == (gateway, address)}
     for part in device.parts:
-        routes = [one for one in part.routes if _leads_to(device, one, gateway, address)]
+        routes = [
+            one
+            for one in part.routes
+            if (text_address(one.key, one.part) == address if is_text else one.gateway == gateway and one.key in keys)
+        ]
         if routes or address in part.part.writes:
-            return _by_routes(part, routes)
+            is_some = 0 < len(routes) < len(part.routes)
+            return part.model_copy(update={"routes": tuple(routes)}) if is_some else part
     return None
-
-
-def _by_routes(part: DevicePart, routes: list[Route]) -> DevicePart:
-    return part.model_copy(update={"routes": tuple(routes)}) if routes and len(routes) < len(part.routes) else part
 
 
 def sending_part(device: Device, message: RawMessage) -> DevicePart | None:
@@ -94,10 +94,3 @@ def _part_at(device: Device, address: str, gateway: str = "") -> DevicePart | No
             if text_address(route.key, route.part) == address and gateway in {"", route.gateway}:
                 return part
     return None
-
-
-def _leads_to(device: Device, route: Route, gateway: str, address: str) -> bool:
-    return any(
-        one.gateway == gateway == route.gateway and one.command_address == address and one.key == route.key
-        for one in device.endpoints
-    )

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Final
 
 import anyio
+from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
@@ -91,8 +92,11 @@ class BaseClient(ABC):
         validate_topic(topic)
         if qos not in {0, 1, 2}:
             raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
-        link = self._link or self._need_link()
-        reason = await link.publish(topic, payload, qos, properties, retain=retain)
+        try:
+            reason = await (self._link or self._need_link()).publish(topic, payload, qos, properties, retain=retain)
+        except LinkError:
+            await checkpoint()  # a caller that retries in a loop would starve whatever makes the link anew
+            raise
         if reason >= _FAILED:
             raise RefusedError(f"the publish to {topic!r}", reason_text(reason), reason)
         return PublishResult(reason) if reason else _TAKEN
