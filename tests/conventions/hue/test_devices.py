@@ -116,6 +116,7 @@ def test_a_socket_is_no_lamp() -> None:
         ("motion", {"enabled": True, "motion": {"motion_report": {"motion": True}}}, "occupancy", True),
         ("motion", {"enabled": False, "motion": {"motion_report": {"motion": True}}}, "occupancy", None),
         ("motion", {"motion": {"motion": True, "motion_valid": False}}, "occupancy", None),
+        ("camera_motion", {"enabled": True, "motion": {"motion_report": {"motion": True}}}, "occupancy", True),
         ("temperature", {"temperature": {"temperature": 21.5}}, "temperature", 21.5),
         ("light_level", {"light": {"light_level_report": {"light_level": 1}}}, "illuminance", 1.0),
         ("light_level", {"light": {"light_level_report": {"light_level": 30001}}}, "illuminance", 1000.0),
@@ -130,6 +131,22 @@ def test_a_socket_is_no_lamp() -> None:
 )
 def test_a_sensor_is_read(kind: str, resource: Fields, capability: str, value: PlainValue) -> None:
     assert read(kind, resource, capability) == value
+
+
+def test_a_doorbell_is_a_button() -> None:
+    bell = service("bell_button", {"button": {"event_values": ["initial_press"]}}).part
+    assert (bell.service_type, bell.capabilities[0].options) == ("generic_switch", ("initial_press",))
+
+
+def test_lights_that_notice_motion_in_a_room_are_a_sensor_there() -> None:
+    area = {"id": "area", "type": "motion_area_configuration", "name": "Sofa", "services": [{"rid": "motion"}]}
+    motion = {"id": "motion", "type": "security_area_motion", "enabled": True, "motion": {"motion": True}}
+    resources = HueResources()
+    resources.replace([{**area, "group": {"rid": "Hall", "rtype": "room"}}, motion, group("room", "Hall")])
+    (found,) = devices_of(resources, resources.ids)
+    assert (found.name, found.area, found.services[0].part.service_type) == ("Sofa", "Hall", "occupancy_sensor")
+    assert described(resources, "update", {"id": "Hall", "metadata": {"name": "Hallway"}}) == {"area"}
+    assert described(resources, "update", {"id": "area", "name": "Couch"}) == {"area"}
 
 
 def test_a_turn_of_a_dial_is_a_press() -> None:
@@ -201,7 +218,10 @@ JSON = st.recursive(
     max_leaves=6,
 )
 KINDS = st.sampled_from(
-    ["device", "room", "zone", "scene", "light", "button", "motion", "tamper", "zigbee_connectivity"]
+    [
+        *("device", "room", "zone", "scene", "light", "button", "motion", "tamper", "zigbee_connectivity"),
+        "motion_area_configuration",
+    ]
 )
 NAMES = st.sampled_from(
     [
@@ -252,13 +272,15 @@ def test_any_resources_are_read_or_refused(listed: list[object], kind: str, chan
 NAMED = st.builds(
     lambda rid, name, references: {
         "id": rid,
-        "type": {"d": "device", "r": "room", "z": "zone", "s": "scene", "l": "light"}[rid[0]],
+        "type": {"a": "motion_area_configuration", "d": "device", "r": "room", "z": "zone", "s": "scene", "l": "light"}[
+            rid[0]
+        ],
         "metadata": {"name": name},
         "group": {"rid": next((one["rid"] for one in references), "")},
-        "services": references if rid[0] == "d" else [],
+        "services": references if rid[0] in "ad" else [],
         "children": references if rid[0] in "rz" else [],
     },
-    st.sampled_from(["d1", "d2", "r1", "z1", "s1", "s2", "l1", "l2"]),
+    st.sampled_from(["a1", "d1", "d2", "r1", "z1", "s1", "s2", "l1", "l2"]),
     st.sampled_from(["Hall", "Kitchen"]),
     st.lists(st.fixed_dictionaries({"rid": st.sampled_from(["d1", "d2", "r1", "z1", "l1", "l2"])}), max_size=3),
 )

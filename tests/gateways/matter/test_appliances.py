@@ -87,13 +87,24 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
             "fan",
             {"fan_speed": 0.0, "on_off": False},
         ),
-        ({"1/153/0": 3}, "x_sensor", {"plugged_in": True}),
+        ({"1/153/0": 3, "1/153/48": 70}, "x_sensor", {"plugged_in": True, "running": True, "battery": 70.0}),
+        ({"1/87/2": 1, **COLD}, "x_setting", {"problem": True}),
+        (
+            {"1/29/0": [{"0": 0x0301}], "1/513/0": 1620, "1/319486977/319422488": 40},
+            "thermostat",
+            {"measurement": 40.0},
+        ),
+        (
+            {"1/29/0": [{"0": 0x0302}], "1/1026/0": 1620, "1/319486977/319422484": 1008.5},
+            "temperature_sensor",
+            {"pressure": 1008.5},
+        ),
         (COLD, "x_setting", {"number": -18.0}),
         (PRESETS, "thermostat", {"preset_mode": "Home"}),
         ({**PRESETS, "1/513/78": None}, "thermostat", {"preset_mode": None}),
         (WARM, "x_setting", {"option": "High"}),
         ({**WARM, "1/86/4": 7}, "x_setting", {"option": None}),
-        ({"1/153/0": 6}, "x_sensor", {"plugged_in": None}),
+        ({"1/153/0": 6}, "x_sensor", {"plugged_in": None, "running": False, "problem": True}),
     ],
 )
 def test_attributes_become_readings(
@@ -103,6 +114,17 @@ def test_attributes_become_readings(
     (part,) = device.device.parts
     assert part.service_type == service_type
     assert readings(device).items() >= values.items()
+
+
+def test_a_filter_is_a_part_beside_its_purifier() -> None:
+    device = only_device({"1/29/0": [{"0": 0x002D}], "1/514/0": 0, "1/113/0": 12, "1/113/2": 1, "1/114/2": 0})
+    assert [(one.id, one.name, one.service_type) for one in device.device.parts] == [
+        ("1", "", "fan"),
+        ("1-dust_filter", "Dust filter", "x_sensor"),
+        ("1-carbon_filter", "Carbon filter", "x_sensor"),
+    ]
+    assert readings(device, "1-dust_filter") == {"measurement": 12.0, "problem": True}
+    assert readings(device, "1-carbon_filter") == {"problem": False}
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 
 from homebot.conventions.hue.light_rows import LIGHT_ROWS
 from homebot.conventions.hue.resources import Fields, HueResources, HueRow, at
-from homebot.conventions.hue.service_rows import SERVICE_ROWS
+from homebot.conventions.hue.service_rows import BUTTON_KINDS, MOTION_KINDS, SERVICE_ROWS
 from homebot.conventions.payload import text_of
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Category, Part
@@ -21,18 +21,20 @@ __all__ = ["HueDevice", "HueService", "bridge_identifiers", "devices_of"]
 _ROWS: Final = (*LIGHT_ROWS, *SERVICE_ROWS)
 _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
     "light": ("light", ""),
-    "motion": ("occupancy_sensor", ""),
+    **dict.fromkeys(MOTION_KINDS, ("occupancy_sensor", "")),
     "temperature": ("temperature_sensor", ""),
     "light_level": ("light_sensor", ""),
     "contact": ("contact_sensor", ""),
     "tamper": ("x_binary_sensor", "diagnostic"),
     "device_power": ("x_battery", "diagnostic"),
-    "button": ("generic_switch", ""),
-    "relative_rotary": ("generic_switch", ""),
+    **dict.fromkeys((*BUTTON_KINDS, "relative_rotary"), ("generic_switch", "")),
     "scene": ("x_scene", ""),
     "smart_scene": ("x_scene", ""),
 }
 """By type of resource: type and category of the part."""
+
+_DEVICES: Final = frozenset({"device", "motion_area_configuration"})
+"""The latter is a room or zone with lights that notice motion."""
 
 _FACTS: Final = {
     "manufacturer": "manufacturer_name",
@@ -74,7 +76,7 @@ def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDev
     """Yield the devices with these ids, and the scenes of each room or zone with one as one device."""
     for rid in ids:
         one = resources.get(rid)
-        if one.get("type") == "device":
+        if one.get("type") in _DEVICES:
             yield _device(resources, rid, one)
         elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
             services = tuple(_service(scene, fields, scene, _name(fields)) for scene, fields in scenes)
@@ -87,6 +89,8 @@ def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:
     bridge = next((text_of(one.get("bridge_id")) for _, one in services if one.get("type") == "bridge"), "")
     radio = next((one for _, one in services if one.get("type") == "zigbee_connectivity"), {})
     zones = dict.fromkeys(_name(zone) for service, _ in services for _, zone in resources.holders(service, "zone"))
+    group = resources.get(text_of(at(device, "group", "rid")))
+    rooms = (*(one for _, one in resources.holders(rid, "room")), group if group.get("type") == "room" else {})
     own = (text_of(radio.get("mac_address")), f"hue:{rid}")
     facts = {fact: text_of(at(device, "product_data", name)) for fact, name in _FACTS.items()}
     facts["tags"] = ", ".join(zones)
@@ -94,7 +98,7 @@ def _device(resources: HueResources, rid: str, device: Fields) -> HueDevice:
         rid,
         _name(device),
         tuple(_services(device, services)),
-        next((_name(room) for _, room in resources.holders(rid, "room")), ""),
+        _name(rooms[0]),
         (*(bridge_identifiers(bridge) if bridge else ()), *identifiers(own)),
         {name: value for name, value in facts.items() if value},
         bool(bridge),
@@ -134,4 +138,4 @@ def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bo
 
 
 def _name(resource: Fields) -> str:
-    return text_of(at(resource, "metadata", "name"))
+    return text_of(at(resource, "metadata", "name")) or text_of(resource.get("name"))

@@ -67,7 +67,7 @@ def at(resource: object, *path: str) -> object:
 
 MAX_RESOURCES: Final = 20_000
 _LONGEST_ID: Final = 100
-_DESCRIBING: Final = frozenset({"metadata", "services", "children", "product_data", "group"})
+_DESCRIBING: Final = frozenset({"metadata", "name", "services", "children", "product_data", "group"})
 """Fields that parts, names and rooms depend on; values do not."""
 
 

@@ -1,7 +1,8 @@
 """Sensors, buttons, batteries and scenes of a Hue bridge. Pure.
 
-Source: Philips Hue, CLIP API v2 reference, resources ``motion``, ``temperature``, ``light_level``, ``contact``,
-``tamper``, ``device_power``, ``button``, ``relative_rotary``, ``scene`` and ``smart_scene``.
+Source: Philips Hue, CLIP API v2 reference, resources ``motion``, ``camera_motion``, ``*_area_motion``, ``temperature``,
+``light_level``, ``contact``, ``tamper``, ``device_power``, ``button``, ``bell_button``, ``relative_rotary``, ``scene``
+and ``smart_scene``.
 """
 
 from __future__ import annotations
@@ -16,7 +17,10 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
-__all__ = ["SERVICE_ROWS", "press_of"]
+__all__ = ["BUTTON_KINDS", "MOTION_KINDS", "SERVICE_ROWS", "press_of"]
+
+MOTION_KINDS: Final = ("motion", "camera_motion", "convenience_area_motion", "security_area_motion")
+BUTTON_KINDS: Final = ("button", "bell_button")
 
 _PRESSES: Final = {
     "initial_press": "initial_press",
@@ -98,14 +102,14 @@ _read_contact = _words({"contact": False, "no_contact": True}, "contact_report",
 _read_low = _words({"normal": False, "low": True, "critical": True}, "power_state", "battery_state")
 
 SERVICE_ROWS: Final = (
-    HueRow("motion", "occupancy", _MOTION, _read_motion),
+    *(HueRow(kind, "occupancy", _MOTION, _read_motion) for kind in MOTION_KINDS),
     HueRow("temperature", "temperature", _WARMTH, _read_celsius),
     HueRow("light_level", "illuminance", _LIGHT, _read_lux),
     HueRow("contact", "contact", _CONTACT, _read_contact),
     HueRow("tamper", "tamper", frozenset({"tamper_reports"}), _read_tamper),
     HueRow("device_power", "battery", _POWER, lambda one: finite_number(at(one, "power_state", "battery_level"))),
     HueRow("device_power", "battery_low", _POWER, _read_low),
-    HueRow("button", "press", _ANY, options=_presses),
+    *(HueRow(kind, "press", _ANY, options=_presses) for kind in BUTTON_KINDS),
     HueRow("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),
     HueRow("scene", "scene", frozenset(), write=_write_recall("active")),
     HueRow("smart_scene", "scene", frozenset(), write=_write_recall("activate")),

@@ -25,7 +25,8 @@ from homebot.support.numbers import whole_number
 __all__ = ["APPLIANCE_ROWS", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
-OVEN_CAVITY, OVEN_MODE, HEATER_MODE = 72, 73, 158
+OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, HEATER_MODE = 72, 73, 87, 158
+_CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, 159)
 """Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:
 an endpoint with several is operated by the first."""
@@ -159,7 +160,7 @@ def _write_vacuum(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrd
 
 def _read_plugged_in(_at: MatterEndpoint, raw: object) -> PlainValue:
     state = whole_number(raw)
-    return None if state is None or state > 5 else state != 0  # 6 is a fault, without a statement on the plug
+    return None if state is None or state >= _FAULT else state != 0  # a fault says nothing about the plug
 
 
 def _has_run_mode(endpoint: MatterEndpoint) -> bool:
@@ -191,4 +192,8 @@ APPLIANCE_ROWS: Final = (
         CLEANING, _STATE, "vacuum", _read_vacuum, _write_vacuum, 0, _has_run_mode, _VACUUM_OPTIONS, also_read=RUN_MODE
     ),
     ClusterRow(EVSE, 0, "plugged_in", _read_plugged_in),
+    ClusterRow(EVSE, 0, "running", one_of(_CHARGES)),
+    ClusterRow(EVSE, 0, "problem", one_of(_FAULT)),
+    ClusterRow(EVSE, 48, "battery", number(1, 0, 100)),  # of the car
+    ClusterRow(FRIDGE_ALARM, 2, "problem", one_of(_IS_OPEN)),
 )

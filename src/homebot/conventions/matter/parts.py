@@ -16,7 +16,7 @@ from homebot.conventions.matter.cluster_row import MatterAbility
 from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
 from homebot.conventions.matter.light_clusters import LIGHT_ROWS
 from homebot.conventions.matter.opening_clusters import OPENING_ROWS
-from homebot.conventions.matter.sensor_clusters import BATTERY, SENSOR_ROWS
+from homebot.conventions.matter.sensor_clusters import BATTERY, PLAIN, SENSOR_ROWS
 from homebot.conventions.matter.switch_cluster import SWITCH_ROWS
 from homebot.conventions.payload import text_of
 from homebot.devices.device_types import DEVICE_TYPES
@@ -97,13 +97,14 @@ def _main_part(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...], *
 
 
 def _extra_part(endpoint: MatterEndpoint, suffix: str, abilities: Iterable[MatterAbility]) -> Part:
-    """Return a part beside the main one: the battery, or a plain measurement of the air."""
+    """Return a part beside the main one: the battery, a filter, or a plain measurement of the air."""
     capabilities = tuple(one.capability for one in abilities)
     part_id = f"{endpoint.id}-{suffix}"
     if suffix == BATTERY:
         return Part(id=part_id, service_type="x_battery", category="diagnostic", capabilities=capabilities)
     name = suffix.replace("_", " ").capitalize()
-    return Part(id=part_id, name=name, service_type="air_quality_sensor", capabilities=capabilities)
+    service_type = "air_quality_sensor" if suffix in PLAIN.values() else "x_sensor"
+    return Part(id=part_id, name=name, service_type=service_type, capabilities=capabilities)
 
 
 def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:

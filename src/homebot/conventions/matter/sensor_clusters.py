@@ -15,7 +15,7 @@ from homebot.conventions.payload import as_fields
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = ["BATTERY", "SENSOR_ROWS"]
+__all__ = ["BATTERY", "PLAIN", "SENSOR_ROWS"]
 
 BATTERY: Final = "battery"
 """The part of an endpoint that is its battery."""
@@ -24,7 +24,9 @@ POWER_SOURCE, BOOLEAN_STATE, ALARM, AIR_QUALITY, ELECTRICAL, ENERGY = 47, 69, 92
 LIGHT, TEMPERATURE, PRESSURE, FLOW, HUMIDITY, OCCUPANCY, SOIL = 1024, 1026, 1027, 1028, 1029, 1030, 1072
 ZIGBEE_METER: Final = 0x0B04
 EVE: Final = 0x130AFC01
-"""The cluster of Eve's plugs, older than that of the specification; the server reads it in turns."""
+"""The cluster of Eve, with what the specification did not have yet, or has not; the server reads it in turns."""
+
+_FILTERS: Final = {113: "dust_filter", 114: "carbon_filter"}
 
 _BOOLEAN_STATES: Final = {0x0043: "water_leak", 0x0044: "rain", 0x0041: "freeze", 0x0015: "contact"}
 """By device type: the meaning of Boolean State; a contact is true while it is closed."""
@@ -41,7 +43,7 @@ _CONCENTRATIONS: Final[Mapping[int, tuple[str, Mapping[int, float]]]] = {
 }
 """By cluster: the measured quantity, and the factors of the units that can be converted."""
 
-_PLAIN: Final = {1043: "nitrogen_dioxide", 1045: "ozone", 1067: "formaldehyde", 1071: "radon"}
+PLAIN: Final = {1043: "nitrogen_dioxide", 1045: "ozone", 1067: "formaldehyde", 1071: "radon"}
 """Clusters without a capability in the vocabulary: the measurements of parts beside the air's quality."""
 
 _UNITS: Final = ("ppm", "ppb", "ppt", "mg/m³", "µg/m³", "ng/m³", "1/m³", "Bq/m³")
@@ -143,6 +145,8 @@ SENSOR_ROWS: Final = (
     ClusterRow(EVE, 0x130A0009, "current", number()),
     ClusterRow(EVE, 0x130A000A, "power", number()),
     ClusterRow(EVE, 0x130A000B, "energy", number()),
+    ClusterRow(EVE, 0x130A0014, "pressure", number()),
+    ClusterRow(EVE, 0x130A0018, "measurement", number(1, 0, 100), unit="%"),  # how far the valve of a radiator is open
     ClusterRow(AIR_QUALITY, 0, "air_quality_index", number(1, 1, 6)),
     # Of the cluster that Matter took over from Zigbee: attributes of value, multiplier and divisor.
     ClusterRow(ZIGBEE_METER, 0x505, "voltage", partial(_read_multiplied, 0x600, 0x601)),
@@ -160,7 +164,7 @@ SENSOR_ROWS: Final = (
         for cluster, (name, factors) in _CONCENTRATIONS.items()
     ),
     _measurement(_ORGANIC, range(3)),  # parts of a mixture of gases, which no factor makes micrograms
-    *(_measurement(cluster, range(len(_UNITS)), name) for cluster, name in _PLAIN.items()),
+    *(_measurement(cluster, range(len(_UNITS)), name) for cluster, name in PLAIN.items()),
     ClusterRow(ENERGY, 1, "energy", _read_energy),
     ClusterRow(ENERGY, 2, "energy_returned", _read_energy),
     *(
@@ -171,6 +175,14 @@ SENSOR_ROWS: Final = (
     ClusterRow(ALARM, 1, "smoke", one_of(1, 2)),
     ClusterRow(ALARM, 2, "carbon_monoxide_alarm", one_of(1, 2)),
     ClusterRow(ALARM, 6, "problem", flag()),
+    *(
+        row
+        for cluster, name in _FILTERS.items()
+        for row in (
+            ClusterRow(cluster, 0, "measurement", number(1, 0, 100), unit="%", part_suffix=name),
+            ClusterRow(cluster, 2, "problem", one_of(1, 2), part_suffix=name),  # it is to be changed soon, or now
+        )
+    ),
     ClusterRow(POWER_SOURCE, 12, "battery", number(2, 0, 200), None, _HAS_BATTERY, part_suffix=BATTERY),
     ClusterRow(POWER_SOURCE, 14, "battery_low", one_of(1, 2), None, _HAS_BATTERY, part_suffix=BATTERY),
     ClusterRow(POWER_SOURCE, 26, "battery_charging", _read_charging, None, _HAS_BATTERY, part_suffix=BATTERY),
