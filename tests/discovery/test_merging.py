@@ -28,6 +28,26 @@ def kinds(changes: tuple[DeviceChange, ...]) -> list[tuple[str, str, str]]:
     return [(one.kind, one.device.id, one.other) for one in changes]
 
 
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_a_device_has_no_other_names_than_those_that_it_is_given(index: DeviceIndex, order: tuple[int, int]) -> None:
+    """Not those of its parts: in Home Assistant only one config of a device needs its name."""
+    named = announce("sensor/t", part_of("temperature_sensor", "temperature", id="t"), ids=(MAC,), name="Bedroom")
+    nameless = announce("sensor/h", part_of("humidity_sensor", "humidity", id="h", name="Wet"), ids=(MAC,), name="")
+    both = (named, nameless)
+    after(index, *(both[number] for number in order))
+    (device,) = index.devices()
+    assert (device.name, device.names) == ("Bedroom", ("Bedroom",))
+
+
+@pytest.mark.parametrize(("part_name", "name", "device_id"), [("Wet", "Wet", "wet"), ("", "node_h", "node_h")])
+def test_a_device_without_name_is_called_as_its_part_or_its_key(
+    index: DeviceIndex, part_name: str, name: str, device_id: str
+) -> None:
+    after(index, announce("sensor/node_h", part_of("humidity_sensor", "humidity", name=part_name), ids=(MAC,), name=""))
+    (device,) = index.devices()
+    assert (device.name, device.names, device.id) == (name, (name,), device_id)
+
+
 def test_the_entities_of_one_device_are_one_device_told_of_once(index: DeviceIndex) -> None:
     changes = after(
         index,

@@ -165,6 +165,7 @@ class DeviceAnnounced(NamedTuple):
         key: Its lasting key, unique in its convention, for example ``light/0x17_light``.
         identifiers: See :func:`homebot.devices.identity.identifiers`. Announcements of one device share at least one;
             empty if it has none.
+        name: Its name for people; empty if another announcement of the device may name it.
         area: The announced room.
         facts: Further facts, such as ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
         availability: The availability of the whole device; None if it reports none.

@@ -41,7 +41,7 @@ class Sighting(Message):
             several conventions, has as many keys.
         kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
         why: The reason, as text.
-        name: The name for people.
+        name: The name for people; empty if another announcement of the device may name it.
         service_type: The advertised type; of a described device that of the first part that is neither setting nor
             diagnosis.
         address: The address on which it publishes; of a described device the text address of that part, see

@@ -16,6 +16,7 @@ from homebot.devices.names import OWNER, PREFER, TAG
 from homebot.devices.words import SIREN, matching_words
 from homebot.discovery.approvals import Approval
 from homebot.discovery.endpoints import Addresses, addresses, preferred_routes, rank_in
+from homebot.discovery.ids import name_without
 from homebot.discovery.merging.part_ids import PartIds, PartPlace
 from homebot.discovery.merging.parts import MergedParts, main_part, merge_parts
 from homebot.discovery.owner_facts import OwnerFacts
@@ -88,8 +89,8 @@ def describe_device(
             floor = _floor_of(believed, area) if given["floor"] else ""
             area, outer_areas = plan.locate_on(area, floor)
     return DeviceDescription(
-        name=first.name,
-        names=tuple(dict.fromkeys((*map(_NAME, believed), *given["aliases"]))),
+        name=next(filter(None, map(_NAME, ordered)), "") or name_without(first),
+        names=tuple(dict.fromkeys(filter(None, (*map(_NAME, believed), *given["aliases"])))) or (name_without(first),),
         service_type=first.service_type if main is None or first.is_plain_text else main.part.service_type,
         service_types=_service_types(believed, parts),
         area=area,

@@ -13,7 +13,7 @@ from homebot.devices import Sighting
 from homebot.discovery.source_record import SourceKey
 from homebot.support.folding import fold
 
-__all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "id_of_name", "new_id"]
+__all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "id_of_name", "name_without", "new_id"]
 
 MAX_TOMBSTONES = 10_000
 """Devices that went and are remembered; the oldest is forgotten."""
@@ -36,7 +36,7 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
     if not sighting.identifiers and (sighting.is_plain_text or not sighting.parts):
         proposals: Iterator[str] = accumulate(repeat(f"@{sighting.gateway}"), initial=sighting.key)
     else:
-        slug = id_of_name(sighting.name)
+        slug = id_of_name(sighting.name or name_without(sighting))
         if slug not in known and slug not in gone:
             return slug
         proposals = _longer_ids(slug, _identity(sighting))
@@ -48,6 +48,11 @@ def _longer_ids(slug: str, identity: str) -> Iterator[str]:
         yield f"{slug}_{identity[-length:]}"
     for number in count(2):
         yield f"{slug}_{identity}_{number}"
+
+
+def name_without(sighting: Sighting) -> str:
+    """Return the name of a device that no announcement names: that of a part, or the end of the key."""
+    return next((part.name for part in sighting.parts if part.name), "") or sighting.key.rpartition("/")[2]
 
 
 def id_of_name(name: str) -> str:

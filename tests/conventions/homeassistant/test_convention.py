@@ -86,6 +86,13 @@ def test_without_a_device_the_part_names_it(convention: HomeAssistantDiscovery) 
     assert (device.name, device.identifiers, device.availability) == ("Relay", (), None)
 
 
+def test_another_config_may_name_a_device_with_identifiers(convention: HomeAssistantDiscovery) -> None:
+    """As the example of Home Assistant's documentation, whose second config has the identifiers alone."""
+    device = take(convention, "switch/relay1", {**SWITCH, "device": {"identifiers": ["bedroom01ae"]}})
+    assert isinstance(device, DeviceAnnounced)
+    assert device.name == ""
+
+
 def test_a_whole_device_is_one_description(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "device/0AFFD2", WHOLE)
     assert isinstance(device, DeviceAnnounced)

@@ -110,11 +110,12 @@ def _described(topic: str, config_topic: ConfigTopic, announced: Announced, part
         ((part, config),) = parts.values()
         key, described, whole = config.discovery_id, (part,), cached_availability(config)
     facts = _facts(parts)
+    lone_name = "" if device.identifiers else described[0].part.name or clean_text(config_topic.object_id)
     return DeviceAnnounced(
         key=key,
         convention="homeassistant",
         identifiers=device.identifiers,
-        name=device.name or described[0].part.name or clean_text(config_topic.object_id),
+        name=device.name or lone_name,
         parts=described,
         topic=topic,
         area=device.area,

@@ -203,7 +203,7 @@ class CommandServer:
     def _device_of(self, key: str) -> tuple[str, str]:
         """Return key and name; a listener from before the gateway's restart asks before its devices are found."""
         stored = self._devices.get(key)
-        return key, key if stored is None else stored.described.name
+        return key, (stored.described.name if stored is not None else "") or key
 
     def _missed_texts(self, key: str, part_id: str, since: float) -> tuple[RawMessage, ...]:
         stored = self._devices.get(key)

@@ -241,7 +241,7 @@ class AnnouncedDevices:
         if (route := self.route(address)) is not None:
             for announced_part in (route.text, *route.announced_parts):
                 if announced_part is not None:
-                    return announced_part.stored.key, announced_part.stored.described.name
+                    return announced_part.stored.key, announced_part.stored.described.name or announced_part.stored.key
             for convention in route.texts:
                 device = convention.announced(address) if isinstance(convention, TextConvention) else None
                 if device is not None:
