@@ -37,6 +37,14 @@ from homebot.devices.device_types import DEVICE_TYPES
         ("battery", "%", 88.0, "battery", 88.0),
         ("moisture", "%", 33.0, "soil_moisture", 33.0),
         ("signal_strength", "dBm", -60.0, "signal_strength", -60.0),
+        ("", "°F", 70.7, "temperature", 21.5),
+        ("", "lx", 20.0, "illuminance", 20.0),
+        ("", "kPa", 101.3, "pressure", 1013.0),
+        ("", "kW", 1.2, "power", 1200.0),
+        ("", "Wh", 1234.0, "energy", 1.234),
+        ("", "mV", 2997.0, "voltage", 2.997),
+        ("", "mA", 16.0, "current", 0.016),
+        ("", "Hz", 50.0, "frequency", 50.0),
     ],
 )
 def test_a_number_is_reported_in_the_unit_of_the_vocabulary(
