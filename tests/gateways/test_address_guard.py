@@ -76,6 +76,15 @@ async def test_no_http_client_of_strangers_connects_to_this_computer(host: str) 
         assert connected == []
 
 
+@pytest.mark.parametrize(
+    "group", ["224.0.1.187", "[ff02::fd%lo]", "[ff05::fd]", "[::ffff:224.0.1.187]", "239.255.255.250"]
+)
+async def test_no_coap_client_of_strangers_sends_to_all_hosts_of_a_group(group: str) -> None:
+    async with CoapClient.open(PATIENCE, ()) as client:
+        with pytest.raises(RefusedError, match="leads to this computer"):
+            await client.guarded_by(AddressGuard()).request("PUT", f"coap://{group}/light", b"1")
+
+
 @pytest.mark.parametrize("host", SPELLINGS)
 @pytest.mark.parametrize("scheme", ["coap", "coap+tcp"])
 async def test_no_coap_client_of_strangers_sends_to_this_computer(

@@ -84,8 +84,8 @@ async def guard_for(host: str | None) -> AddressGuard | None:
 def _is_own(text: str) -> bool:
     """Return whether the kernel would deliver packets for an address on this computer; none is sent."""
     known = parse_address(text)
-    if known is None or known.is_loopback or known.is_unspecified:
-        return True
+    if known is None or known.is_loopback or known.is_unspecified or known.is_multicast:
+        return True  # all hosts of a group are meant: this one, and those of others
     (family, kind, _, _, place), *_ = socket.getaddrinfo(
         str(known) if known.version == 4 else text, _ANY_PORT, type=socket.SOCK_DGRAM, flags=socket.AI_NUMERICHOST
     )
