@@ -3,7 +3,7 @@
 Grammar, the loosest binding first::
 
     query      = all {"or" all}
-    all        = one {["and" | "but" | ","] one}
+    all        = one {["and" | "," | "but"] one}, after "but" with "not" or "without"
     one        = "not" one | "(" query ")" | "in" AREA | near | with | comparison | word
     with       = ("with" | "without") (CAPABILITY | "area")
     near       = "near" ROBOT ["within" METRES] | "within" METRES "of" ROBOT
@@ -132,6 +132,7 @@ class _Parser:
                 if is_open:
                     raise _missing(token)
                 self._place += 1
+                self._check_exception(token)
                 is_open = True
                 continue
             is_open = False
@@ -290,6 +291,10 @@ class _Parser:
                 self._place += length
                 return meant
         token = self._tokens[self._place]
+        if _EXCEPTED.match(token.text):
+            raise UsageError(
+                f"{token.text!r} at character {token.at} is not understood in a query; write 'not' before a term"
+            )
         if fold(token.text) in NOT_UNDERSTOOD:
             raise UsageError(
                 f"{token.text!r} at character {token.at} is not understood in a query; write it in quotation marks if "
@@ -297,6 +302,12 @@ class _Parser:
             )
         self._place += 1
         return _all_words(token.text)
+
+    def _check_exception(self, joint: Token) -> None:
+        """Refuse ``lights but kettle``, which would find the kettle only."""
+        following = self._peek()
+        if _is(joint, "but") and following is not None and not (_is(following, "not") or _is(following, "without")):
+            raise UsageError(f"'but' at character {joint.at} is not followed by 'not' or 'without'")
 
     def _folded(self, length: int) -> str:
         tokens = self._tokens[self._place : self._place + length]
@@ -384,6 +395,9 @@ _NOUNS: dict[Query, Query] = {
     states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)
 }
 """Types with a word that is an adjective too, such as ``heating``, for that adjective without a type beside it."""
+
+
+_EXCEPTED = re.compile(r"[!¬~-][^\W\d]")
 
 
 def _all_words(text: str) -> Query:
