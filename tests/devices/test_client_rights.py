@@ -90,7 +90,12 @@ NAMES_THAT_ASK = (
     "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen, Sprinkler zone 1, Heizkessel, "
     "Warmwasserspeicher, Bewässerung Garten, Hauptwasserhahn, Tür öffnen, Arrosage jardin, Ouvrir la porte, "
     "Irrigazione, Apri la porta, Riego, Abrir puerta, CV-ketel, Beregening, Deur openen, "
-    "bestin_gas1, Beregnung Rasen 2"
+    "bestin_gas1, Beregnung Rasen 2, Furnace, Fire place, Hot plate, Immersion, Front door, Electric strike, "
+    "Sectional door, Kessel, Ofen, Pelletofen, Kamin, Kochfeld, Kochplatte, Gasherd, Heizstab, Tauchsieder, "
+    "Warmwasser, Rasensprenger, Sektionaltor, Pforte, Poêle, Cheminée, Cumulus, Ballon d'eau chaude, Plaque de "
+    "cuisson, Robinet, Gaz, Ouvre-porte, Estufa, Chimenea, Vitrocerámica, Termo eléctrico, Grifo, Puerta de "
+    "entrada, Stufa, Caminetto, Rubinetto, Basculante, Porta d'ingresso, Ketel, Geiser, Haard, Pelletkachel, "
+    "Sproeier, Slagboom, Voordeur"
 )
 
 
@@ -174,7 +179,7 @@ OTHER_NAMES = (
     "Cold water, Sauna light, Fireplace lamp, Boiler room fan, Boilerraum, Cooker hood, Garagentor Licht, "
     "Torbeleuchtung, Hauslicht, Ventilator, Motor, Monitor, Store, Kinderzimmer, Radiator, Lampe du portail, "
     "Sonnette portail, Porte, Lumière garage, Luce cancello, Luz puerta garaje, Poortlamp, Deurbel poort, "
-    "Puerta, Gas meter, Gas alarm"
+    "Puerta, Gas meter, Gas alarm, Front door light, Kamin Licht, Ofenraum Lampe, Schränke, Channel four"
 )
 
 
