@@ -14,8 +14,8 @@ from tests.patience import PATIENCE
 from homebot.compat import rclpy
 from homebot.compat.messages import program_type
 from homebot.errors import DuplicateNameError, ServiceUnavailableError, TypeMismatchError, UsageError
-from homebot.messages import SetBool, String
-from homebot.messages.interfaces import find_message, find_service
+from homebot.messages import Duration, SetBool, String, Time
+from homebot.messages.interfaces import find_action, find_message, find_service
 from homebot.messages.rcl_interfaces import Parameter, ParameterValue
 from homebot.messages.std_msgs import Header
 
@@ -70,6 +70,111 @@ def test_a_node_knows_the_time_its_name_and_its_neighbours(node: rclpy.Node) -> 
     assert node.count_subscribers("chatter") == 0
 
 
+def test_times_and_durations_are_added_subtracted_and_sent_as_messages() -> None:
+    begin, span = rclpy.Time(seconds=1, nanoseconds=5), rclpy.Duration(seconds=1.5)
+    assert (begin + span).seconds_nanoseconds() == (2, 500_000_005)
+    assert (type(begin - span), type(begin - begin)) == (rclpy.Time, rclpy.Duration)
+    assert (begin + span).to_msg() == program_type(Time)(sec=2, nanosec=500_000_005)
+    assert rclpy.Time.from_msg(begin.to_msg()) == begin < begin + span
+    assert span.to_msg() == program_type(Duration)(sec=1, nanosec=500_000_000)
+
+
+def test_a_rate_and_a_clock_wait(node: rclpy.Node) -> None:
+    begin, rate = time.monotonic(), node.create_rate(50)
+    for _ in range(3):
+        rate.sleep()
+    assert node.get_clock().sleep_for(rclpy.Duration(seconds=0.01))
+    assert time.monotonic() - begin >= 0.07
+
+
+def test_a_timer_begins_anew_after_a_reset_and_ends_when_it_is_destroyed(node: rclpy.Node) -> None:
+    calls: list[str] = []
+    timer = node.create_timer(0.01, lambda: calls.append("now"), callback_group=object())
+    timer.cancel()
+    rclpy.spin_once(node, timeout_sec=0.05)
+    assert calls == []
+    timer.reset()
+    rclpy.spin_once(node, timeout_sec=PATIENCE)
+    assert calls == ["now"]
+    assert node.destroy_timer(timer)
+    assert timer.is_canceled()
+
+
+def test_a_blocking_call_in_a_callback_runs_the_callbacks_of_other_groups(node: rclpy.Node) -> None:
+    """With several threads in rclpy, in one here."""
+
+    def switch(request: Any, response: Any) -> Any:
+        response.success = request.data
+        return response
+
+    answers: list[bool] = []
+    group = rclpy.ReentrantCallbackGroup()
+    node.create_service(program_type(SetBool), "switch", switch, callback_group=group)
+    client = node.create_client(SetBool, "switch", callback_group=group)
+    asked = program_type(SetBool).Request(data=True)
+    node.create_timer(0.01, lambda: answers.append(client.call(asked).success), callback_group=group)
+    executor = rclpy.MultiThreadedExecutor(num_threads=4)
+    assert executor.add_node(node)
+    while not answers:
+        executor.spin_once(timeout_sec=PATIENCE)
+    assert set(answers) == {True}
+    with pytest.raises(ServiceUnavailableError):
+        node.create_client(SetBool, "nobody").call(asked)
+    executor.shutdown()
+    executor.spin()
+
+
+def test_an_accepted_goal_waits_until_it_is_executed(node: rclpy.Node) -> None:
+    fibonacci: Any = program_type(find_action("example_interfaces/action/Fibonacci"))
+    accepted: list[Any] = []
+
+    def execute(goal: Any) -> Any:
+        goal.succeed()
+        return fibonacci.Result(sequence=[goal.request.order])
+
+    server = rclpy.ActionServer(node, fibonacci, "fib", execute, handle_accepted_callback=accepted.append)
+    client = rclpy.ActionClient(node, fibonacci, "fib", callback_group=None)
+    sent = client.send_goal_async(fibonacci.Goal(order=3))
+    while not (accepted and sent.done()):
+        rclpy.spin_once(node, timeout_sec=PATIENCE)
+    result = sent.result().get_result_async()
+    rclpy.spin_once(node, timeout_sec=0.05)
+    assert not result.done()
+    accepted[0].execute()
+    executor = rclpy.SingleThreadedExecutor()
+    rclpy.spin_until_future_complete(node, result, executor, PATIENCE)
+    assert (result.result().status, result.result().result.sequence) == (4, [3])
+    server.destroy()
+
+
+def test_overrides_go_before_defaults_and_a_type_alone_is_zero() -> None:
+    rclpy.init(args=None)
+    kinds = rclpy.Parameter.Type
+    overrides = [rclpy.Parameter("speed", kinds.DOUBLE, 2.0), rclpy.Parameter("mode", kinds.STRING, "slow")]
+    node = rclpy.Node("arm", parameter_overrides=overrides, automatically_declare_parameters_from_overrides=True)
+    assert node.get_parameter("mode").value == "slow"
+    other = rclpy.Node("leg", parameter_overrides=overrides, enable_rosout=True)
+    assert [
+        other.declare_parameter(*one).value for one in (("speed", 1.0), ("mode", kinds.STRING), ("n", kinds.INTEGER))
+    ] == [2.0, "slow", 0]
+    with pytest.raises(rclpy.ParameterNotDeclaredException):
+        other.get_parameter("nothing")
+    assert other.set_parameters_atomically(
+        [rclpy.Parameter("n", value=3), rclpy.Parameter("speed", value=3.0)]
+    ).successful
+    assert [one.value for one in other.get_parameters(["n", "speed"])] == [3, 3.0]
+    rclpy.shutdown()
+
+
+def test_a_task_runs_on_the_thread_that_spins(node: rclpy.Node) -> None:
+    executor = rclpy.SingleThreadedExecutor()
+    executor.add_node(node)
+    task = executor.create_task(lambda number: number + 1, 2)
+    executor.spin_until_future_complete(task, PATIENCE)
+    assert task.result() == 3
+    executor.remove_node(node)
+
+
 def test_parameters_are_declared_together_and_asked_for_with_an_alternative(node: rclpy.Node) -> None:
     node.declare_parameters("arm", [("reach", 1.5), ("grip", "soft")])
     assert [one.value for one in node.get_parameters(["arm.reach", "arm.grip"])] == [1.5, "soft"]
@@ -80,12 +185,17 @@ def test_parameters_are_declared_together_and_asked_for_with_an_alternative(node
 
 
 def test_a_line_of_a_program_is_logged_once_or_once_in_a_time(node: rclpy.Node) -> None:
+    child = node.get_logger().get_child("part")
+    child.set_level(rclpy.LoggingSeverity.WARN)
     with capture_logs() as lines:
         for number in range(3):
             node.get_logger().warn(f"once {number}", once=True)
             node.get_logger().info(f"throttled {number}", throttle_duration_sec=60.0)
             node.get_logger().fatal(f"always {number}")
-    assert [line["event"] for line in lines] == ["once 0", "throttled 0", "always 0", "always 1", "always 2"]
+            child.warn(f"again {number}", skip_first=True)
+            child.info("too low")
+    events = ["once 0", "throttled 0", "always 0", "always 1", "again 1", "always 2", "again 2"]
+    assert [line["event"] for line in lines] == events
 
 
 def test_a_wrong_value_is_refused_when_it_is_published(node: rclpy.Node) -> None:
@@ -192,7 +302,7 @@ def test_a_tool_sets_a_parameter_by_its_service_and_the_check_of_the_node_decide
         request = service.Request()
         request.parameters = [Parameter(name="speed", value=ParameterValue(type=3, double_value=speed))]
         future: Any = client.call_async(request)
-        rclpy.spin_until_future_complete(tool, future, PATIENCE)
+        rclpy.spin_until_future_complete(tool, future, timeout_sec=PATIENCE)
         (result,) = future.result().results
         assert result.successful is successful
     assert node.get_parameter("speed").value == 1.0

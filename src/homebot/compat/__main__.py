@@ -19,6 +19,9 @@ from homebot.messages.interfaces.interface_classes import Interface
 
 __all__ = ["main"]
 
+_MODULES = " .action .callback_groups .clock .duration .exceptions .executors .logging .node .parameter .task .time"
+"""The modules of rclpy whose names are those of our one."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the programs that *argv* names, each in a thread of its own, and return the exit code: 1 where one failed.
@@ -53,7 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _install_modules(interfaces: Interfaces) -> None:
     """Make ``rclpy`` and the packages of *interfaces* importable, in place of those of a ROS that is installed."""
-    for name in ("", ".action", ".executors", ".logging", ".node", ".parameter", ".task"):
+    for name in _MODULES.split(" "):
         sys.modules[f"rclpy{name}"] = rclpy
     sys.modules["rclpy.qos"] = rclpy.qos
     finders: dict[str, Callable[[str], Interface]] = {

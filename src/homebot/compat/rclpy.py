@@ -6,11 +6,13 @@ cancellations run on the graph's event loop, so that these are answered while an
 them. Unlike rclpy's, a call of a service without a server fails at once, and ``spin`` returns when another thread calls
 ``shutdown``.
 
-Not there: multi-threaded executors and callback groups (use one thread per node), lifecycle nodes.
+Each executor has one thread, so callback groups change nothing: a blocking call of a service runs other callbacks
+meanwhile. Not there: lifecycle nodes, and callbacks that wait for another one of their node by other means.
 """
 
 from __future__ import annotations
 
+import asyncio
 import math
 import sys
 import time
@@ -19,28 +21,40 @@ from contextlib import ExitStack
 from enum import IntEnum
 from functools import partial
 from inspect import currentframe
-from types import SimpleNamespace
-from typing import Any, Self
+from types import ModuleType, SimpleNamespace
+from typing import Any, Final, Self
 
 from homebot import graph
+from homebot.compat.clock import RclpyClock, RclpyDuration, RclpyRate, RclpyTime
 from homebot.compat.messages import to_graph, to_program
 from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
-from homebot.errors import GoalRejectedError
-from homebot.graph import actions, qos
+from homebot.errors import GoalRejectedError, ParameterError
+from homebot.graph import actions
+from homebot.graph import qos as graph_qos
 from homebot.graph.parameter_services import offer_parameter_services, set_parameters
-from homebot.messages import Time
 from homebot.support.logger import get_logger as logger_of
 
 __all__ = [
     "ActionClient",
     "ActionServer",
     "CancelResponse",
+    "Clock",
+    "ClockType",
+    "Duration",
     "ExternalShutdownException",
     "Future",
     "GoalResponse",
+    "LoggingSeverity",
+    "MultiThreadedExecutor",
+    "MutuallyExclusiveCallbackGroup",
     "Node",
     "Parameter",
+    "ParameterAlreadyDeclaredException",
+    "ParameterNotDeclaredException",
+    "Rate",
+    "ReentrantCallbackGroup",
     "SingleThreadedExecutor",
+    "Time",
     "create_node",
     "get_logger",
     "init",
@@ -55,76 +69,101 @@ __all__ = [
 
 GoalResponse = IntEnum("GoalResponse", ("REJECT", "ACCEPT"))
 CancelResponse = GoalResponse
+LoggingSeverity = IntEnum(
+    "LoggingSeverity", {"UNSET": 0, "DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
+)
 ExternalShutdownException = KeyboardInterrupt  # caught in a program's last line; a spin returns instead
+ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
+MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
+ClockType = IntEnum("ClockType", ("ROS_TIME", "SYSTEM_TIME", "STEADY_TIME"))
+qos = ModuleType("rclpy.qos")
+vars(qos).update(
+    vars(graph_qos),
+    QoSDurabilityPolicy=graph_qos.DurabilityPolicy,
+    QoSHistoryPolicy=graph_qos.HistoryPolicy,
+    QoSLivelinessPolicy=graph_qos.LivelinessPolicy,
+    QoSReliabilityPolicy=graph_qos.ReliabilityPolicy,
+    qos_profile_parameters=graph_qos.qos_profile_parameter_events,
+    qos_profile_system_default=graph_qos.qos_profile_default,
+)
+Clock, Duration, Rate, Time = RclpyClock, RclpyDuration, RclpyRate, RclpyTime
 ok = CONTEXT.ok
 shutdown = try_shutdown = CONTEXT.shutdown
 
 
-def init(*, args: Sequence[str] | None = None) -> ExitStack:  # noqa: ARG001 - homebot's settings are in its file
-    """Start the graph of the process unless it runs already; the end of a ``with`` block shuts it down."""
+def init(**_: object) -> ExitStack:
+    """Start the graph of the process unless it runs already; the end of a ``with`` block shuts it down.
+
+    Arguments are accepted and change nothing: homebot's settings are in its file.
+    """
     CONTEXT.init()
     block = ExitStack()
     block.callback(shutdown)
     return block
 
 
-def spin(node: RclpyNode) -> None:
+def spin(node: RclpyNode, executor: SpinExecutor | None = None) -> None:
     """Run the callbacks of *node* on this thread until :func:`shutdown`; an exception of one is raised here."""
-    node.executor.spin()
+    _executor_of(node, executor).spin()
 
 
-def spin_once(node: RclpyNode, *, timeout_sec: float | None = None) -> None:
+def spin_once(node: RclpyNode, *, executor: SpinExecutor | None = None, timeout_sec: float | None = None) -> None:
     """Run one callback of *node* as :func:`spin` does; wait up to *timeout_sec* seconds for it, by default for ever."""
-    if ok():
-        node.executor.run_next(timeout_sec)
+    _executor_of(node, executor).spin_once(timeout_sec)
 
 
-def spin_until_future_complete(node: RclpyNode, future: Future, timeout_sec: float | None = None) -> None:
+def spin_until_future_complete(
+    node: RclpyNode, future: Future, executor: SpinExecutor | None = None, timeout_sec: float | None = None
+) -> None:
     """Run the callbacks of *node* as :func:`spin` does until *future* is done or *timeout_sec* seconds have passed."""
-    ends = None if timeout_sec is None else time.monotonic() + timeout_sec
-    while not future.done() and ok() and (ends is None or time.monotonic() < ends):
-        node.executor.run_next(None if ends is None else max(0.0, ends - time.monotonic()))
+    _executor_of(node, executor).spin_until_future_complete(future, timeout_sec)
 
 
 class get_logger:  # noqa: N801 - rclpy's name
     """The logger of *name*, which writes to ``/rosout`` too: ``info``, ``warn``, ``error`` and so on.
 
-    With ``once=True`` or ``throttle_duration_sec`` a line of the program is logged once, or once in that time.
+    With ``once``, ``skip_first`` or ``throttle_duration_sec`` a line of the program is logged once, not the first time,
+    or once in that time.
     """
 
     def __init__(self, name: str) -> None:
+        self.name = name
         self._log = logger_of(node=name)
+        self._least = 0
         self._next: dict[tuple[str, int], float] = {}
 
     def __getattr__(self, level: str) -> Callable[..., None]:
-        return partial(self._write, getattr(self._log, "critical" if level == "fatal" else level))
+        return partial(self._write, _LEVELS.get(level, level))
+
+    def get_child(self, name: str) -> get_logger:
+        """Return the logger of a part."""
+        return get_logger(f"{self.name}.{name}")
+
+    def set_level(self, level: int) -> None:
+        """Leave out lines below *level*; homebot itself leaves out those of debugging."""
+        self._least = level
 
     def _write(
-        self, write: Callable[[str], object], message: object, *, once: bool = False, throttle_duration_sec: float = 0.0
+        self,
+        level: str,
+        message: object,
+        *,
+        once: bool = False,
+        skip_first: bool = False,
+        throttle_duration_sec: float = 0.0,
     ) -> None:
         frame: Any = currentframe()
         line = (frame.f_back.f_code.co_filename, frame.f_back.f_lineno)
-        if time.monotonic() >= self._next.get(line, 0.0):
+        is_first = line not in self._next
+        if LoggingSeverity[level.upper()] >= self._least and time.monotonic() >= self._next.setdefault(line, 0.0):
+            if is_first and skip_first:
+                return
             if pause := math.inf if once else throttle_duration_sec:
                 self._next[line] = time.monotonic() + pause
-            write(str(message))
+            getattr(self._log, "critical" if level == "fatal" else level)(str(message))
 
 
-class RclpyTime(int):
-    """A point in time, or the difference of two, in nanoseconds."""
-
-    @property
-    def nanoseconds(self) -> int:
-        """The whole of it."""
-        return int(self)
-
-    def __sub__(self, other: int) -> RclpyTime:
-        return RclpyTime(int(self) - int(other))
-
-    def to_msg(self) -> Any:
-        """Return it as ``builtin_interfaces/msg/Time``."""
-        sec, nanosec = divmod(int(self), 10**9)
-        return to_program(Time(sec=sec, nanosec=nanosec))
+_LEVELS: Final = {"warning": "warn"}
 
 
 class RclpyParameter(graph.Parameter):
@@ -149,24 +188,43 @@ class RclpyParameter(graph.Parameter):
         return to_program(self.to_message().value)
 
 
+_ZEROS: Final = (None, False, 0, 0.0, "", b"", *((),) * 4)
+"""The value of a parameter that is declared by its type alone."""
+
+
 class RclpyNode(Remote):
     """A node, which runs from here to :meth:`destroy_node`; its callbacks run while it spins.
 
     Methods that are not below, such as ``create_publisher``, are those of :class:`homebot.graph.Node`.
     """
 
-    def __init__(self, node_name: str, *, namespace: str = "") -> None:
+    def __init__(
+        self,
+        node_name: str,
+        *,
+        namespace: str = "",
+        parameter_overrides: Sequence[RclpyParameter] = (),
+        automatically_declare_parameters_from_overrides: bool = False,
+        **_: object,
+    ) -> None:
         executor = SpinExecutor()
         super().__init__(CONTEXT.add_node(node_name, namespace or "/", executor), executor)
         self._logger = get_logger(self.graph_object.full_name)
+        self._overrides = {one.name: one.value for one in parameter_overrides or ()}
+        for one in parameter_overrides if automatically_declare_parameters_from_overrides else ():
+            self.declare_parameter(one.name, one.value)
 
     def get_logger(self) -> get_logger:
         """Return the logger of the node."""
         return self._logger
 
-    def get_clock(self) -> SimpleNamespace:
-        """Return the clock of the graph; its ``now()`` is a time with ``nanoseconds`` and ``to_msg()``."""
-        return SimpleNamespace(now=lambda: RclpyTime(CONTEXT.graph.clock.now() * 10**9))
+    def get_clock(self) -> RclpyClock:
+        """Return the clock of the graph."""
+        return RclpyClock()
+
+    def create_rate(self, frequency: float) -> RclpyRate:
+        """Return a rate, in Hertz."""
+        return RclpyRate(frequency)
 
     def count_publishers(self, topic_name: str) -> int:
         """Return the number of publishers on *topic_name*."""
@@ -178,22 +236,44 @@ class RclpyNode(Remote):
 
     def get_topic_names_and_types(self) -> list[tuple[str, list[str]]]:
         """Return each topic of the graph with its type."""
-        topics = CONTEXT.call(self.graph_object.graph.get_topic_names_and_types)
-        return [(name, [ros_type]) for name, ros_type in topics.items()]
+        return _with_lists(CONTEXT.call(self.graph_object.graph.get_topic_names_and_types))
 
-    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], object]) -> Any:
+    def get_service_names_and_types(self) -> list[tuple[str, list[str]]]:
+        """Return each service of the graph with its type."""
+        return _with_lists(CONTEXT.call(self.graph_object.graph.get_service_names_and_types))
+
+    def create_timer(self, timer_period_sec: float, callback: Callable[[], object], **_: object) -> Any:
+        """Call *callback* once in a period, also after ``cancel()`` again from ``reset()`` on."""
+        create = partial(CONTEXT.call, self.graph_object.create_timer, timer_period_sec, self.callback(callback))
+        timer: Any = Remote(create(), self.executor)
+
+        def reset() -> None:
+            timer.cancel()
+            timer.graph_object = create()
+
+        timer.reset, timer.destroy = reset, timer.cancel
+        return timer
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], object], **_: object) -> Any:
         """Serve *srv_name*: *callback* takes a request and an empty response, and returns the response."""
         create = self.graph_object.create_service
-        return self.call(create, srv_type, srv_name, lambda request: callback(request, srv_type.Response()))
+        return self.invoke(create, srv_type, srv_name, lambda request: callback(request, srv_type.Response()))
 
-    def create_client(self, srv_type: Any, srv_name: str) -> Any:
+    def create_client(self, srv_type: Any, srv_name: str, **_: object) -> Any:
         """Return a client of *srv_name*; its ``call_async`` returns the future response, without a time limit."""
-        client = self.call(self.graph_object.create_client, srv_type, srv_name)
+        client = self.invoke(self.graph_object.create_client, srv_type, srv_name)
         client.call_async = partial(client.begin, partial(client.graph_object.call, timeout=math.inf))
+        client.call = lambda request, timeout_sec=None: client.call_async(request).wait(timeout_sec)
         return client
 
-    def declare_parameter(self, name: str, value: Any, descriptor: Any = None) -> RclpyParameter:
-        """Declare a parameter with its default, and a ``rcl_interfaces/msg/ParameterDescriptor`` if there is one."""
+    def declare_parameter(self, name: str, value: Any = None, descriptor: Any = None) -> RclpyParameter:
+        """Declare a parameter with its default or type, and a ``rcl_interfaces/msg/ParameterDescriptor`` if any.
+
+        One that has a type alone is zero or empty, unless it is overridden.
+        """
+        value = self._overrides.get(name, value)
+        if isinstance(value, RclpyParameter.Type):
+            value = _ZEROS[value]
         limits = None
         if descriptor is not None:
             span = next(iter((*descriptor.integer_range, *descriptor.floating_point_range)), None)
@@ -229,6 +309,11 @@ class RclpyNode(Remote):
         known = self.graph_object.parameters
         return [to_program(CONTEXT.call(set_parameters, known, (one.to_message(),))) for one in parameter_list]
 
+    def set_parameters_atomically(self, parameter_list: Sequence[RclpyParameter]) -> Any:
+        """Set all parameters or none; return a ``rcl_interfaces/msg/SetParametersResult``."""
+        messages = tuple(one.to_message() for one in parameter_list)
+        return to_program(CONTEXT.call(set_parameters, self.graph_object.parameters, messages))
+
     def add_on_set_parameters_callback(self, callback: Callable[[list[RclpyParameter]], Any]) -> None:
         """Call *callback* before each change; it returns a ``SetParametersResult``."""
 
@@ -243,7 +328,12 @@ class RclpyNode(Remote):
         CONTEXT.call(end.graph_object.close)
         return True
 
-    destroy_subscription = destroy_client = destroy_service = destroy_timer = destroy_publisher
+    destroy_subscription = destroy_client = destroy_service = destroy_publisher
+
+    def destroy_timer(self, timer: Remote) -> bool:
+        """Stop *timer*, which the node created."""
+        timer.cancel()
+        return True
 
     def destroy_node(self) -> None:
         """Close the node with all that it created; it may be closed already."""
@@ -262,22 +352,39 @@ def ActionServer(  # noqa: N802 - rclpy's name
     execute_callback: Callable[[Any], object],
     *,
     goal_callback: Callable[[Any], object] = lambda _goal: GoalResponse.ACCEPT,
+    handle_accepted_callback: Callable[[Any], object] | None = None,
     cancel_callback: Callable[[Any], object] = lambda _handle: GoalResponse.REJECT,
+    **_: object,
 ) -> Remote:
-    """Execute the goals of an action: *execute_callback* takes a goal's handle, ends it and returns the result."""
+    """Execute the goals of an action: *execute_callback* takes a goal's handle, ends it and returns the result.
+
+    With a *handle_accepted_callback* it does so when that, or another callback later, calls ``execute`` of the handle.
+    """
+    execute = node.callback(execute_callback)
+
+    async def execute_later(goal: Any) -> Any:
+        loop, handle = asyncio.get_running_loop(), node.shown(goal)
+        begun = asyncio.Event()
+        handle.execute = lambda *_: loop.call_soon_threadsafe(begun.set)
+        await node.callback(handle_accepted_callback or bool)(handle)
+        await begun.wait()
+        return await execute(handle)
+
     server = CONTEXT.call(
         actions.ActionServer,
         node.graph_object,
         to_graph(action_type),
         action_name,
-        node.callback(execute_callback),
+        execute if handle_accepted_callback is None else execute_later,
         on_goal=lambda goal: goal_callback(node.shown(goal)) is GoalResponse.ACCEPT,
         on_cancel=lambda goal: cancel_callback(node.shown(goal)) is GoalResponse.ACCEPT,
     )
     return Remote(server, node.executor)
 
 
-def ActionClient(node: RclpyNode, action_type: Any, action_name: str) -> Any:  # noqa: N802 - rclpy's name
+def ActionClient(  # noqa: N802 - rclpy's name
+    node: RclpyNode, action_type: Any, action_name: str, **_: object
+) -> Any:
     """Return a client of an action; its ``send_goal_async`` returns the future handle of a goal."""
     client: Any = Remote(
         CONTEXT.call(actions.ActionClient, node.graph_object, to_graph(action_type), action_name), node.executor
@@ -301,12 +408,27 @@ def ActionClient(node: RclpyNode, action_type: Any, action_name: str) -> Any:  #
     def send_goal_async(goal: Any, feedback_callback: Callable[[Any], object] = bool) -> Any:
         return client.begin(send_goal, goal, lambda feedback: feedback_callback(SimpleNamespace(feedback=feedback)))
 
-    client.send_goal_async = send_goal_async
+    def send_goal_and_wait(goal: Any, **kwargs: Any) -> Any:
+        handle = send_goal_async(goal, **kwargs).wait()
+        return handle.get_result_async().wait() if handle.accepted else None
+
+    client.send_goal_async, client.send_goal = send_goal_async, send_goal_and_wait
     return client
+
+
+def _executor_of(node: RclpyNode, executor: SpinExecutor | None) -> SpinExecutor:
+    if executor is not None:
+        executor.add_node(node)
+    return executor or node.executor
+
+
+def _with_lists(types: dict[str, str]) -> list[tuple[str, list[str]]]:
+    return [(name, [ros_type]) for name, ros_type in types.items()]
 
 
 Node = RclpyNode
 create_node = RclpyNode
-SingleThreadedExecutor = SpinExecutor
+SingleThreadedExecutor = MultiThreadedExecutor = SpinExecutor
 Parameter = RclpyParameter
-action = executors = logging = node = parameter = task = sys.modules[__name__]
+action = callback_groups = clock = duration = exceptions = executors = sys.modules[__name__]
+logging = node = parameter = task = utilities = sys.modules[__name__]

@@ -9,6 +9,7 @@ import asyncio
 import concurrent.futures
 import queue
 import threading
+import time
 from collections.abc import Awaitable, Callable, Generator
 from contextlib import ExitStack
 from functools import partial
@@ -34,6 +35,8 @@ _GETTERS: Final = {
     "is_canceled": "is_canceled",
 }
 _NAMES: Final = {"destroy": "close", "srv_name": "service_name", "timeout_sec": "timeout"}
+_UNUSED: Final = "callback_group"
+"""The callbacks of a node run one after the other, as in one group."""
 
 
 class _Context:
@@ -101,6 +104,12 @@ CONTEXT: Final = _Context()
 """That of the process."""
 
 
+class _DueCallbacks(queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]]):
+    """The callbacks that wait, and the thread that ran the last one."""
+
+    thread = 0
+
+
 class SpinExecutor(concurrent.futures.Executor):
     """The thread that spins a node, or several, which runs the callbacks.
 
@@ -110,8 +119,9 @@ class SpinExecutor(concurrent.futures.Executor):
         due: The callbacks that wait.
     """
 
-    def __init__(self) -> None:
-        self.due: queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]] = queue.SimpleQueue()
+    def __init__(self, num_threads: int | None = None) -> None:  # noqa: ARG002 - more of them change nothing
+        self._is_shut_down = False
+        self.due = _DueCallbacks()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> concurrent.futures.Future[Any]:
         """Return the future result of *fn*, an exception of which is raised on the spinning thread too."""
@@ -119,19 +129,47 @@ class SpinExecutor(concurrent.futures.Executor):
         self.due.put((future, partial(fn, *args, **kwargs)))
         return future
 
-    def add_node(self, node: Remote) -> None:
+    def create_task(self, callback: Callable[..., object], *args: object) -> Future:
+        """Return the future result of *callback*, which may be a coroutine function."""
+        future = Future(self)
+        self.due.put((future, partial(callback, *args)))
+        return future
+
+    def add_node(self, node: Remote) -> bool:
         """Run the callbacks of *node* too, on the thread that spins this."""
         waiting, node.executor.due = node.executor.due, self.due
-        while not waiting.empty():
+        while waiting is not self.due and not waiting.empty():
             self.due.put(waiting.get())
+        return True
+
+    def remove_node(self, node: Remote) -> None:
+        """Let the callbacks of *node* wait for another executor."""
+        node.executor.due = _DueCallbacks()
 
     def spin(self) -> None:
-        """Run callbacks until the graph is shut down."""
-        while CONTEXT.ok():
+        """Run callbacks until the graph or this executor is shut down."""
+        while CONTEXT.ok() and not self._is_shut_down:
             self.run_next()
+
+    def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
+        """Run callbacks until *future* is done or *timeout_sec* seconds have passed."""
+        ends = None if timeout_sec is None else time.monotonic() + timeout_sec
+        while not future.done() and CONTEXT.ok() and (ends is None or time.monotonic() < ends):
+            self.run_next(None if ends is None else max(0.0, ends - time.monotonic()))
+
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run one callback; wait up to *timeout_sec* seconds for it, by default for ever."""
+        if CONTEXT.ok():
+            self.run_next(timeout_sec)
+
+    def shutdown(self, *_: object, **__: object) -> None:
+        """End a spin."""
+        self._is_shut_down = True
+        self.submit(int)
 
     def run_next(self, timeout: float | None = None) -> None:
         """Run the next callback, waiting for one up to *timeout* seconds; its exception is raised here."""
+        self.due.thread = threading.get_ident()
         try:
             future, call = self.due.get(timeout=timeout)
         except queue.Empty:
@@ -167,6 +205,13 @@ class Future(concurrent.futures.Future[Any]):
             yield
         return self.result()
 
+    def wait(self, timeout: float | None = None) -> Any:
+        """Return the result once there is one; on the thread that spins, other callbacks run meanwhile."""
+        if self._executor.due.thread == threading.get_ident():
+            self._executor.spin_until_future_complete(self, timeout)
+            timeout = 0
+        return super().result(timeout)
+
     def result(self, timeout: float | None = None) -> Any:
         """Return the result, or raise the exception; return None before there is one."""
         return super().result(timeout) if self.done() else None
@@ -196,11 +241,11 @@ class Remote:
         if name in _GETTERS:
             return lambda: getattr(self.graph_object, _GETTERS[name])
         value = getattr(self.graph_object, _NAMES.get(name, name))
-        return partial(self.call, value) if callable(value) else self.shown(value)
+        return partial(self.invoke, value) if callable(value) else self.shown(value)
 
-    def call(self, method: Callable[..., Any], *args: object, **kwargs: object) -> Any:
+    def invoke(self, method: Callable[..., Any], *args: object, **kwargs: object) -> Any:
         """Return the result of *method* on the event loop."""
-        given = {_NAMES.get(name, name): self._given(value) for name, value in kwargs.items()}
+        given = {_NAMES.get(name, name): self._given(value) for name, value in kwargs.items() if name != _UNUSED}
         return self.shown(CONTEXT.call(method, *map(self._given, args), **given))
 
     def begin(self, method: Callable[..., Awaitable[object]], *args: object) -> Future:
