@@ -60,7 +60,7 @@ class HistoryClient:
         return (await self._call(ReadEnergy, READ_ENERGY, request)).days
 
     def _begin(self, since: str | float) -> Time:
-        return Time.from_seconds(self._node.graph.clock.now() - parse_duration(since, "since"))
+        return Time.from_seconds(max(0.0, self._node.graph.clock.now() - parse_duration(since, "since")))
 
     async def _call(self, service: ServiceType[RequestT, AnswerT], name: str, request: RequestT) -> AnswerT:
         """Return the answer to *request*.

@@ -390,6 +390,12 @@ def test_why_not_without_a_state_says_what_to_give(still_homebot: Homebot, capsy
     assert capsys.readouterr() == ("", "homebot: give the state that the device is not in, such as on, open or 40\n")
 
 
+def test_a_time_before_1970_is_the_whole_journal(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+    still.journal = story("client")
+    assert main(["--door", still_homebot.door, "journal", "--since", "99999d"]) == 0
+    assert "Kitchen lamp" in capsys.readouterr().out
+
+
 def test_of_a_device_with_two_relays_it_is_told_which_one(
     still: StillHouse, still_homebot: Homebot, capsys: Text, monkeypatch: pytest.MonkeyPatch
 ) -> None:

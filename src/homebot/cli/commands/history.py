@@ -72,12 +72,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @door_command
 def _history(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the history of devices; return 1 if there is none."""
-    if not options.query and not options.energy:
+    text = " ".join(options.query)
+    if not text.strip() and not options.energy:
         raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")
     if options.plot and options.energy:
         raise UsageError("--plot is for values; --energy has a table, --csv and --json")
     since, until = _time_asked(door, options)
-    request = _devices(door, " ".join(options.query)) | {"since": from_seconds(since), "until": from_seconds(until)}
+    request = _devices(door, text) | {"since": from_seconds(since), "until": from_seconds(until)}
     if options.energy:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
     request |= {"capability": options.capability, "points": min(options.points or _points(options), _MOST)}
@@ -98,7 +99,8 @@ def _print_history(found: ReadHistoryResponse, options: argparse.Namespace, sinc
 def _time_asked(door: DoorClient, options: argparse.Namespace) -> tuple[float, float]:
     """Return begin and end, in seconds since the Unix epoch by the clock of the house."""
     now = house_time(door)
-    since, until = now - (options.since or (6 * _DAY if options.energy else _DAY)), now - options.until
+    length = options.since or (6 * _DAY if options.energy else _DAY)
+    since, until = max(0.0, now - length), max(0.0, now - options.until)
     if since >= until:
         raise UsageError("--until leaves nothing of --since; give a shorter one")
     return since, until

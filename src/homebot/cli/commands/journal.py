@@ -58,7 +58,7 @@ def _journal(door: DoorClient, options: argparse.Namespace) -> int:
     now = house_time(door)
     if options.follow:
         door.subscribe(JOURNAL_ENTRIES)
-    since = now - options.since if options.since is not None else 0.0
+    since = max(0.0, now - options.since) if options.since is not None else 0.0
     found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
     printer = _EntryPrinter(client, now, as_json=options.json)
     for entry in found.entries:
