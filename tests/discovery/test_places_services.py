@@ -145,3 +145,17 @@ async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(t
         wrong = await importer.call(ImportPlaces.Request(text='[places.rooms.Hall]\nfloor = "Kitchen"'))
         assert wrong.message == "places.rooms.Hall.floor: 'Kitchen' is a room"
         assert (await house.device("another_name")).outer_areas == ("Downstairs", "Home")
+
+
+async def test_a_statement_that_could_not_be_written_is_not_said_to_be_kept(tmp_path: Path) -> None:
+    """As with a full disk: here a folder stands where the file should be. It counts until the next start."""
+    (tmp_path / "folder").mkdir()
+    async with directory(tmp_path / "folder") as house:
+        await house.hears(LAMP)
+        answer = await house.place("desk_lamp", "Hall")
+        assert answer.success
+        assert answer.message.startswith("a restart would lose this, as it was not written: ")
+        assert (await house.device("desk_lamp")).area == "Hall"
+    async with directory(tmp_path / "index.sqlite") as house:
+        await house.hears(LAMP)
+        assert (await house.place("desk_lamp", "Hall")).message == ""

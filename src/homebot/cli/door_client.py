@@ -14,7 +14,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Final, NamedTuple, cast
+from typing import Final, NamedTuple
 from urllib.parse import unquote
 
 from websockets.client import ClientProtocol
@@ -30,6 +30,7 @@ from homebot.devices.names import HOME_HEADER
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutError, UsageError, WireError
 from homebot.support.connect_errors import connect_problem
+from homebot.support.printable import printable
 
 __all__ = ["DoorClient", "ReceivedMessage", "door_command", "open_door", "with_client"]
 
@@ -151,14 +152,17 @@ class DoorClient:
         return self.begin_call(service, request, timeout)()
 
     def ask(self, service: str, request: Mapping[str, object], timeout: float = 5.0) -> JsonMessage:
-        """Return the response of *service*, which says by ``success`` whether it worked.
+        """Return the response of *service*, which says by ``success`` whether it worked; print a message beside it.
 
         Raises:
             PeerError: It did not work, the message says why; further errors as those of :meth:`call`.
         """
-        answer = JsonMessage(self.call(service, request, timeout))
+        fields = self.call(service, request, timeout)
+        answer, message = JsonMessage(fields), str(fields.get("message", ""))
         if not answer.success:
-            raise PeerError(cast("str", answer.message))
+            raise PeerError(message)
+        if message:
+            print(f"homebot: {printable(message)}", file=sys.stderr)
         return answer
 
     def begin_call(

@@ -178,6 +178,16 @@ class IndexPersistence:
                 await self._save(self._kept)
                 await self._kept.close()
 
+    async def keep(self) -> str:
+        """Write the owner's decisions now; return why they are in memory alone, empty if they are in the file."""
+        kept = self._kept
+        if kept is None:
+            return ""
+        with suppress(LinkError):
+            async with kept.opened(writes=True) as file:
+                await self._save_batch(file)
+        return kept.problem
+
     async def _save(self, kept: KeptFile[IndexFile]) -> None:
         with suppress(LinkError):
             while self._is_unsaved and not kept.is_unusable:

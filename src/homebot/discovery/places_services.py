@@ -56,7 +56,7 @@ from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 from homebot.messages import Time
 from homebot.messages.json import message_to_text
-from homebot.messages.message import Message, ServiceType
+from homebot.messages.message import Message, ServiceAnswer, ServiceType
 from homebot.places import HouseDoor, HouseRoom
 from homebot.places.plan import Point
 from homebot.support.folding import fold
@@ -64,7 +64,7 @@ from homebot.support.folding import fold
 __all__ = ["OwnerRequests", "PlacesServices"]
 
 RequestT = TypeVar("RequestT", bound=Message)
-ResponseT = TypeVar("ResponseT", bound=Message)
+AnswerT = TypeVar("AnswerT", bound=ServiceAnswer)
 
 _DEPTH: Final = 1000
 
@@ -207,7 +207,7 @@ class PlacesServices:
         except RefusedError as exc:
             return ImportPlacesResponse(success=False, message=str(exc))
         self._publish_all()
-        return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
+        return await owner.kept(ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept))
 
     def _check_free(self, alias: str, device_id: str) -> None:
         """Check that no device but that is called *alias*.
@@ -235,25 +235,37 @@ class PlacesServices:
 
 @final
 class OwnerRequests:
-    """Publisher of the requests to the services of the owner, if there is a subscriber."""
+    """The services of the owner: each request is published if there is a subscriber, and kept before it is answered.
 
-    def __init__(self, node: Node) -> None:
+    Args:
+        keep: Writes the owner's decisions; returns why it could not, as text.
+    """
+
+    def __init__(self, node: Node, keep: Callable[[], Awaitable[str]]) -> None:
         self._node = node
+        self._keep = keep
         self._publisher = node.create_publisher(OwnerRequest, names.OWNER_REQUESTS, _DEPTH)
 
     def serve(
         self,
-        service: ServiceType[RequestT, ResponseT],
+        service: ServiceType[RequestT, AnswerT],
         name: str,
-        handler: Callable[[RequestT], ResponseT | Awaitable[ResponseT]],
+        handler: Callable[[RequestT], AnswerT | Awaitable[AnswerT]],
     ) -> None:
-        """Offer a service, and publish each request before it is carried out."""
+        """Offer a service; where what was carried out is in memory alone, the message of the answer says so."""
 
-        def noted(request: RequestT) -> ResponseT | Awaitable[ResponseT]:
+        async def carry_out(request: RequestT) -> AnswerT:
             self.publish(name, request)
-            return handler(request)
+            found = handler(request)
+            return await self.kept(found if isinstance(found, ServiceAnswer) else await found)
 
-        self._node.create_service(service, name, noted)
+        self._node.create_service(service, name, carry_out)
+
+    async def kept(self, answer: AnswerT) -> AnswerT:
+        """Write what was carried out, and return *answer*; its message says if that is in memory alone."""
+        if not answer.success or not (problem := await self._keep()):
+            return answer
+        return answer.model_copy(update={"message": f"a restart would lose this, as it was not written: {problem}"})
 
     def publish(self, name: str, request: Message) -> None:
         """Publish a request to the service *name*."""

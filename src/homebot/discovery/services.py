@@ -100,7 +100,7 @@ class DirectoryServices:
 
     def register(self) -> None:
         """Begin to answer."""
-        node, owner = self._node, OwnerRequests(self._node)
+        node, owner = self._node, OwnerRequests(self._node, self._persistence.keep)
         node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)

@@ -139,7 +139,7 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
 
 async def history(home: HomeCalls, asked: shapes.HistoryQuestion) -> shapes.HistoryAnswer:
     """Return the values of a device over a time."""
-    since = from_seconds(max(0.0, home.now() - parse_duration(asked.since)))
+    since = from_seconds(max(0.0, home.now() - parse_duration(asked.since, "since")))
     if not home.offers(names.READ_HISTORY):
         problem = "no history is kept, or it has not begun yet; [history] of homebot.toml has `enabled = true` for one"
         raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, problem)

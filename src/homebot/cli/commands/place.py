@@ -9,7 +9,6 @@ from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import device_or_similar
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.devices.names import PLACE_DEVICE
-from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
 
@@ -75,10 +74,11 @@ def _place(options: argparse.Namespace) -> int:
             "may_be_absent": isinstance(known, list),
             "at": options.at,
         }
-        answer = cast("PlaceDeviceResponse", JsonMessage(door.call(PLACE_DEVICE, request)))
-        if not answer.success:
-            hint = "" if options.new or "did you mean" not in answer.message else " For another room, add --new"
-            raise PeerError(f"{answer.message}{hint}")
+        try:
+            answer = cast("PlaceDeviceResponse", door.ask(PLACE_DEVICE, request))
+        except PeerError as exc:
+            hint = "" if options.new or "did you mean" not in str(exc) else " For another room, add --new"
+            raise PeerError(f"{exc}{hint}") from exc
         print(_told(printable(device), printable(options.at), answer))
         return 0
 

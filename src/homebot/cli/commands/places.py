@@ -213,9 +213,10 @@ def _import(options: argparse.Namespace) -> int:
 
     def run(door: DoorClient) -> int:
         request = {"text": _map_text(door, options.file, points) if is_map else text, "replaces": options.replace}
-        answer = cast("ImportPlacesResponse", JsonMessage(door.call(IMPORT_PLACES, request)))
-        if not answer.success:
-            raise PeerError(f"{options.file}: {answer.message}")
+        try:
+            answer = cast("ImportPlacesResponse", door.ask(IMPORT_PLACES, request))
+        except PeerError as exc:
+            raise PeerError(f"{options.file}: {exc}") from exc
         for one in answer.added:
             print(f"imported {printable(one)}")
         for one in answer.kept:
