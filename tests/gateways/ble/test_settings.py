@@ -19,7 +19,7 @@ def settings(**given: object) -> BleGatewaySettings:
 
 
 def test_homebots_own_parsers_are_used_unless_others_are_named() -> None:
-    assert settings().parsers == ("beacon", "bthome", "sensor_libraries")
+    assert settings().parsers == ("beacon", "bthome", "sensor_libraries", "switchbot")
 
 
 def test_a_bind_key_is_read_from_a_private_file(tmp_path: Path) -> None:

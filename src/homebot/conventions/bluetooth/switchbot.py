@@ -1,0 +1,166 @@
+"""Parser of SwitchBot's broadcasts: sensors, and the states of locks, plugs, curtains and bots. Pure.
+
+A device says in the data of its service what it is and how full its battery is, and the rest beside its address in
+those of the maker; the oldest devices say all in the former. Their connections, by which they take commands, are not
+used.
+
+Source: pySwitchbot 3.1, ``adv_parser.py`` and ``adv_parsers``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final, NamedTuple
+
+from homebot.conventions.bluetooth.broadcast import (
+    Advertisement,
+    Broadcast,
+    BroadcastParser,
+    BroadcastValue,
+    full_uuid,
+)
+from homebot.conventions.units import sensor_type
+from homebot.devices.part import Capability, Part
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+
+__all__ = ["SwitchbotParser"]
+
+MAKER: Final = 0x0969
+SERVICES: Final = (full_uuid("fd3d"), full_uuid("0d00"))
+ON_BATTERY: Final = 300.0
+"""Seconds for which a battery-powered device may be silent."""
+
+_BODY: Final = 8
+"""The first byte in the maker's data after the address, a counter and flags."""
+
+_MOST_PPM: Final = 9999
+_LOCKS: Final = ("locked", "unlocked", "locking", "unlocking", "jammed", "jammed", "unlocked")
+
+_ReadFrame = Callable[[bytes, bytes], PlainValue]
+"""Returns a value from the data of the service and of the maker; an IndexError says that they are cut off."""
+
+
+class _SwitchbotRow(NamedTuple):
+    """A value of a model; its type is that of a sensor by default."""
+
+    capability: str
+    read: _ReadFrame
+    service_type: str = ""
+
+
+def _bits(**capabilities: tuple[int, int]) -> tuple[_SwitchbotRow, ...]:
+    """Return the rows of bits, each with its byte in the maker's data and its mask."""
+
+    def reader(at: int, mask: int) -> _ReadFrame:
+        return lambda _service, maker: bool(maker[at] & mask)
+
+    return tuple(_SwitchbotRow(name, reader(at, mask)) for name, (at, mask) in capabilities.items())
+
+
+def _celsius(service: bytes, maker: bytes) -> PlainValue:
+    tenths, whole, humidity = _climate(service, maker)
+    degrees = (whole & 0x7F) + (tenths & 0x0F) / 10
+    return None if not degrees and not humidity & 0x7F else degrees if whole & 0x80 else -degrees
+
+
+def _humidity(service: bytes, maker: bytes) -> PlainValue:
+    return None if _celsius(service, maker) is None else float(_climate(service, maker)[2] & 0x7F)
+
+
+def _climate(_service: bytes, maker: bytes) -> tuple[int, int, int]:
+    return maker[_BODY], maker[_BODY + 1], maker[_BODY + 2]
+
+
+def _carbon_dioxide(_service: bytes, maker: bytes) -> PlainValue:
+    ppm = maker[13] << 8 | maker[14]
+    return float(ppm) if ppm <= _MOST_PPM else None
+
+
+def _battery_at(at: int) -> _SwitchbotRow:
+    return _SwitchbotRow("battery", lambda _service, maker: float(maker[at] & 0x7F))
+
+
+def _lock(shift: int, mask: int) -> _SwitchbotRow:
+    states = dict(enumerate(_LOCKS))
+    return _SwitchbotRow("lock", lambda _service, maker: states.get((maker[7] & mask) >> shift), "door_lock")
+
+
+_CLIMATE: Final = (_SwitchbotRow("temperature", _celsius), _SwitchbotRow("humidity", _humidity))
+_CURTAIN: Final = _SwitchbotRow("position", lambda _, maker: 100.0 - min(maker[_BODY] & 0x7F, 100), "window_covering")
+_BATTERY: Final = _SwitchbotRow("battery", lambda service, _: float(service[2] & 0x7F))
+_PLUG: Final = (
+    _SwitchbotRow("on_off", lambda _, maker: maker[7] == 0x80, "plug"),
+    _SwitchbotRow("power", lambda _, maker: ((maker[10] & 0x7F) << 8 | maker[11]) / 10),
+)
+_BOT: Final = _SwitchbotRow("on_off", lambda service, _: (service[1] & 0xC0) == 0x80, "switch")
+_MODELS: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
+    "TtIiWw4\x14": ("Meter", (*_CLIMATE, _BATTERY)),
+    "5\x15": ("Meter Pro", (*_CLIMATE, _SwitchbotRow("carbon_dioxide", _carbon_dioxide), _BATTERY)),
+    "Dd": ("Contact Sensor", (*_bits(contact=(7, 0x30), occupancy=(7, 0x80), light_detected=(7, 0x40)), _BATTERY)),
+    "Ss": ("Motion Sensor", (*_bits(occupancy=(7, 0x40), light_detected=(7, 0x20)), _BATTERY)),
+    "&\x06": ("Leak Detector", (*_bits(water_leak=(8, 1), tamper=(8, 2)), _battery_at(7))),
+    "Cc{[": ("Curtain", (_CURTAIN, _BATTERY)),
+    "GgJj": ("Plug Mini", _PLUG),
+    "Oo": ("Lock", (_lock(4, 0x70), *_bits(contact=(7, 4)), _BATTERY)),
+    "$\x04": ("Lock Pro", (_lock(3, 0x78), *_bits(contact=(8, 0x10)), _battery_at(9))),
+    "H": ("Bot", (_BOT, _BATTERY)),
+}
+"""By the letters of each model, of which one is that of a device that is being paired."""
+
+_MODEL_OF: Final = {ord(letter): model for letters, model in _MODELS.items() for letter in letters}
+
+
+class SwitchbotParser(BroadcastParser):
+    """Reads the broadcasts of SwitchBot."""
+
+    def __init__(self, bind_keys: Mapping[str, bytes]) -> None:
+        super().__init__(bind_keys)
+        self._last: dict[str, tuple[bytes, bytes]] = {}
+
+    def concerns(self, advertisement: Advertisement) -> bool:
+        """Return whether it is that of a known model."""
+        service = _service_data(advertisement)
+        return bool(service) and service[0] & 0x7F in _MODEL_OF
+
+    def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
+        """Return the parts of a device, and its values if they are not the last ones again.
+
+        Raises:
+            WireError: It is truncated.
+        """
+        del now
+        service, maker = _service_data(advertisement), advertisement.manufacturer_data.get(MAKER, b"")
+        model, rows = _MODEL_OF[service[0] & 0x7F]
+        if len(maker) < _BODY + 3 and rows[0] in (*_CLIMATE, _CURTAIN):
+            maker = bytes(_BODY) + service[3:]
+        try:
+            values = tuple(BroadcastValue(row.capability, row.capability, row.read(service, maker)) for row in rows)
+        except IndexError:
+            raise WireError("SwitchBot: it is cut off", service + maker) from None
+        is_new = self._last.get(advertisement.address) != (service, maker)
+        self._last[advertisement.address] = service, maker
+        return Broadcast(
+            name=f"{model} {advertisement.address[-5:].replace(':', '')}",  # they call themselves WoSensorTH
+            parts=tuple(map(_part, rows)),
+            values=values if is_new else (),
+            metadata={"manufacturer": "SwitchBot", "model": model},
+            silence=ON_BATTERY if any(row.capability == "battery" for row in rows) else 0.0,
+        )
+
+    def forget(self, address: str) -> None:
+        """Forget a device."""
+        self._last.pop(address, None)
+
+
+def _service_data(advertisement: Advertisement) -> bytes:
+    return next((advertisement.service_data[one] for one in SERVICES if one in advertisement.service_data), b"")
+
+
+def _part(row: _SwitchbotRow) -> Part:
+    return Part(
+        id=row.capability,
+        service_type=row.service_type or sensor_type(row.capability),
+        category="diagnostic" if row.capability == "battery" else "",
+        capabilities=(Capability(name=row.capability),),
+    )

@@ -1,0 +1,107 @@
+"""SwitchBot's broadcasts, in the bytes that pySwitchbot 3.1 describes."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, full_uuid
+from homebot.conventions.bluetooth.switchbot import MAKER, SwitchbotParser
+from homebot.devices.value import PlainValue
+from homebot.errors import WireError
+
+ADDRESS = "AA:BB:CC:DD:EE:FF"
+MAC = "aabbccddeeff"
+
+
+def heard(service: bytes, maker: str = "", uuid: str = "fd3d") -> Advertisement:
+    data = {MAKER: bytes.fromhex(MAC + maker)} if maker else {}
+    return Advertisement(ADDRESS, -60, "WoHand", service_data={full_uuid(uuid): service}, manufacturer_data=data)
+
+
+def read(advertisement: Advertisement) -> Broadcast:
+    parser = SwitchbotParser({})
+    assert parser.concerns(advertisement)
+    found = parser.read(advertisement, 0.0)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize(
+    ("advertisement", "expected"),
+    [
+        (heard(b"T\x00\x64", "7503 0096ac"), {"temperature": 22.0, "humidity": 44.0, "battery": 100.0}),
+        (heard(b"w\x00\x4b", "0103 05035d"), {"temperature": -3.5, "humidity": 93.0, "battery": 75.0}),
+        (heard(b"T\x00\x64\x02\x97\x2d", uuid="0d00"), {"temperature": 23.2, "humidity": 45.0, "battery": 100.0}),
+        (heard(b"i\x00\x64", "0103 000000"), {"temperature": None, "humidity": None, "battery": 100.0}),
+        (
+            heard(b"5\x00\x64", "0103 009c2d 0000 02aa"),
+            {"temperature": 28.0, "humidity": 45.0, "carbon_dioxide": 682.0, "battery": 100.0},
+        ),
+        (
+            heard(b"d\x00\x58", "0190 00"),
+            {"contact": True, "occupancy": True, "light_detected": False, "battery": 88.0},
+        ),
+        (
+            heard(b"d\x00\x58", "0160 00"),  # open for too long
+            {"contact": True, "occupancy": False, "light_detected": True, "battery": 88.0},
+        ),
+        (heard(b"s\x00\x5a", "0160"), {"occupancy": True, "light_detected": True, "battery": 90.0}),
+        (heard(b"&\x00\x56", "0156 01"), {"water_leak": True, "tamper": False, "battery": 86.0}),
+        (heard(b"c\xd0\x59\x00\x11\x04"), {"position": 100.0, "battery": 89.0}),
+        (heard(b"{\x00\x32", "0100 d01104 0032"), {"position": 20.0, "battery": 50.0}),
+        (heard(b"g\x00\x00", "0180 0030 04d2"), {"on_off": True, "power": 123.4}),
+        (heard(b"o\x80\x64", "da83 0020"), {"lock": "locked", "contact": False, "battery": 100.0}),
+        (heard(b"o\x80\x64", "da94 0020"), {"lock": "unlocked", "contact": True, "battery": 100.0}),
+        (heard(b"$\x80\x64", "da88 1020 0000"), {"lock": "unlocked", "contact": True, "battery": 32.0}),
+        (heard(b"H\x90\x0f"), {"on_off": True, "battery": 15.0}),
+        (heard(b"H\xd0\x0f"), {"on_off": False, "battery": 15.0}),
+    ],
+)
+def test_a_broadcast_becomes_values(advertisement: Advertisement, expected: dict[str, PlainValue]) -> None:
+    found = read(advertisement)
+    assert {one.capability: one.value for one in found.values} == expected
+    assert [one.id for one in found.parts] == list(expected)
+    assert not any(capability.settable for one in found.parts for capability in one.capabilities)
+
+
+def test_a_device_is_what_its_letter_says() -> None:
+    lock = read(heard(b"o\x80\x64", "da83 0020"))
+    assert (lock.name, dict(lock.metadata)) == ("Lock EEFF", {"manufacturer": "SwitchBot", "model": "Lock"})
+    assert [(one.service_type, one.category) for one in lock.parts] == [
+        ("door_lock", ""),
+        ("contact_sensor", ""),
+        ("x_battery", "diagnostic"),
+    ]
+
+
+def test_the_same_bytes_are_no_news() -> None:
+    parser = SwitchbotParser({})
+    bot = heard(b"H\x90\x0f")
+    found = [parser.read(bot, now) for now in (0.0, 1.0)]
+    assert [one is not None and bool(one.values) for one in found] == [True, False]
+    parser.forget(ADDRESS)
+    assert (again := parser.read(bot, 2.0)) is not None
+    assert again.values
+
+
+@pytest.mark.parametrize("advertisement", [heard(b"T\x00"), heard(b"d\x00\x58", "01"), heard(b"o\x00")])
+def test_a_frame_that_is_cut_off_is_refused(advertisement: Advertisement) -> None:
+    with pytest.raises(WireError, match="cut off"):
+        SwitchbotParser({}).read(advertisement, 0.0)
+
+
+@pytest.mark.parametrize("service", [b"", b"?\x00\x00"])
+def test_other_models_are_not_read(service: bytes) -> None:
+    assert not SwitchbotParser({}).concerns(heard(service))
+
+
+@given(st.binary(max_size=12), st.binary(max_size=20))
+def test_any_bytes_are_read_or_refused(service: bytes, maker: bytes) -> None:
+    parser, advertisement = SwitchbotParser({}), heard(service, maker.hex())
+    try:
+        found = parser.read(advertisement, 0.0) if parser.concerns(advertisement) else None
+    except WireError:
+        return
+    assert found is None or found.values
