@@ -62,6 +62,12 @@ def test_one_identifier_need_not_be_in_a_list(identifiers: object) -> None:
     assert len(read_device({"identifiers": identifiers}, {}).identifiers) == 1
 
 
+def test_an_empty_identifier_is_left_out() -> None:
+    """As in Home Assistant: firmware announces itself before it knows its hardware address."""
+    fields = {"identifiers": ["", "relay-7"], "connections": [["mac", ""], ["mac", "a8:03:2a:be:54:dc"]]}
+    assert read_device(fields, {}).identifiers == ("mac:a8032abe54dc", "id:relay-7")
+
+
 def test_facts_that_are_equal_in_python_differ() -> None:
     """Devices of one model share their facts, and a version ``1`` is not one that is ``true``."""
     told = [read_device({"identifiers": "a", "hw_version": version}, {}).facts for version in (1, True, 1.0, "1")]

@@ -149,7 +149,8 @@ def _as_text(value: object, limit: int) -> str:
 
 
 def _declared(device: Mapping[str, object]) -> list[str]:
-    ids, pairs = _as_list(device.get("identifiers")), _as_list(device.get("connections"))
+    ids = [one for one in _as_list(device.get("identifiers")) if one != ""]
+    pairs = [one for one in _as_list(device.get("connections")) if not (isinstance(one, list) and one[1:] == [""])]
     if len(ids) + len(pairs) > MAX_IDENTIFIERS:
         raise WireError(f"a device has {len(ids) + len(pairs)} identifiers; {MAX_IDENTIFIERS} is the limit")
     return [*map(_identifier, ids), *map(_connection, pairs)]
