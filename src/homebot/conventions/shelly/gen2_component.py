@@ -112,10 +112,13 @@ class ShellyComponent:
         """Name in its configuration, or of its sender; empty for none."""
         return text_of(self.config.get("name")) or self.sender
 
-    def part(self, suffix: str, service_type: str, *, tag: str = "", category: Category = "") -> JsonPart:
+    def part(
+        self, suffix: str, service_type: str, *, name: str = "", tag: str = "", category: Category = ""
+    ) -> JsonPart:
         """Return a part without capabilities; its *suffix* is empty for the main part of the component."""
         part_id = f"{self.key}/{suffix}" if suffix else self.key
-        return JsonPart(part_id, service_type, name=self.name, advertised=self.kind, tag=tag, category=category)
+        name = f"{self.name} {name}".strip()
+        return JsonPart(part_id, service_type, name=name, advertised=self.kind, tag=tag, category=category)
 
     def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
         """Read the component, or the one called *key*, with *decode*."""

@@ -25,6 +25,7 @@ from homebot.conventions.shelly.gen2_controls import (
     build_switch,
     build_thermostat,
 )
+from homebot.conventions.shelly.gen2_diffuser import build_diffuser
 from homebot.conventions.shelly.gen2_sensors import (
     SENSORS,
     build_bluetooth_device,
@@ -35,7 +36,8 @@ from homebot.conventions.shelly.gen2_sensors import (
     build_power,
     build_sensor,
 )
-from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button
+from homebot.conventions.shelly.gen2_service import OF_THERMOSTAT, TARGET, build_service_thermostat
+from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button, role_of
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Part
 from homebot.support.numbers import to_number
@@ -118,10 +120,16 @@ def _build_parts(
     """
     parts: list[JsonPart] = []
     components = _components(topics, status, config)
+    roles = {role_of(one.config): one for one in components}
     valves = {text_of(one.config.get("addr")) for one in components if one.kind == "blutrv"} - {""}
     for component in components:
         if component.kind in _AS_SENDER and text_of(component.config.get("addr")) in valves:
             continue  # the valve has a component of its own
+        role = role_of(component.config)
+        if role == TARGET:
+            parts.append(build_service_thermostat(roles))
+        if role == TARGET or (role in OF_THERMOSTAT and TARGET in roles):
+            continue
         for build in _BUILDERS[component.kind]:
             parts.extend(build(component))
     for part in parts[:1]:
@@ -153,6 +161,7 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),
+    "cury": (build_diffuser,),
 }
 _CHANNEL = re.compile(rf"(?:switch|cover|em1|{'|'.join(LIGHTS)}):[0-9]{{1,2}}")
 _PHASES = re.compile("em:[0-9]{1,2}")

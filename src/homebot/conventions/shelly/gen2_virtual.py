@@ -25,7 +25,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["VIRTUAL", "build_virtual", "build_virtual_button"]
+__all__ = ["VIRTUAL", "bounds_of", "build_virtual", "build_virtual_button", "options_of", "role_of"]
 
 Parts = tuple[JsonPart, ...]
 
@@ -46,7 +46,6 @@ _MEASURED: Mapping[str, tuple[str, str]] = {
 """Capability and unit of the numbers of a maker's service, by role."""
 
 _CONTROLLED: Mapping[tuple[str, str], tuple[str, str]] = {
-    ("number", "target_temperature"): ("thermostat", "heating_setpoint"),
     ("number", "target_humidity"): ("x_humidifier", "humidity_setpoint"),
     ("boolean", "state"): ("switch", "on_off"),
 }
@@ -65,7 +64,7 @@ _MOST_OPTIONS = 100
 
 def build_virtual(component: ShellyComponent) -> Parts:
     """Describe a value as a setting, or by its role or its access."""
-    role = _role(component.config)
+    role = role_of(component.config)
     if component.kind == "boolean" and _ZONE.fullmatch(role):
         return (_build_zone(component, role),)
     if component.kind == "number" and role == _VALVE_POSITION:
@@ -88,8 +87,8 @@ def build_virtual_button(component: ShellyComponent) -> Parts:
 def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
     kind, config = component.kind, component.config
     service_type, capability = _CONTROLLED.get((kind, role), ("x_setting", VIRTUAL[kind][0]))
-    bounds = _bounds(config) if kind == "number" else ()
-    options = _options(config) if kind == "enum" else ()
+    bounds = bounds_of(config) if kind == "number" else ()
+    options = options_of(config) if kind == "enum" else ()
     part = component.part("", service_type, category="config" if service_type == "x_setting" else "")
     component.read_status(part, _value_decoder(kind, capability))
     component.add_command_topic(part)
@@ -174,7 +173,7 @@ def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
     return part
 
 
-def _role(config: Fields) -> str:
+def role_of(config: Fields) -> str:
     """Return the role of a value in a maker's service; empty for a user's own value."""
     owner, role = config.get("owner"), config.get("role")
     is_makers = isinstance(owner, str) and owner.startswith("service:")
@@ -196,7 +195,8 @@ def _value_decoder(kind: str, capability: str) -> StatusDecoder:
     return decode
 
 
-def _options(config: Fields) -> tuple[str, ...]:
+def options_of(config: Fields) -> tuple[str, ...]:
+    """Return the options of an enum."""
     options = config.get("options")
     if not isinstance(options, list):
         return ()
@@ -211,6 +211,7 @@ def _unit(config: Fields) -> str:
     return text_of(unit, _LONGEST_UNIT)
 
 
-def _bounds(config: Fields) -> tuple[float, ...]:
+def bounds_of(config: Fields) -> tuple[float, ...]:
+    """Return the smallest and the largest value of a number; empty if they are not configured."""
     least, most = to_number(config.get("min")), to_number(config.get("max"))
     return (least, most) if least is not None and most is not None and least < most else ()
