@@ -31,7 +31,7 @@ class Scan(Message, ros_type="test_msgs/msg/Scan"):
 SCAN = Scan(
     stamp=Time(sec=1, nanosec=2),
     ranges=(1.0, 2.5),
-    rough=(1e300,),
+    rough=(0.5, 1e300),
     steps=(1, 256),
     flags=(True, False),
     raw=b"\x00\xff",
@@ -48,15 +48,18 @@ async def receive_binary(peer: Any) -> dict[str, Any]:
 
 
 def test_numbers_of_one_type_are_packed_and_everything_else_is_plain() -> None:
-    """The tags are those of RFC 8746 that roslibjs makes typed arrays of: 86 and 69."""
+    """The tags are those of RFC 8746 that roslibjs makes typed arrays of: 85, 86 and 69.
+
+    A number too large for ``float32`` is infinite, as in CDR.
+    """
     frame = cbor2.loads(publish_cbor("/scan", SCAN))
     assert (frame["op"], frame["topic"]) == ("publish", "/scan")
     message = frame["msg"]
     assert message.pop("ranges") == cbor2.CBORTag(86, bytes.fromhex("000000000000f03f0000000000000440"))
+    assert message.pop("rough") == cbor2.CBORTag(85, bytes.fromhex("0000003f0000807f"))
     assert message.pop("steps") == cbor2.CBORTag(69, b"\x01\x00\x00\x01")
     assert message == {
         "stamp": {"sec": 1, "nanosec": 2},
-        "rough": [1e300],
         "flags": [True, False],
         "raw": b"\x00\xff",
         "names": ["é"],

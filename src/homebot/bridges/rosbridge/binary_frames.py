@@ -23,9 +23,9 @@ _TYPED_ARRAYS = {  # tag, layout; those that the original uses, all little-endia
     "int32": (78, "i"),
     "uint64": (71, "Q"),
     "int64": (79, "q"),
+    "float32": (85, "f"),
     "float64": (86, "d"),
 }
-"""All but those of ``float32``: a number in it may be too large for that, and goes as it is."""
 
 
 def publish_cbor(topic: str, message: Message, lost: int = 0) -> bytes:
