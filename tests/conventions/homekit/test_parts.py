@@ -13,6 +13,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
 READ = ["pr", "ev"]
+ECOBEE, ECOBEE_HOLD = "B7DDB9A3-54BB-4572-91D2-F1F5B0510F8C", "1B300BC2-CFFC-47FF-89F9-BD6CCF5F2853"
 EVE, SENSE, KOOGEEK = "-079E-48FF-8F27-9C2605A29F52", "-0000-1000-8000-001D4B474349", "-0DEC-11E5-B939-0800200C9A66"
 
 
@@ -102,6 +103,8 @@ def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[s
         ("8D", {"95": 2, "C6": 7.0, "C8": 90.0}, "air_quality_sensor",
          {"air_quality_index": 2.0, "pm25": 7.0, "volatile_organic_compounds": 90.0}),
         ("8A", {"11": -3.5}, "temperature_sensor", {"temperature": -3.5}),
+        ("8D", {"95": 1, "11": 21.0, "10": 40.0}, "air_quality_sensor",
+         {"air_quality_index": 1.0, "temperature": 21.0, "humidity": 40.0}),
         ("82", {"10": 55.0}, "humidity_sensor", {"humidity": 55.0}),
         ("84", {"6B": 120.0}, "light_sensor", {"illuminance": 120.0}),
         ("96", {"68": 80, "8F": 2, "79": 0}, "x_battery",
@@ -145,6 +148,7 @@ def test_a_service_is_a_part_with_its_readings(
         ("BD", {"B0": 1, "B3": 0, "B4": 0, "10": 40.0, "C9": 50.0}, "humidity_setpoint", 45.0, {"C9": 45.0}),
         ("BD", {"B0": 1, "B4": 2, "10": 70.0, "CA": 30.0, "C9": 50.0}, "humidity_setpoint", 45.0, {"C9": 45.0}),
         ("BC", {"B0": 0, "29": 60.0}, "fan_speed", 40.0, {"29": 40.0}),
+        ("4A", {"35": 20.0, ECOBEE: 0, ECOBEE_HOLD: 0}, "preset_mode", "away", {ECOBEE_HOLD: 2}),
         ("113", {"11A": False, "119": 30}, "volume", 10.0, {"119": 10.0}),
     ],
 )

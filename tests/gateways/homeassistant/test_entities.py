@@ -193,6 +193,26 @@ def test_an_assumed_state_proves_nothing() -> None:
     assert capability.echoed
 
 
+@pytest.mark.parametrize(
+    ("modes", "features", "setpoints"),
+    [
+        (["off", "cool", "dry"], 3, {"cooling_setpoint"}),  # LG's air conditioners
+        (["off", "heat"], 3, {"heating_setpoint"}),
+        (["off", "heat_cool"], 2, {"heating_setpoint", "cooling_setpoint"}),
+        (["off", "auto"], 2, {"heating_setpoint", "cooling_setpoint"}),
+        (["off", "auto"], 1, {"heating_setpoint"}),
+        (["off", "heat"], 0, set()),
+    ],
+)
+def test_a_thermostat_has_the_setpoints_of_its_modes(modes: list[str], features: int, setpoints: set[str]) -> None:
+    part = only("climate.a", "off", hvac_modes=modes, supported_features=features, min_temp=7, max_temp=30).part()
+    assert {one.name for one in part.capabilities if one.name.endswith("setpoint")} == setpoints
+
+
+def test_a_projector_is_no_speaker() -> None:
+    assert only("media_player.a", "off", device_class="projector").part().service_type == "video_player"
+
+
 def test_degrees_fahrenheit_are_converted_both_ways() -> None:
     entities = HomeAssistantEntities(9)
     entities.celsius = False

@@ -20,12 +20,13 @@ from homebot.errors import RefusedError
 __all__ = ["CLIMATE_ROWS"]
 
 THERMOSTAT, HEATER, HUMIDIFIER = "4A", "BC", "BD"
-TARGET, TEMPERATURE, SETPOINT, HEAT_TO, COOL_TO, HUMIDITY = "33", "11", "35", "12", "D", "10"
+TARGET, TEMPERATURE, SETPOINT, HEAT_TO, COOL_TO = "33", "11", "35", "12", "D"
 ACTIVE, HEATER_TARGET, HUMIDIFIER_TARGET, DRY_TO, WET_TO = "B0", "B2", "B4", "C9", "CA"
 _MODES: Final = {0: "off", 1: "heat", 2: "cool", 3: "auto"}
 _ACTIONS: Final = {0: "idle", 1: "heating", 2: "cooling"}
 _HEATER_MODES: Final = {0: "auto", 1: "heat", 2: "cool"}
 _HEATER_ACTIONS: Final = {0: "off", 1: "idle", 2: "heating", 3: "cooling"}
+_ECOBEE_MODE, _ECOBEE_HOLD = "B7DDB9A3-54BB-4572-91D2-F1F5B0510F8C", "1B300BC2-CFFC-47FF-89F9-BD6CCF5F2853"
 _HUMIDIFIER_MODES: Final = {0: "auto", 1: "humidify", 2: "dehumidify"}
 _HEAT, _COOL, _AUTO = 1, 2, 3
 _DRY: Final = 2
@@ -96,12 +97,12 @@ def _write_humidity(service: HapService, value: PlainValue) -> Writes:
 
 CLIMATE_ROWS: Final = (
     ServiceRow(f"{THERMOSTAT} {HEATER}", "local_temperature", TEMPERATURE),
-    ServiceRow(f"{THERMOSTAT} {HUMIDIFIER}", "humidity", HUMIDITY),
     ServiceRow(THERMOSTAT, "thermostat_mode", TARGET, TARGET, _MODES),
     ServiceRow(THERMOSTAT, "thermostat_action", "F", "", _ACTIONS),
     _setpoint_row("heating_setpoint", HEAT_TO, _HEAT),
     _setpoint_row("cooling_setpoint", COOL_TO, _COOL),
     ServiceRow(THERMOSTAT, "humidity_setpoint", "34", "34"),
+    ServiceRow(THERMOSTAT, "preset_mode", _ECOBEE_MODE, _ECOBEE_HOLD, {0: "home", 1: "sleep", 2: "away"}),
     ServiceRow(
         HEATER,
         "thermostat_mode",

@@ -30,6 +30,9 @@ PRESS: Final = "73"
 PRESSES: Final = {0: "single", 1: "double", 2: "long"}
 _SENSORS: Final = f"{AIR} {MOTION} {OCCUPANCY} {CONTACT} {LEAK} {SMOKE} {MONOXIDE} {DIOXIDE} 8A 82 84"
 
+_HEATER, _COOL_TO = "BC", "D"
+_HEATERS: Final = frozenset({"4A", _HEATER})
+
 _SENSOR_ROWS: Final = (
     ServiceRow("89 121", "press", PRESS, "", PRESSES),  # buttons and doorbells
     ServiceRow(MOTION, "occupancy", "22"),
@@ -45,9 +48,9 @@ _SENSOR_ROWS: Final = (
     ServiceRow(AIR, "pm25", "C6"),
     ServiceRow(AIR, "pm10", "C7"),
     ServiceRow(AIR, "volatile_organic_compounds", "C8"),
-    ServiceRow("8A", "temperature", "11"),
-    ServiceRow("82", "humidity", "10"),
-    ServiceRow("84", "illuminance", "6B"),
+    ServiceRow("", "temperature", "11", when=lambda service: service.type not in _HEATERS),
+    ServiceRow("", "humidity", "10"),
+    ServiceRow("", "illuminance", "6B"),
     ServiceRow(BATTERY, "battery", "68"),
     ServiceRow(
         BATTERY, "battery_charging", "8F", read=lambda service: service.number("8F") == 1
@@ -91,7 +94,6 @@ _TYPES: Final[Mapping[str, str]] = {
 """The types of services of each type of parts."""
 
 _TYPE_OF: Final = {service: kind for kind, services in _TYPES.items() for service in services.split()}
-_HEATER, _COOL_TO = "BC", "D"
 _TELEVISION, _SOURCE, _INPUT, _INPUT_ID = "D8", "E7", "D9", "E6"
 _NAME, _CONFIGURED_NAME, _LABEL_INDEX = "23", "E3", "CB"
 

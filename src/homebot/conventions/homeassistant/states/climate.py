@@ -81,14 +81,15 @@ def _is_pair(info: Fields) -> bool:
 
 
 def _heats(info: Fields) -> bool:
-    """Return whether it has a target to heat to: a single one that is not only for cooling, or a pair."""
+    """Return whether it has a target to heat to; an air conditioner with a pair may only cool."""
     modes = _modes(info)
-    is_single = has(_SINGLE)(info) and (_COOLS.isdisjoint(modes) or not _HEATS.isdisjoint(modes))
-    return bool(is_single or has(_PAIR)(info))
+    return bool(has(_SINGLE, _PAIR)(info) and (_COOLS.isdisjoint(modes) or not _HEATS.isdisjoint(modes)))
 
 
 def _cools(info: Fields) -> bool:
-    return bool((has(_SINGLE)(info) and not _COOLS.isdisjoint(_modes(info))) or has(_PAIR)(info))
+    modes = _modes(info)
+    is_pair_for_both = has(_PAIR)(info) and "heat" not in modes
+    return bool(has(_SINGLE, _PAIR)(info) and (is_pair_for_both or not _COOLS.isdisjoint(modes)))
 
 
 def _setpoint(name: str, end: str, when: Condition) -> EntityRow:

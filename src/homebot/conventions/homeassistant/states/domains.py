@@ -191,7 +191,7 @@ def _tones(info: Fields) -> tuple[str, ...]:
 _PLAYER_ON = {"off": False, **dict.fromkeys(("on", "idle", "playing", "paused", "standby", "buffering"), True)}
 
 _MEDIA_PLAYER: Final = EntityComponent(
-    lambda info: "video_player" if class_of(info) == "tv" else "speaker",
+    lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
     (
         EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
         percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0),
