@@ -229,6 +229,26 @@ async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: Ope
         assert "hunter2" not in own.browser.current_url
 
 
+async def test_a_page_with_a_token_that_is_valid_no_more_goes_on_without_one(page: OpenPage, tmp_path: Path) -> None:
+    """At this computer, where none is needed."""
+    (tmp_path / "token").write_text("of-today")
+    async with page(tokens={"panel": {"token_file": str(tmp_path / "token"), "scope": ["read"]}}) as own:
+        await own.open("#token=of-yesterday", shows="a valid token is needed")
+        await own.click("form button[type=button]")
+        await own.shows("3 devices")
+
+
+async def test_an_address_with_a_mistake_and_a_narrow_window_show_the_page(page: OpenPage) -> None:
+    async with page(tables={"home": {"name": "villa" * 20}}) as own:
+        await own.open("#/device/100%", shows="There is no device 100%")
+        for width in (320, 780, 800):
+            own.resize(width, 800)
+            for view in ("#/house", "#/graph"):
+                await own.open(view, shows="villa")
+                assert own.overflow() == 0, f"{view} at {width} pixels"
+        own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(page: OpenPage) -> None:
     tables = {
         "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},

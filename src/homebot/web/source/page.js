@@ -28,7 +28,11 @@ const isLoggingIn = signal(false);
 
 function placeNow() {
   const [, view = "house", id = ""] = location.hash.split("/");
-  return { view: view || "house", id: decodeURIComponent(id) };
+  try {
+    return { view: view || "house", id: decodeURIComponent(id) };
+  } catch {
+    return { view, id }; // a bare % in an address that was typed in
+  }
 }
 
 function Page() {
@@ -66,7 +70,7 @@ function LogIn({ reason }) {
     <p>A token gives this page its rights. Make one with <code>homebot token new page --scope read --scope 'act: all' --scope manage</code>.</p>
     <label>Token <input type="password" name="token" autocomplete="off" required /></label>
     <label><input type="checkbox" name="remember" /> keep it in this browser</label>
-    <button>log in</button>
+    <p class="buttons"><button>log in</button> ${reason && token.value && html`<button type="button" onClick=${logOut}>go on without a token</button>`}</p>
   </form>`;
 }
 
