@@ -10,7 +10,7 @@ from functools import partial
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.discovery.announcements import announce, part_of
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.clock import Clock, ManualClock
 from homebot.devices import (
@@ -123,6 +123,22 @@ async def test_devices_that_are_announced_in_one_burst_are_published_once_with_a
         await anyio.sleep(0.2)
         found = [(change.kind, len(change.device.parts)) for change in iter(house.changes.take, None)]
     assert found == [("appeared", 8)] * 20
+
+
+async def test_the_first_reachability_of_devices_of_a_burst_is_published_with_them() -> None:
+    """It often comes by another topic, after the last announcement."""
+    light = part_of("light", "on_off", id="l")
+    lamps = [announce(f"{lamp}", light, ids=(f"id:lamp{lamp}",), gateway="fake") for lamp in range(20)]
+    async with layer() as house:
+        for lamp in lamps:
+            house.gateway.publish_sighting(lamp)
+        for lamp in lamps:
+            house.gateway.reports.publish(tell(lamp, REACHABLE, True, retained=True))
+            for _ in range(3):  # as a gateway that reads a broker's messages
+                await anyio.lowlevel.checkpoint()
+        await anyio.sleep(0.2)
+        found = [(change.kind, change.device.reachable.state) for change in iter(house.changes.take, None)]
+    assert found == [("appeared", "yes")] * 20
 
 
 async def test_a_flood_of_others_keeps_no_device_from_being_published_whole() -> None:

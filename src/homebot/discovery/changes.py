@@ -72,7 +72,7 @@ class ChangeQueue:
         of_links: Numbers of those among the changes taken last that a gateway's link made, lost or back.
         growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
         recent: The last changes that were taken, for late clients.
-        announced: The number of announcements so far, new or changed.
+        announced: The number of announcements so far, new or changed, and of first reachabilities, which follow them.
         collects_states: Whether changes of states are collected.
         collects_settings: Whether changed settings are collected.
     """

@@ -158,6 +158,8 @@ class StateRecorder:
 
     def _record_reachability(self, entry: Entry, source: SourceRecord, reading: Reading, report: Report) -> None:
         if report.address:
+            if reading.part not in source.reach:
+                self._table.changes.announced += 1  # the first one still belongs to its announcement
             live = not report.retained
             store_reachability(entry, source, reading, report.received_at, self._liveness.now, live=live)
         else:  # the device reports it no longer

@@ -188,8 +188,11 @@ class StateReader:
             said = self._read_source(shared, index, address, payload)
             if said is None:
                 continue
+            before = shared.value
             shared.update(index, said, retained=retained)
             shared.address = address
+            if retained and shared.value is before:
+                continue  # all its members have reported that
             for stored, part in tuple(shared.members):
                 count += 1
                 if count % _TURN == 0:
