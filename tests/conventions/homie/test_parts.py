@@ -152,6 +152,60 @@ def test_a_lock_with_orders_draws_its_latch(introduce: Introduce) -> None:
     assert told(lock, "lock", "open") == [("lock/action/set", "open")]
 
 
+def states(*words: str, settable: bool = False) -> dict[str, object]:
+    return {"datatype": "enum", "format": ",".join(words), "settable": settable}
+
+
+@pytest.mark.parametrize(
+    ("properties", "locked", "command"),
+    [
+        ({"state": states("locked", "unlocked", settable=True)}, "locked", ("state/set", "unlocked")),
+        ({"state": states("LOCKED", "UNLOCKED", settable=True)}, "LOCKED", ("state/set", "UNLOCKED")),
+        (
+            {"state": states("locked", "unlocked", "jammed"), "action": order("lock", "unlock")},
+            "locked",
+            ("action/set", "unlock"),
+        ),
+    ],
+)
+def test_a_lock_of_words_is_a_lock_and_no_setting(
+    introduce: Introduce, properties: dict[str, object], locked: str, command: tuple[str, str]
+) -> None:
+    parts = introduce({"bolt": {"type": "lock", "properties": properties}})
+    assert {name: one.part.service_type for name, one in parts.items()} == {"bolt": "door_lock"}
+    assert read(parts["bolt"], "bolt/state", locked) == {"lock": "locked"}
+    assert told(parts["bolt"], "lock", "unlocked") == [(f"bolt/{command[0]}", command[1])]
+
+
+def test_an_alarm_is_an_alarm_panel_and_no_setting(introduce: Introduce) -> None:
+    properties = {"state": states("disarmed", "armed_home", "armed_away", settable=True)}
+    (part,) = introduce({"panel": {"type": "alarm", "name": "Alarm panel", "properties": properties}}).values()
+    assert part.part.service_type == "x_alarm_panel"
+    assert read(part, "panel/state", "armed_away") == {"alarm": "armed_away"}
+    assert told(part, "alarm", "disarmed") == [("panel/state/set", "disarmed")]
+    with pytest.raises(RefusedError):
+        part.codec.write("alarm", "triggered")
+
+
+def test_a_switch_beside_an_alarm_stays_one(introduce: Introduce) -> None:
+    parts = introduce({"panel": {"properties": {"on": FLAG, "mode": states("disarmed", "armed", settable=True)}}})
+    assert {name: one.part.service_type for name, one in parts.items()} == {
+        "panel/$alarm": "x_alarm_panel",
+        "panel": "switch",
+    }
+
+
+def test_the_state_of_an_alarm_is_not_what_it_was_told(introduce: Introduce) -> None:
+    properties = {
+        "target": states("disarmed", "armed_away", settable=True),
+        "state": states("disarmed", "armed_away", "triggered"),
+    }
+    (part,) = introduce({"panel": {"type": "alarm", "properties": properties}}).values()
+    assert part.part.reads == ("homie/5/thing/panel/state",)
+    assert read(part, "panel/state", "triggered") == {"alarm": "triggered"}
+    assert told(part, "alarm", "armed_away") == [("panel/target/set", "armed_away")]
+
+
 def test_a_valve_is_open_where_it_is_true(introduce: Introduce) -> None:
     valve = introduce({"valve": {"type": f"{CAP}valve", "properties": {"state": FLAG}}})["valve"]
     assert valve.part.service_type == "water_valve"
@@ -302,6 +356,16 @@ def test_a_fan_takes_its_speed_as_a_number(
     assert read(fan, "fan/speed", "0") == {"fan_speed": 0.0, "on_off": False}
     assert told(fan, "fan_speed", 50.0) == [("fan/speed/set", half)]
     assert told(fan, "on_off", False) == [("fan/speed/set", "0")]
+
+
+def test_a_fan_of_steps_from_one_has_a_speed(introduce: Introduce) -> None:
+    """And no step at which it is off."""
+    speed = {"datatype": "integer", "format": "1:5", "settable": True}
+    fan = introduce({"fan": {"type": "fan", "properties": {"on": FLAG, "speed": speed}}})["fan"]
+    assert read(fan, "fan/speed", "3") == {"fan_speed": 60.0}
+    assert told(fan, "fan_speed", 60.0) == [("fan/speed/set", "3")]
+    lone = introduce({"fan": {"type": "fan", "properties": {"speed": speed}}})["fan"]
+    assert {one.name for one in lone.part.capabilities} == {"fan_speed"}
 
 
 def test_a_fan_with_a_switch_is_switched_by_that(introduce: Introduce) -> None:

@@ -1,4 +1,4 @@
-"""Lamps, covers, locks, fans, and robots that clean: controls of several properties. Pure.
+"""Alarms, lamps, covers, locks, fans, and robots that clean: controls of several properties. Pure.
 
 Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level, color, shutter, garage-door and lock; Valetudo
 2021.10 to 2025, ``backend/lib/mqtt``.
@@ -30,7 +30,7 @@ from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.value import PlainValue
 
-__all__ = ["LIGHT_ROLES", "add_cover", "add_fan", "add_light", "add_lock", "build_vacuum", "find_vacuum"]
+__all__ = ["LIGHT_ROLES", "add_alarm", "add_cover", "add_fan", "add_light", "add_lock", "build_vacuum", "find_vacuum"]
 
 
 Props = Mapping[str, HomieProperty]
@@ -44,6 +44,7 @@ _MOVEMENTS = {"open": "open", "close": "closed", "closed": "closed", "stop": "st
 _MOVES = {"open": ("open", "up"), "closed": ("close", "closed", "down"), "stopped": ("stop", "stopped")}
 _PERCENTS = {"open": 100.0, "closed": 0.0}
 _LOCKS = {True: "locked", False: "unlocked"}
+_LOCK_STATES = frozenset({"locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"})
 _LOCK_COMMANDS = {"locked": ("lock", "locked"), "unlocked": ("unlock", "unlocked"), "open": ("open",)}
 
 
@@ -74,13 +75,20 @@ def _read_movement(state: HomieProperty, payload: bytes) -> Readings:
 
 
 def add_lock(part: BytesPart, props: Props) -> None:
-    """Add the capabilities of a lock, which is locked if its state is true."""
+    """Add the capabilities of a lock, which is locked if its state is true, or says so.
+
+    An enum of states that can be set is its state too, if there is no other.
+    """
     state, command = props.get("lock"), props.get("lock_action")
     commands = _options_by_command(command, _LOCK_COMMANDS)
+    told = command if state is None and command is not None and _tells_lock(command) else state
 
     def read(payload: bytes) -> Readings:
-        value = read_plain(state, payload) if state is not None else None
-        return {"lock": _LOCKS[value]} if isinstance(value, bool) else NO_READINGS
+        value = read_plain(told, payload) if told is not None else None
+        if isinstance(value, bool):
+            return {"lock": _LOCKS[value]}
+        state = value.casefold() if isinstance(value, str) else ""
+        return {"lock": state} if state in _LOCK_STATES else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> Publications:
         if state is not None and state.is_settable and value != "open":
@@ -89,13 +97,37 @@ def add_lock(part: BytesPart, props: Props) -> None:
         option = commands[require_option("lock", value, commands)]
         return () if command is None else (publication(command, option),)
 
-    if state is not None:
-        part.read_from(state.topic, read)
+    if told is not None:
+        part.read_from(told.topic, read)
     for prop in (state, command):
         if prop is not None and prop.is_settable:
             part.add_command_topics(f"{prop.topic}/set")
     is_settable = bool(commands) or (state is not None and state.is_settable)
-    part.add_capability("lock", readable=state is not None, writer=write if is_settable else None)
+    part.add_capability("lock", readable=told is not None, writer=write if is_settable else None)
+
+
+def _tells_lock(command: HomieProperty) -> bool:
+    return command.is_retained and {option.casefold() for option in command.options} >= set(_LOCKS.values())
+
+
+def add_alarm(part: BytesPart, props: Props) -> None:
+    """Add the state of an alarm, which is that of its commands if there is no other, and the states to set."""
+    command = props.get("arm")
+    state = props.get("alarm", command)
+    if state is None:
+        return
+
+    def read(payload: bytes) -> Readings:
+        value = read_plain(state, payload)
+        return {"alarm": value.casefold()} if isinstance(value, str) else NO_READINGS
+
+    part.read_from(state.topic, read)
+    writer = None
+    if command is not None:
+        options = {option.casefold(): option for option in command.options}
+        part.add_command_topics(f"{command.topic}/set")
+        writer = option_writer("alarm", options, lambda option: (publication(command, options[option]),))
+    part.add_capability("alarm", writer=writer, options=tuple(option.casefold() for option in state.options))
 
 
 def add_light(part: BytesPart, props: Props) -> None:
@@ -131,7 +163,7 @@ def _read_brightness(color: HomieProperty, payload: bytes) -> Readings:
 
 def add_fan(part: BytesPart, props: Props) -> None:
     """Add the capabilities of a fan. Without a switch it is off at speed 0."""
-    if "on_off" not in props and "fan_speed" in props:
+    if "on_off" not in props and "fan_speed" in props and not props["fan_speed"].range.least:
         _add_switch_of_range(part, "fan_speed", props["fan_speed"])
     add_properties(part, props, "on_off", "fan_speed", "fan_mode")
 

@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homie.controls import (
     LIGHT_ROLES,
+    add_alarm,
     add_cover,
     add_fan,
     add_light,
@@ -44,6 +45,7 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
     if lamp:
         controls.append(_light(lamp))
     for node in nodes:
+        controls.extend(_alarms(node))
         if node not in lamp:
             controls.extend(_controls(device, node))
         others.extend((*_meters(node), *_singles(node)))
@@ -158,6 +160,16 @@ _NEEDED: Mapping[str, frozenset[str]] = {
 }
 
 
+def _alarms(node: NodeRoles) -> Iterator[BytesPart]:
+    """Describe the alarm of a node, which may have other controls."""
+    props = {role.name: role.prop for role in node.roles if role.name in _OF_ALARM}
+    if props:
+        part = node_part(node.node, "x_alarm_panel", suffix="$alarm", guessed=True)
+        add_alarm(part, props)
+        yield part
+
+
+_OF_ALARM = frozenset({"alarm", "arm"})
 _ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})
 _DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
 _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}

@@ -59,8 +59,8 @@ def _is_level(prop: HomieProperty) -> bool:
 
 
 def _is_speed_range(prop: HomieProperty) -> bool:
-    """Return whether its numbers are percent or steps from 0."""
-    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0} and (prop.range.most or 0.0) <= max(_ENDS)
+    """Return whether its numbers are percent, or steps from 0 or 1."""
+    return prop.unit in {"", "%"} and prop.range.least in {None, 0.0, 1.0} and (prop.range.most or 0.0) <= max(_ENDS)
 
 
 def _is_room_temperature(prop: HomieProperty) -> bool:
@@ -71,6 +71,21 @@ def _is_room_temperature(prop: HomieProperty) -> bool:
 
 def _is_cooling(prop: HomieProperty) -> bool:
     return _is_room_temperature(prop) and any(one.startswith("cool") for one in tokens_in(prop.id, prop.name))
+
+
+def _has_lock_states(prop: HomieProperty) -> bool:
+    return {"locked", "unlocked"} <= _options(prop)
+
+
+def _is_locking(prop: HomieProperty) -> bool:
+    """Return whether it is an enum with an option to lock and one to unlock."""
+    return {"lock", "unlock"} <= _options(prop) or _has_lock_states(prop)
+
+
+def _is_arming(prop: HomieProperty) -> bool:
+    """Return whether it is an enum of the states of an alarm."""
+    options = _options(prop)
+    return "disarmed" in options and any(one.startswith("armed") for one in options)
 
 
 def _is_climate_mode(prop: HomieProperty) -> bool:
@@ -147,12 +162,13 @@ _SETTABLE: tuple[_Guess, ...] = (
     _Guess("fan_mode", ("thermostat",), _ENUM, frozenset({"fan", "fanmode"})),
     _Guess("thermostat_mode", ("thermostat",), _ENUM, None, _is_climate_mode),
     _Guess("move", _COVERS, _ENUM, None, _is_moving),
-    _Guess("lock_action", ("lock",), _ENUM, None, lambda prop: {"lock", "unlock"} <= _options(prop)),
+    _Guess("lock_action", ("lock",), _ENUM, None, _is_locking),
 )
 _REPORTED: tuple[_Guess, ...] = (
     _Guess("local_temperature", ("thermostat",), _NUMBER, frozenset({"temperature"})),
     _Guess("movement", _COVERS, _ENUM, None, lambda prop: _is_opening(prop) and _is_moving(prop)),
     _Guess("lock", ("lock",), _BOOLEAN, _LOCKING, is_main=True),
+    _Guess("lock", ("lock",), _ENUM, None, _has_lock_states),
     _Guess("press", None, _BOOLEAN, frozenset({"button", "doorbell"})),
 )
 _REPORTED_BESIDE = tuple(guess for guess in _REPORTED if guess.role in {"movement", "press"})
@@ -161,6 +177,8 @@ _REPORTED_BESIDE = tuple(guess for guess in _REPORTED if guess.role in {"movemen
 
 def _guess(node: HomieNode, prop: HomieProperty, kind: str) -> str:
     """Return the guessed role of *prop* in a node of *kind*; empty for none."""
+    if not kind and _is_arming(prop):
+        return "arm" if prop.is_settable else "alarm"
     tokens = tokens_in(prop.id, prop.name)
     guesses = _SETTABLE
     if not prop.is_settable:
@@ -181,7 +199,17 @@ def _kind_of_number(node: HomieNode, tokens: frozenset[str]) -> str:
 
 CONTROLS = frozenset(
     {"on_off", "level", "color", "color_temperature", "position", "tilt", "movement", "move", "lock", "lock_action"}
-    | {"valve", "heating_setpoint", "cooling_setpoint", "thermostat_mode", "fan_mode", "fan_speed", "local_temperature"}
+    | {
+        "alarm",
+        "arm",
+        "valve",
+        "heating_setpoint",
+        "cooling_setpoint",
+        "thermostat_mode",
+        "fan_mode",
+        "fan_speed",
+        "local_temperature",
+    }
 )
 """Roles of controls; every other role is a capability that is only reported."""
 
