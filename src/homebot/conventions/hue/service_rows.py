@@ -66,7 +66,8 @@ def _read_motion(sensor: Fields) -> PlainValue:
 
 
 def _read_celsius(sensor: Fields) -> PlainValue:
-    return finite_number(_sensed(sensor, "temperature", "temperature"))
+    celsius = finite_number(_sensed(sensor, "temperature", "temperature"))
+    return None if celsius is None else round(celsius, 2)  # it sends 18.139999389648438
 
 
 def _read_lux(sensor: Fields) -> PlainValue:
