@@ -26,6 +26,25 @@ ZIGBEE_METER: Final = 0x0B04
 EVE: Final = 0x130AFC01
 """The cluster of Eve, with what the specification did not have yet, or has not; the server reads it in turns."""
 
+_OF_MAKERS: Final[Mapping[int, Mapping[int, tuple[str, float]]]] = {
+    EVE: {
+        0x130A0008: ("voltage", 1),
+        0x130A0009: ("current", 1),
+        0x130A000A: ("power", 1),
+        0x130A000B: ("energy", 1),
+        0x130A0014: ("pressure", 1),
+    },
+    0x125DFC11: {  # Neo
+        0x125D0021: ("energy", 1000),
+        0x125D0022: ("current", 1000),
+        0x125D0023: ("power", 10),
+        0x125D0024: ("voltage", 10),
+    },
+    0x130DFC02: {0: ("energy", 1e6), 0x0400: ("power", 1000)},  # Third Reality
+}
+"""Clusters of makers: the capability of each attribute, with the divisor of its numbers; as Home Assistant core 2025.11
+reads them."""
+
 _FILTERS: Final = {113: "dust_filter", 114: "carbon_filter"}
 
 _BOOLEAN_STATES: Final = {0x0043: "water_leak", 0x0044: "rain", 0x0041: "freeze", 0x0015: "contact"}
@@ -141,11 +160,11 @@ SENSOR_ROWS: Final = (
     ClusterRow(ELECTRICAL, 12, "current", number(1000)),
     ClusterRow(ELECTRICAL, 8, "power", number(1000)),
     ClusterRow(ELECTRICAL, 14, "frequency", number(1000)),
-    ClusterRow(EVE, 0x130A0008, "voltage", number()),
-    ClusterRow(EVE, 0x130A0009, "current", number()),
-    ClusterRow(EVE, 0x130A000A, "power", number()),
-    ClusterRow(EVE, 0x130A000B, "energy", number()),
-    ClusterRow(EVE, 0x130A0014, "pressure", number()),
+    *(
+        ClusterRow(cluster, attribute, name, number(divisor))
+        for cluster, attributes in _OF_MAKERS.items()
+        for attribute, (name, divisor) in attributes.items()
+    ),
     ClusterRow(EVE, 0x130A0018, "measurement", number(1, 0, 100), unit="%"),  # how far the valve of a radiator is open
     ClusterRow(AIR_QUALITY, 0, "air_quality_index", number(1, 1, 6)),
     # Of the cluster that Matter took over from Zigbee: attributes of value, multiplier and divisor.
