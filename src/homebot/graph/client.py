@@ -19,8 +19,7 @@ from homebot.errors import (
     TypeMismatchError,
 )
 from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.handler_run import HandlerRun
-from homebot.graph.service import Service, ServiceSlot
+from homebot.graph.service import HandlerRun, Service, ServiceSlot
 from homebot.messages.message import Message, ServiceType
 from homebot.support.time_limits import TimeLimits
 
