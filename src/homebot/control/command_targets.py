@@ -335,13 +335,7 @@ def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
     A word that is in the names of parts, but not in the names of the device, selects these.
     """
     main = _main_parts(device)
-    facets = PartFacets(device)
-    found: list[DevicePart] = []
-    for part in main:
-        facets.part = part
-        if fits(query, facets):
-            found.append(part)
-    meant = found or list(main)
+    meant = [part for part in main if fits(query, PartFacets(device, part))] or list(main)
     called = set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names, device.area, *device.tags))))
     for word in _texts(query):
         if not any(one.startswith(word) for one in called):

@@ -136,8 +136,7 @@ class Witnesses:
 
     def _name_for(self, command: IssuedCommand) -> str | None:
         """Return the sensor that the owner names for a part; empty for none, None for no statement."""
-        facets = PartFacets(command.device)
-        facets.part = command.part
+        facets = PartFacets(command.device, command.part)
         return next((name for query, name in self._named if fits(query, facets)), None)
 
     async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[_Sensor]:

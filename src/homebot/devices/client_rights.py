@@ -125,8 +125,7 @@ class ClientRights(NamedTuple):
             return True
         if not asks and _ANY in self.acts_on:
             return True
-        facets = PartFacets(without_taught_room(device))
-        facets.part = part
+        facets = PartFacets(without_taught_room(device), part)
         declared = is_declared(part)
 
         def names_it(query: Query) -> bool:

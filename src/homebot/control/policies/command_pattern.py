@@ -49,9 +49,7 @@ class CommandPattern:
                 break
         else:
             return False
-        facets = PartFacets(command.device)
-        facets.part = command.part
-        return fits(self.query, facets)
+        return fits(self.query, PartFacets(command.device, command.part))
 
     def __str__(self) -> str:
         return self.text

@@ -87,21 +87,16 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
 
 def _concerned_parts(rule: _Rule, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
     for tracked in facts.house.devices(room):
-        if not tracked.device.parts:
-            continue
-        facets = PartFacets(tracked.device)
         for part in tracked.device.parts:
             if rule.capabilities and not any(one.name in rule.capabilities for one in part.part.capabilities):
                 continue
-            facets.part = part
-            if fits(rule.possible, facets):
+            if fits(rule.possible, PartFacets(tracked.device, part)):
                 yield tracked.current(), part
 
 
 def _check_part(rule: _Rule, device: Device, part: DevicePart) -> Verdict | None:
     condition = rule.condition
-    facets = PartFacets(device)
-    facets.part = part
+    facets = PartFacets(device, part)
     used = tuple(_facts(device, part.id, rule.capabilities))
     if doubt := _doubt(device, is_away=facets.reachable == "no", is_silent=bool(rule.capabilities) and not used):
         reason = f"not while {condition}, and the state of {device.name} is unknown: {doubt}"

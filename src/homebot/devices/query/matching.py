@@ -37,13 +37,17 @@ __all__ = ["PartFacets", "compares", "fits"]
 
 
 class PartFacets:
-    """The properties of one part of a device that queries can ask for, each worked out when it is asked for."""
+    """The properties of one part of a device that queries can ask for, each worked out when it is asked for.
+
+    Args:
+        part: Its first part by default.
+    """
 
     __slots__ = ("_device", "part")
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: Device, part: DevicePart | None = None) -> None:
         self._device = device
-        self.part: DevicePart = device.parts[0]
+        self.part = device.parts[0] if part is None else part
 
     @property
     def id(self) -> str:
