@@ -191,7 +191,7 @@ async def test_a_row_that_makes_no_sense_costs_itself_alone(tmp_path: Path) -> N
 
 
 def learnt(name: str, record: str = "{}", at: float = NOW) -> LearntRow:
-    return LearntRow("witness", name, record, at, "c-1")
+    return LearntRow("witness", name, record, at)
 
 
 async def test_what_was_learnt_is_there_after_a_restart(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ class LockedStore(KeptStore):
 
 async def test_a_file_that_another_program_keeps_holds_up_no_command(open_home: OpenHome) -> None:
     store = LockedStore()
-    store.rows = {("profile", "habit"): LearntRow("profile", "habit", "nonsense", 0.0, "")}
+    store.rows = {("profile", "habit"): LearntRow("profile", "habit", "nonsense", 0.0)}
     with capture_logs() as lines:
         async with open_home(store=store) as home:
             lamp = await home.lamp("on_off")
@@ -62,7 +62,7 @@ async def test_each_row_says_when_it_was_learnt(open_home: OpenHome) -> None:
 
 async def test_rows_of_older_versions_are_dropped(open_home: OpenHome) -> None:
     store = KeptStore()
-    store.rows = {(kind, "x"): LearntRow(kind, "x", "{}", 0.0, "") for kind in ("disproof", "echo", "witness")}
+    store.rows = {(kind, "x"): LearntRow(kind, "x", "{}", 0.0) for kind in ("disproof", "echo", "witness")}
     async with open_home(store=store) as home:
         lamp = await home.lamp("on_off")
         await lamp.turn_on()
@@ -79,12 +79,12 @@ async def test_a_profile_is_known_after_a_restart(open_home: OpenHome) -> None:
 
 
 BAD_ROWS: Mapping[str, LearntRow] = {
-    "no JSON": LearntRow("profile", "attic", "nonsense", 0.0, ""),
-    "another version": LearntRow("profile", "attic", '{"version": 0, "target": "attic"}', 0.0, ""),
-    "another name": LearntRow("profile", "lock", '{"target": "attic"}', 0.0, ""),
-    "not finite": LearntRow("profile", "attic", '{"target":"attic","times":{"on_off":[1e999]}}', 0.0, ""),
-    "damaged": LearntRow("profile", "attic", "", 0.0, ""),
-    "of a newer version": LearntRow("habit", "lamp", "{}", 0.0, ""),
+    "no JSON": LearntRow("profile", "attic", "nonsense", 0.0),
+    "another version": LearntRow("profile", "attic", '{"version": 0, "target": "attic"}', 0.0),
+    "another name": LearntRow("profile", "lock", '{"target": "attic"}', 0.0),
+    "not finite": LearntRow("profile", "attic", '{"target":"attic","times":{"on_off":[1e999]}}', 0.0),
+    "damaged": LearntRow("profile", "attic", "", 0.0),
+    "of a newer version": LearntRow("habit", "lamp", "{}", 0.0),
 }
 
 

@@ -275,7 +275,7 @@ class CommandExecutor:
             now = self._clock.now()
             timeline.unsure_since.update((other, now) for one in command.settings for other in related(one))
         timeline.decide(progress, outcome, self._clock.monotonic())
-        self.timelines.schedule(command.place, command.id)
+        self.timelines.schedule(command.place)
         return outcome
 
     def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:

@@ -14,8 +14,8 @@ from homebot.graph import Node
 
 __all__ = ["Learner", "LearntPersistence", "SaveRecord"]
 
-SaveRecord: TypeAlias = Callable[[str, str, str], None]
-"""Saves a record over a restart: its name, the record, empty to remove it, and the id of the command behind it."""
+SaveRecord: TypeAlias = Callable[[str, str], None]
+"""Saves a record over a restart: its name, and the record, empty to remove it."""
 
 KINDS: Final = frozenset({"detection", "profile"})
 """The kinds of this version; other rows are dropped."""
@@ -104,8 +104,8 @@ class LearntPersistence:
         except WireError as exc:
             problem = exc.problem
         if problem:
-            self._save(row.kind, row.name, "", "")
+            self._save(row.kind, row.name, "")
         return problem and f"{row.kind} {row.name[:_LONGEST]!r}: {problem}"
 
-    def _save(self, kind: str, name: str, record: str, command: str) -> None:
-        self._store.learn(LearntRow(kind, name, record, self._node.graph.clock.now(), command))
+    def _save(self, kind: str, name: str, record: str) -> None:
+        self._store.learn(LearntRow(kind, name, record, self._node.graph.clock.now()))

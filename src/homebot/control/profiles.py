@@ -57,13 +57,13 @@ class Profiles:
             profile = self._known[target] = DeviceProfile()
             if len(self._known) > _MOST:
                 forgotten, _ = self._known.popitem(last=False)
-                self._save(forgotten, "", "")
+                self._save(forgotten, "")
         else:
             self._known.move_to_end(target)
         return profile
 
-    def save(self, target: str, profile: DeviceProfile, command: str) -> None:
-        """Save a profile that was changed by *command*."""
+    def save(self, target: str, profile: DeviceProfile) -> None:
+        """Save a profile if it was changed."""
         if not profile.is_changed:
             return
         profile.is_changed = False
@@ -76,7 +76,7 @@ class Profiles:
             failures=dict(profile.failures),
             is_told_once=profile.is_told_once,
         )
-        self._save(target, record.model_dump_json(exclude_defaults=True), command)
+        self._save(target, record.model_dump_json(exclude_defaults=True))
 
     def restore(self, name: str, record: str) -> None:
         """Restore a profile of an earlier run.

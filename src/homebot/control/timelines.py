@@ -105,11 +105,11 @@ class Timelines:
         listeners.append(on_value)
         return partial(listeners.remove, on_value)
 
-    def schedule(self, place: _Place, command: str) -> None:
-        """Set the timer of a decided *command*, and save the profile."""
+    def schedule(self, place: _Place) -> None:
+        """Set the timer of a decided command, and save the profile."""
         entry = self._entries.get(place)
         if entry is not None:
-            self._profiles.save(entry.target, entry.timeline.profile, command)
+            self._profiles.save(entry.target, entry.timeline.profile)
             self._set_timer(place, entry)
 
     def cause(self, place: _Place, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
@@ -148,8 +148,7 @@ class Timelines:
                 listener(capability, value, finding)
         if timeline.next_at < entry.timer_at:
             self._set_timer(place, entry)
-        if timeline.profile.is_changed:
-            self._profiles.save(entry.target, timeline.profile, "")
+        self._profiles.save(entry.target, timeline.profile)
 
     def _set_timer(self, place: _Place, entry: _TrackedPart) -> None:
         at = entry.timeline.next_at
@@ -162,7 +161,7 @@ class Timelines:
     def _advance(self, place: _Place, entry: _TrackedPart) -> None:
         entry.timer_at = math.inf
         entry.timeline.advance(self._clock.monotonic())
-        self._profiles.save(entry.target, entry.timeline.profile, "")
+        self._profiles.save(entry.target, entry.timeline.profile)
         self._set_timer(place, entry)
 
     def _forget_oldest(self) -> None:

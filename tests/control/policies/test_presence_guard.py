@@ -279,7 +279,7 @@ async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: O
 async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> None:
     """Each reads its own rows, and neither drops those of the other."""
     store = KeptStore()
-    store.learn(LearntRow("profile", "plug", '{"target":"plug","echoes":{"on_off":[true]}}', 0.0, ""))
+    store.learn(LearntRow("profile", "plug", '{"target":"plug","echoes":{"on_off":[true]}}', 0.0))
     async with open_home(presence_guard=GUARD, store=store) as home:
         put_hall(home)
         await leave(home)

@@ -38,9 +38,9 @@ def test_the_oldest_of_many_routes_is_forgotten() -> None:
 
 def test_an_ineffective_route_is_known_after_a_restart() -> None:
     saved: dict[str, str] = {}
-    before, after = (Profiles(lambda name, record, _: saved.update({name: record})) for _ in range(2))
+    before, after = (Profiles(lambda name, record: saved.update({name: record})) for _ in range(2))
     before.of("lamp").failures = {"hub": 2}
     before.of("lamp").is_changed = True
-    before.save("lamp", before.of("lamp"), "")
+    before.save("lamp", before.of("lamp"))
     after.restore("lamp", saved["lamp"])
     assert after.of("lamp").ineffective == {"hub"}

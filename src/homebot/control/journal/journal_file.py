@@ -109,7 +109,7 @@ class JournalFile(SqliteFile):
             LinkError: It cannot be read now.
             WireError: The file is damaged.
         """
-        query = "SELECT kind, name, record, at, command FROM learnt ORDER BY at DESC LIMIT ?"
+        query = "SELECT kind, name, record, at FROM learnt ORDER BY at DESC LIMIT ?"
         with self._used("read") as connection:
             rows = connection.execute(query, (_MOST_LEARNT,)).fetchall()
         return tuple([_learnt_row(*row) for row in reversed(rows)])
@@ -150,17 +150,16 @@ def _conditions(request: ReadJournalRequest) -> tuple[str, tuple[object, ...]]:
 def _write_learnt(connection: sqlite3.Connection, learnt: Sequence[LearntRow]) -> None:
     gone = [(one.kind, one.name) for one in learnt if not one.record]
     connection.executemany("DELETE FROM learnt WHERE kind = ? AND name = ?", gone)
-    rows = [(one.kind, one.name, one.record, one.at, one.command) for one in learnt if one.record]
-    connection.executemany("INSERT OR REPLACE INTO learnt VALUES (?, ?, ?, ?, ?)", rows)
+    rows = [one for one in learnt if one.record]
+    connection.executemany("INSERT OR REPLACE INTO learnt VALUES (?, ?, ?, ?, '')", rows)  # it had a command's id
 
 
-def _learnt_row(kind: object, name: object, record: object, at: object, command: object) -> LearntRow:
+def _learnt_row(kind: object, name: object, record: object, at: object) -> LearntRow:
     return LearntRow(
         str(kind),
         str(name),
         record if isinstance(record, str) else "",
         at if isinstance(at, float) else 0.0,
-        str(command),
     )
 
 

@@ -66,14 +66,12 @@ class LearntRow(NamedTuple):
         name: Its name, unique in its kind.
         record: The record as text; empty if it is removed.
         at: When it was learnt last, in seconds since the Unix epoch.
-        command: The id of the command from which it was learnt last.
     """
 
     kind: str
     name: str
     record: str
     at: float
-    command: str
 
 
 class JournalStore:

@@ -24,13 +24,13 @@ class Detections:
     """The last 10,000 motion sensors that have detected a person; the others may be broken, or face a wall.
 
     Args:
-        save: Saves a sensor over a restart: its name, a record, empty to remove it, and a command's id; None for not.
+        save: Saves a sensor over a restart: its name, and a record, empty to remove it; None for not.
 
     Attributes:
         forgotten: The number of sensors that were dropped because there were too many.
     """
 
-    def __init__(self, save: Callable[[str, str, str], None] | None = None) -> None:
+    def __init__(self, save: Callable[[str, str], None] | None = None) -> None:
         self._save_row = save
         self._saved_at: OrderedDict[str, float] = OrderedDict()
         self.forgotten = 0
@@ -82,4 +82,4 @@ class Detections:
 
     def _save(self, sensor: str, record: str) -> None:
         if self._save_row is not None:
-            self._save_row(sensor, record, "")
+            self._save_row(sensor, record)
