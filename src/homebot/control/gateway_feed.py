@@ -138,10 +138,9 @@ class GatewayFeed:
     def _on_report(self, report: Report) -> None:
         if report.retained:
             return
-        stamp = report.received_at.to_seconds()
         for reading in report.readings:
             for watch in tuple(self._watches.get((report.gateway, report.key, reading.part), ())):
-                watch.on_report(reading.capability, reading.value.plain(), stamp)
+                watch.on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds())
 
     def _on_answer(self, gateway: str, answer: CommandAnswer) -> None:
         self._answering[gateway, answer.key, answer.part] = None

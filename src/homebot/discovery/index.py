@@ -23,9 +23,8 @@ from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue, Postings
-from homebot.discovery.setting_changes import SettingChanges
 from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
-from homebot.discovery.states import StateRecorder
+from homebot.discovery.states import SettingChanges, StateRecorder
 from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
