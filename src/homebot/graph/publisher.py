@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 MessageT = TypeVar("MessageT", bound=Message)
 StatusT = TypeVar("StatusT", "MatchedStatus", "OfferedDeadlineMissedStatus", "LivelinessLostStatus")
 
+_WATCHERS = attrgetter("watchers")
+
 
 class History(Protocol[MessageT]):
     """The messages that a publisher keeps for late joiners; iterated oldest first."""
@@ -232,7 +234,7 @@ class Publisher(Generic[MessageT]):
 
     def _record_activity(self, *, is_message: bool) -> None:
         self._asserted_at = self._clock.monotonic()
-        for watchers in (self.watchers, *(one.watchers for one in self._subscriptions)):
+        for watchers in (self.watchers, *map(_WATCHERS, self._subscriptions)):
             for watcher in watchers:
                 watcher.on_activity(self, is_message=is_message)
 

@@ -34,8 +34,6 @@ class RosoutFeed:
 
     def __call__(self, _logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
         """Publish *event* and return it."""
-        if self._node.is_closed:
-            return event
         line = Log(
             stamp=Time.from_seconds(self._node.graph.clock.now()),
             level=_LEVELS.get(str(event.get("level")), 20),

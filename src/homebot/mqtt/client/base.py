@@ -107,7 +107,7 @@ class BaseClient(ABC):
             validate_filter(subscription.filter)
         if not subscriptions:
             return ()
-        reasons = await self._need_link().subscribe(subscriptions)
+        reasons = await (self._link or self._need_link()).subscribe(subscriptions)
         if max(reasons, default=0) >= _FAILED:
             answers = zip(subscriptions, reasons, strict=False)
             refused = [(each.filter, code) for each, code in answers if code >= _FAILED]

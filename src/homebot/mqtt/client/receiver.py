@@ -144,7 +144,7 @@ class Inbox:
         self.dropped = 0
 
     def put(self, *messages: MqttMessage) -> None:
-        """Add messages, and make room for them if need be."""
+        """Add messages, make room for them if need be, and wake the reader."""
         self._messages.extend(messages)
         count = size = 0
         for topic, payload, qos, _, _, _ in messages:
@@ -155,8 +155,9 @@ class Inbox:
         self._droppable_bytes += size
         while self._droppable > 1 and (self._droppable > self._max_messages or self._droppable_bytes > self._max_bytes):
             self._drop_oldest()
-        if self._wake is not None:
-            self._wake_up(self._wake)
+        wake, self._wake = self._wake, None
+        if wake is not None and not wake.done():  # its task may be cancelled
+            wake.set_result(None)
 
     async def receive(self) -> list[MqttMessage]:
         """Return everything that is there, oldest first.
@@ -177,19 +178,13 @@ class Inbox:
     def end(self, reason: LinkError | RefusedError) -> None:
         """End because of *reason*: nothing more will come; queued messages can still be read."""
         self._ended = reason
-        if self._wake is not None:
-            self._wake_up(self._wake)
+        self.put()
 
     def reopen(self, *, resumed: bool) -> None:
         """Begin again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
         self._ended = None
         if resumed:
             self._messages = deque(message for message in self._messages if message.qos != 1)
-
-    def _wake_up(self, wake: asyncio.Future[None]) -> None:
-        self._wake = None
-        if not wake.done():  # its task may be cancelled
-            wake.set_result(None)
 
     def _drop_oldest(self) -> None:
         index = next(index for index, message in enumerate(self._messages) if message.qos == 0)
