@@ -163,6 +163,10 @@ async def test_a_cancelled_goal_stops_it_and_a_place_in_no_room_is_refused_with_
         state, result = await (await navigate.send_goal(goal_at(99.0, 1.0))).result()
         assert (state, result.error_code) == (GoalState.ABORTED, 207)
         assert result.error_msg == "no room is at 99, 1, or no doors lead to it"
+        elsewhere = DOCK_GOAL.model_copy(update={"use_dock_id": True, "dock_id": "garage"})
+        state, result = await (await ActionClient(node, DOCK, "/dock_robot").send_goal(elsewhere)).result()
+        assert (state, result.error_code) == (GoalState.ABORTED, 901)
+        assert result.error_msg == "there is no dock 'garage'; the only one is dock"
 
 
 async def test_a_house_without_a_robot_gains_nothing() -> None:

@@ -69,10 +69,14 @@ class RobotActions:
             goal.publish_feedback(_message(self._dock.Feedback, {"state": _STAGING, "docking_time": spent}))
 
         dock = self._robot.dock
-        is_known = not goal.request.use_dock_id or goal.request.dock_id in {"", "dock"}
-        is_reached = is_known and await self._reach(dock.x, dock.y, publish)
-        (goal.succeed if is_reached else goal.abort)()
-        return _message(self._dock.Result, {"success": is_reached, "error_code": 0 if is_reached else _NO_DOCK})
+        problem = ""
+        if goal.request.use_dock_id and goal.request.dock_id not in {"", "dock"}:
+            problem = f"there is no dock {goal.request.dock_id[:100]!r}; the only one is dock"
+        elif not await self._reach(dock.x, dock.y, publish):
+            problem = "another goal moved the robot, or no doors lead to the dock"
+        (goal.abort if problem else goal.succeed)()
+        code = _NO_DOCK if problem else 0
+        return _message(self._dock.Result, {"success": not problem, "error_code": code, "error_msg": problem})
 
     async def _reach(self, x: float, y: float, publish: Callable[[Duration, float, float], None]) -> bool:
         """Drive to a point; publish the time spent, the metres left and the speed; stop where the goal ends before."""
