@@ -117,7 +117,8 @@ class RobotMap(NamedTuple):
             here = cells.getpixel((column, row)) if is_inside else UNKNOWN
             if isinstance(here, int) and _OCCUPIED < here < UNKNOWN:
                 other = names[here - _OCCUPIED - 1]
-                hint = f'state both ends of the door, [[places.doors]] rooms = ["{other}", "{name}"]'
+                door = f'rooms = ["{other}", "{name}"], position = [[X, Y], [X, Y]]'
+                hint = f"state both ends of the door between them: [[places.doors]] {door}"
                 raise UsageError(f"{other} and {name} are one free area of the map; {hint}")
             if here != 0:
                 raise UsageError(f"the point {point[0]:g},{point[1]:g} of {name} is not free in the map")
