@@ -136,7 +136,8 @@ def test_an_accepted_goal_waits_until_it_is_executed(node: rclpy.Node) -> None:
     client = rclpy.ActionClient(node, fibonacci, "fib", callback_group=None)
     sent = client.send_goal_async(fibonacci.Goal(order=3))
     while not (accepted and sent.done()):
-        rclpy.spin_once(node, timeout_sec=PATIENCE)
+        rclpy.spin_once(node, timeout_sec=0.01)
+    assert accepted[0].is_active
     result = sent.result().get_result_async()
     rclpy.spin_once(node, timeout_sec=0.05)
     assert not result.done()

@@ -109,7 +109,8 @@ def spin(node: RclpyNode, executor: SpinExecutor | None = None) -> None:
 
 def spin_once(node: RclpyNode, *, executor: SpinExecutor | None = None, timeout_sec: float | None = None) -> None:
     """Run one callback of *node* as :func:`spin` does; wait up to *timeout_sec* seconds for it, by default for ever."""
-    _executor_of(node, executor).spin_once(timeout_sec)
+    if ok():
+        _executor_of(node, executor).spin_once(timeout_sec)
 
 
 def spin_until_future_complete(
@@ -366,7 +367,7 @@ def ActionServer(  # noqa: N802 - rclpy's name
         loop, handle = asyncio.get_running_loop(), node.shown(goal)
         begun = asyncio.Event()
         handle.execute = lambda *_: loop.call_soon_threadsafe(begun.set)
-        await node.callback(handle_accepted_callback or bool)(handle)
+        (handle_accepted_callback or bool)(handle)  # here, as a goal that is executed may block the thread that spins
         await begun.wait()
         return await execute(handle)
 

@@ -149,29 +149,24 @@ class SpinExecutor(concurrent.futures.Executor):
     def spin(self) -> None:
         """Run callbacks until the graph or this executor is shut down."""
         while CONTEXT.ok() and not self._is_shut_down:
-            self.run_next()
+            self.spin_once()
 
     def spin_until_future_complete(self, future: Future, timeout_sec: float | None = None) -> None:
         """Run callbacks until *future* is done or *timeout_sec* seconds have passed."""
         ends = None if timeout_sec is None else time.monotonic() + timeout_sec
         while not future.done() and CONTEXT.ok() and (ends is None or time.monotonic() < ends):
-            self.run_next(None if ends is None else max(0.0, ends - time.monotonic()))
-
-    def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Run one callback; wait up to *timeout_sec* seconds for it, by default for ever."""
-        if CONTEXT.ok():
-            self.run_next(timeout_sec)
+            self.spin_once(None if ends is None else max(0.0, ends - time.monotonic()))
 
     def shutdown(self, *_: object, **__: object) -> None:
         """End a spin."""
         self._is_shut_down = True
         self.submit(int)
 
-    def run_next(self, timeout: float | None = None) -> None:
-        """Run the next callback, waiting for one up to *timeout* seconds; its exception is raised here."""
+    def spin_once(self, timeout_sec: float | None = None) -> None:
+        """Run the next callback, waiting for one up to *timeout_sec* seconds; its exception is raised here."""
         self.due.thread = threading.get_ident()
         try:
-            future, call = self.due.get(timeout=timeout)
+            future, call = self.due.get(timeout=timeout_sec)
         except queue.Empty:
             return
         if future.set_running_or_notify_cancel():  # else the node was closed meanwhile
@@ -188,7 +183,7 @@ class SpinExecutor(concurrent.futures.Executor):
                 result.send(None)
             except StopIteration as stop:
                 return stop.value
-            self.run_next()
+            self.spin_once()
         return result
 
 
