@@ -162,11 +162,12 @@ class Service(Generic[RequestT, ResponseT]):
 
     def failed(self, error: BaseException, *, has_caller: bool = True) -> ServiceFailedError:
         """Return the error for the caller of a handler that raised *error*; an unexpected one counts as a failure."""
-        crash = crash_of(self.info.node, error)
+        reason = str(error)
         if not isinstance(error, HomebotError):
+            crash = crash_of(self.info.node, error)
             self._reports.report_failure(crash, has_caller=has_caller)
-        was_cancelled = isinstance(error, asyncio.CancelledError)
-        reason = "something that its handler awaited was cancelled" if was_cancelled else error_text(crash)
+            was_cancelled = isinstance(error, asyncio.CancelledError)
+            reason = "something that its handler awaited was cancelled" if was_cancelled else error_text(crash)
         failure = ServiceFailedError(self.service_name, reason)
         failure.__cause__ = error
         return failure

@@ -97,7 +97,7 @@ async def test_a_call_with_a_text_that_is_no_query_fails_where_the_answer_has_no
     FakeDirectory(house.node("directory"))
     answer = await peer.call(FIND_DEVICES, query="(light")
     assert answer["result"] is False
-    assert answer["values"] == "UsageError: the bracket at character 1 is never closed"
+    assert answer["values"] == "the bracket at character 1 is never closed"
 
 
 @pytest.mark.parametrize(

@@ -30,7 +30,6 @@ from homebot.graph.current_cause import CURRENT_CAUSE, CallCause
 from homebot.messages.definition import fields_of
 from homebot.messages.json import message_to_pieces
 from homebot.messages.message import Message
-from homebot.support.isolation import error_text
 
 __all__ = ["call_service", "cause_of_call", "missing_service", "named_values", "parse_queries", "refusal"]
 
@@ -78,7 +77,7 @@ def refusal(service: str, response: Message, problem: UsageError) -> Message:
     """
     if isinstance(response, QueryDevicesResponse):
         return response.model_copy(update={"success": False, "message": str(problem), "is_mistake": True})
-    raise ServiceFailedError(service, error_text(problem)) from problem
+    raise ServiceFailedError(service, str(problem)) from problem
 
 
 _DEFAULT_TIMEOUT = 5.0
