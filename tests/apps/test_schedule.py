@@ -25,6 +25,7 @@ PLACES = {
     "Europe/Berlin": (52.52, 13.405),
     "America/Los_Angeles": (34.05, -118.25),
     "Europe/Oslo": (69.65, 18.96),  # Tromsø
+    "Asia/Kolkata": (28.6, 77.2),
 }
 ZONES = {name: read_zone(name) for name in PLACES}  # read before any loop runs
 HOUR, DAY = 3600.0, 86_400.0
@@ -339,6 +340,13 @@ async def test_a_cancelled_job_is_called_no_longer() -> None:
         await anyio.sleep(HOUR)
         assert diary.jobs == ()
     assert diary.calls == ["06-01 12:00:30", "06-01 12:01:00"]
+
+
+async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() -> None:
+    """In India in May: the sunrise of the 17th was left out."""
+    async with living(lambda app: app.at("sunrise", app.note), "2026-05-15 12:00", "Asia/Kolkata") as (diary, _):
+        await anyio.sleep(3 * DAY)
+    assert [call[:11] for call in diary.calls] == ["05-16 05:30", "05-17 05:29", "05-18 05:29"]
 
 
 @pytest.mark.parametrize(

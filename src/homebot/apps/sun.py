@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from datetime import UTC, date, datetime, tzinfo
+from datetime import UTC, date, datetime, timedelta, tzinfo
 from typing import Final, final
 
 import astral
@@ -15,6 +15,8 @@ from homebot.support.similar import did_you_mean
 
 __all__ = ["SunTime", "is_sun_up", "sun_time"]
 
+_DAY: Final = timedelta(days=1)
+_TWO_DAYS: Final = 46 * 3600.0  # about
 _HORIZON: Final = -0.833  # degrees: the upper limb, with refraction, as at sunrise and sunset
 
 _EVENTS: Final[Mapping[str, Callable[..., datetime]]] = {
@@ -37,11 +39,18 @@ class SunTime:
 
     def on(self, day: date, zone: tzinfo) -> float | None:
         """Return the moment on *day*, in seconds since the Unix epoch; None where there is no such event."""
+        found = self._find(day, zone)
+        if found is None and (before := self._find(day - _DAY, zone)) and (after := self._find(day + _DAY, zone)):
+            # astral finds none on one day of the year if the event moves over midnight UTC, as sunrise in India does.
+            # In the far north one that moves over local midnight leaves out a day indeed.
+            found = (before + after) / 2 if after - before > _TWO_DAYS else None
+        return None if found is None else found + self.offset
+
+    def _find(self, day: date, zone: tzinfo) -> float | None:
         try:
-            found = _EVENTS[self.event](self.place, date=day, tzinfo=zone)
+            return _EVENTS[self.event](self.place, date=day, tzinfo=zone).timestamp()
         except ValueError:
             return None
-        return found.timestamp() + self.offset
 
 
 def sun_time(event: str, latitude: float | None, longitude: float | None, offset: float) -> SunTime:
