@@ -64,6 +64,13 @@ async def test_calls_at_one_moment_stop_at_most(mode: RunMode) -> None:
     assert len(done) == 6
 
 
+async def test_a_plain_function_may_return_a_value() -> None:
+    """It is no failure, of which five would end the handler."""
+    async with runs_of("single") as runs:
+        runs.start(lambda: True)  # type: ignore[arg-type, return-value]  # what is under test
+    assert runs.failures == 0
+
+
 async def test_many_dropped_calls_are_one_line() -> None:
     """A sensor that reports all day does not fill the log."""
     with capture_logs() as lines:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Sequence
 from functools import partial
+from inspect import isawaitable
 from typing import Any, Final, Generic, TypeAlias, TypeVar, final
 
 import anyio
@@ -98,7 +99,7 @@ class Reaction(Generic[ItemT]):
 
     async def _call(self, item: ItemT) -> None:
         try:
-            if (result := self._handler(item)) is not None:
+            if isawaitable(result := self._handler(item)):
                 await result
         except RefusedError:  # logged as ``app.command_failed``
             return

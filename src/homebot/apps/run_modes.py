@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine
-from inspect import signature
+from inspect import isawaitable, signature
 from typing import Final, Literal, TypeAlias, final, get_args
 
 import anyio
@@ -142,7 +142,7 @@ class HandlerRuns:
             self._running[scope] = self._node.graph.clock.now()
             task = asyncio.current_task()
             try:
-                if (result := handler()) is not None:
+                if isawaitable(result := handler()):
                     await result
                 self.failures = 0
             except BaseException as exc:  # every failure but the end of this run
