@@ -4,4 +4,8 @@ from __future__ import annotations
 
 from tests.control.conftest import open_home
 
+from homebot.clock import read_zone
+
 __all__ = ["open_home"]
+
+read_zone("UTC")  # that of apps in tests, read from the disk before any loop runs
