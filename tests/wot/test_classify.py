@@ -56,6 +56,47 @@ def test_each_value_of_an_object_that_is_only_read_is_a_part() -> None:
     assert found.observed.href == "http://h/air"
 
 
+def words(*texts: str) -> dict[str, object]:
+    return {"type": "string", "enum": list(texts)}
+
+
+@pytest.mark.parametrize(
+    ("name", "states", "service_type", "capability"),
+    [
+        ("lockState", words("locked", "unlocked", "jammed"), "door_lock", "lock"),
+        ("state", words("LOCKED", "UNLOCKED"), "door_lock", "lock"),
+        ("mode", words("disarmed", "armed_home", "armed_away"), "x_alarm_panel", "alarm"),
+        ("childLock", words("locked", "unlocked"), "x_setting", "option"),
+    ],
+)
+def test_the_states_of_a_lock_or_an_alarm_make_it_one(
+    name: str, states: dict[str, object], service_type: str, capability: str
+) -> None:
+    """And no setting, which would be set without being asked."""
+    (part,) = parts({name: states})
+    (found,) = part.affordances
+    assert (part.part.service_type, found.capability.name) == (service_type, capability)
+
+
+def test_a_lock_of_words_is_told_its_own() -> None:
+    (part,) = parts({"state": words("LOCKED", "UNLOCKED")})
+    (found,) = part.affordances
+    assert encode_document(found.capability, found.affordance, "unlocked") == "UNLOCKED"
+    assert decode_document(found.capability, found.affordance, "LOCKED") == ("locked",)
+
+
+@pytest.mark.parametrize(
+    ("name", "schema", "capability"),
+    [
+        ("targetPosition", {"type": "integer", "minimum": 0, "maximum": 100}, "position"),
+        ("flowRate", {"type": "number", "unit": "L/min", "readOnly": True}, "flow"),
+    ],
+)
+def test_common_names_and_units_are_known(name: str, schema: dict[str, object], capability: str) -> None:
+    (part,) = parts({name: schema})
+    assert [one.capability.name for one in part.affordances] == [capability]
+
+
 FLAG, PERCENT = {"type": "boolean"}, {"type": "integer", "minimum": 0, "maximum": 100}
 
 

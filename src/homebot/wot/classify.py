@@ -25,7 +25,7 @@ _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": 
 _GENERAL = {"bool": ("state", "on_off"), "number": ("measurement", "number"), "text": ("value", "text")}
 """By kind of value: the capability of unknown meaning, read-only and settable."""
 
-_BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency")
+_BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency", "flow")
 """Capabilities of which each has units of its own."""
 
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
@@ -139,6 +139,8 @@ def _find_meaning(one: _Candidate, main: str) -> None:
         one.capability = "push" if one.affordance.kind == "action" else "press"
     elif capability := _by_type(one.affordance, main):
         one.capability = capability
+    elif capability := _by_options(one):
+        one.capability, one.guessed, one.doubt = capability, True, 1
     else:
         one.guessed = True
         one.capability, one.doubt = _by_name(one, main), 1
@@ -155,6 +157,17 @@ def _by_type(affordance: Affordance, main: str) -> str:
         if capability and _suits(capability, affordance.schema):
             return capability
     return ""
+
+
+def _by_options(one: _Candidate) -> str:
+    """Return the capability of a choice that its options alone identify: a lock, but for one of keys, or an alarm."""
+    words = {text.casefold() for text in one.affordance.schema.enum if isinstance(text, str)}
+    found = next((capability for capability, needed in _OPTIONS.items() if needed <= words), "")
+    return "" if found == "lock" and not _KEYS.isdisjoint(_words_of(one)) else found
+
+
+_OPTIONS: Mapping[str, frozenset[str]] = {"lock": frozenset({"locked", "unlocked"}), "alarm": frozenset({"disarmed"})}
+_KEYS = frozenset({"child", "key", "keypad", "keys"})
 
 
 def _by_name(one: _Candidate, main: str) -> str:
