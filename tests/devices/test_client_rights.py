@@ -345,6 +345,16 @@ def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> N
     assert not is_safe(keypad, keypad.parts[0], {"on_off": False})
 
 
+@pytest.mark.parametrize(
+    ("options", "asks"), [(("Disarmed", "Armed home"), True), (("arm", "disarm"), True), (("armed", "idle"), False)]
+)
+def test_a_choice_asks_if_it_disarms_an_alarm(options: tuple[str, ...], *, asks: bool) -> None:
+    """As the select of a camera that has no alarm panel of its own."""
+    choice = Capability(name="option", settable=True, options=options)
+    camera = device("x", part("x_setting", capabilities=(choice,)))
+    assert always_asks(camera, camera.parts[0]) is asks
+
+
 def test_all_parts_of_a_garage_door_ask_but_for_its_lamp() -> None:
     """Its button opens it as well."""
     assert [may(LOCAL_RIGHTS, GARAGE, number) for number in range(3)] == [False, False, True]

@@ -49,8 +49,9 @@ CHANGED: Final = "changed_since_approval"
 """The name of the fact that an approved announcement is different now; its value is the change."""
 
 _CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
-_TELLING = _CAPABILITIES | {"heating_setpoint", "on_off"}
+_TELLING = _CAPABILITIES | {"heating_setpoint", "on_off", "option"}
 _ARMED = frozenset({"Armed", "armed"})
+_DISARMING = frozenset({"disarm", "disarmed"})
 _SCALDING = 100.0
 """Degrees Celsius that no room and no radiator has to have, but saunas, grills and kilns."""
 
@@ -184,6 +185,8 @@ def _why_declared(part: Part) -> str:
 def _why_settable(capability: Capability, part: Part) -> str:
     if capability.name in _CAPABILITIES:
         return f"its {capability.name} can be set"
+    if capability.name == "option" and not _DISARMING.isdisjoint(map(str.casefold, capability.options)):
+        return "it disarms the alarm"
     if capability.name == "on_off" and part.name in _ARMED:
         return "it disarms the alarm"
     if capability.name == "heating_setpoint" and capability.bounds and capability.bounds[-1] >= _SCALDING:
