@@ -27,7 +27,7 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.rehearsal import Rehearsal
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
+from homebot.control.timeline.cause import Cause, cause_of_undoing
 from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
@@ -239,7 +239,7 @@ class CommandExecutor:
             known = known_state(command, asked, timeline.unsure_since, self._feed.last_loss(command.part.routes).wall)
         last = {capability: state.value.plain() for capability, state in command.states.items()}
         progress = timeline.command(order, self._clock.monotonic(), known.values, last)
-        progress.must_answer = self._feed.is_answering(command.part.routes)
+        progress.must_answer = not progress.wanted and self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)
         is_so = known.is_recent and is_at_rest and progress.was_so
         return opened, is_so and not (progress.has_echo or command.is_always_sent)
@@ -282,7 +282,7 @@ class CommandExecutor:
         """Record a report for a command, and wake the task that waits for it."""
         opened = self._open.get(progress.order.id) if progress.is_open else None
         if opened is None:
-            if _is_late_answer(progress, fact) and self._cause(place, fact).command == progress.order.id:
+            if _is_late_answer(progress, fact) and self.timelines.cause_of(place, fact).command == progress.order.id:
                 self._record_report(place, progress, fact, Cause.COMMAND.value)
             return
         if fact.capability in progress.wanted and _is_news(opened, fact):
@@ -295,16 +295,12 @@ class CommandExecutor:
             return Cause.COMMAND.value
         if not fact.is_change:
             return ""
-        cause = self._cause(place, fact).cause  # a person, or the device's own answer
+        cause = self.timelines.cause_of(place, fact).cause  # a person, or the device's own answer
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
     def _record_report(self, place: _Place, progress: CommandProgress, fact: Reported, cause: str) -> None:
         order = progress.order
         self._journal.reported(place, order.id, order.issuer, (fact.capability, fact.value), cause)
-
-    def _cause(self, place: _Place, fact: Reported) -> Attribution:
-        timeline = self.timelines.get(place)
-        return Attribution(Cause.UNKNOWN) if timeline is None else timeline.cause_of(fact)
 
     def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
         """Record and publish the end of the confirmed value of a part."""

@@ -71,11 +71,6 @@ class Timelines:
         self.on_end: Callable[[CommandProgress], None] = _ignore
         self.on_undone: Callable[[_Place, CommandProgress], None] = _ignore
 
-    def get(self, place: _Place) -> PartTimeline | None:
-        """Return the timeline of a part; None if it was never commanded."""
-        entry = self._entries.get(place)
-        return None if entry is None else entry.timeline
-
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""
         place = device.id, part.id
@@ -114,9 +109,13 @@ class Timelines:
 
     def cause(self, place: _Place, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if no command explains or ended it."""
-        timeline = self.get(place)
-        fact = None if timeline is None else timeline.find(capability, value, stamp)
-        return None if timeline is None or fact is None else timeline.cause_of(fact)
+        entry = self._entries.get(place)
+        fact = None if entry is None else entry.timeline.find(capability, value, stamp)
+        return None if fact is None else self.cause_of(place, fact)
+
+    def cause_of(self, place: _Place, fact: Reported) -> Attribution:
+        """Return the cause of a report of a commanded part."""
+        return self._entries[place].timeline.cause_of(fact)
 
     def _create(self, place: _Place, device: Device, part: DevicePart) -> _TrackedPart:
         target = _target(device, part)

@@ -49,7 +49,7 @@ class CommandProgress:
         told_otherwise_at: When another value was last reported, and no movement; -inf for never.
         superseded_by: The id of the newer command that replaced it; empty if none did.
         refusal: The reason why the device refuses it; empty if it does not.
-        must_answer: Whether the device answers commands, so that its answer is waited for.
+        must_answer: Whether the device answers commands and reports no values, so that its answer is waited for.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure teaches how long the device takes.
         is_witnessed: Whether a second device observed the effect.
@@ -100,7 +100,7 @@ class CommandProgress:
     @property
     def is_met(self) -> bool:
         """True if the device reported all wanted values; at once if it reports none of them."""
-        if self.must_answer and not self.wanted:
+        if self.must_answer:
             return self.is_accepted
         return None not in map(_MET_AT, self.wanted.values())
 
