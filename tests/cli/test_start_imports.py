@@ -61,7 +61,6 @@ NOT_NEEDED = (
     "homebot.mqtt.broker.tls_socket",
     "homebot.mqtt.certificate",
     "homebot.mqtt.client.aiomqtt_adapter",
-    "homebot.control.rehearsal",
     "homebot.recording",
     "homebot.replay",
     "homebot.testing",

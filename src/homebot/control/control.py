@@ -28,8 +28,8 @@ from homebot.graph import Node, QoSProfile
 if TYPE_CHECKING:
     from homebot.control.actions import ControlActions
     from homebot.control.control_layer import ControlLayer
+    from homebot.control.executor import Rehearsal
     from homebot.control.journal.store import JournalStore
-    from homebot.control.rehearsal import Rehearsal
     from homebot.control.settings import ControlSettings
     from homebot.control.timeline.cause import Attribution
     from homebot.devices.command_messages import (

@@ -11,7 +11,7 @@ import anyio
 from homebot.control.approvals import Approvals
 from homebot.control.command_service import CommandService
 from homebot.control.device_lookup import DeviceLookup
-from homebot.control.executor import CommandExecutor
+from homebot.control.executor import CommandExecutor, Rehearsal
 from homebot.control.explanations import Explanations
 from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.journal.denied_requests import DeniedRequests
@@ -24,7 +24,6 @@ from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.profiles import PROFILE, Profiles
-from homebot.control.rehearsal import Rehearsal
 from homebot.control.settings import ControlSettings
 from homebot.control.text_commands import TextCommands
 from homebot.control.timelines import Timelines

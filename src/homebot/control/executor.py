@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Final, TypeAlias, final
+from typing import ClassVar, Final, Protocol, TypeAlias, final
 
 from homebot.control import durations
 from homebot.control.command import (
@@ -24,7 +24,6 @@ from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
-from homebot.control.rehearsal import Rehearsal
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Cause, cause_of_undoing
@@ -53,7 +52,7 @@ from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
-__all__ = ["CommandExecutor"]
+__all__ = ["CommandExecutor", "Rehearsal"]
 
 WOULD_SEND = "control.would_send"
 REVERTED = "control.reverted"
@@ -67,6 +66,20 @@ _MOST_RECORDED: Final = 20
 _ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
 
 _Place: TypeAlias = tuple[str, str]
+
+
+class Rehearsal(Protocol):
+    """Answers commands that are not to be sent.
+
+    Attributes:
+        is_live: Whether the devices are real, so that a raw command has no effect; a replay has its recorded effect.
+    """
+
+    is_live: ClassVar[bool]
+
+    def outcome(self, command: IssuedCommand) -> Outcome | None:
+        """Return the assumed outcome of *command*; None to send it to a muted gateway."""
+        ...
 
 
 @final

@@ -191,7 +191,7 @@ class _RecordedOutcomes:
         self._now = now
 
     def outcome(self, command: IssuedCommand) -> Outcome | None:
-        """Return the outcome; see :class:`homebot.control.rehearsal.Rehearsal`."""
+        """Return the outcome; see :class:`homebot.control.executor.Rehearsal`."""
         found = self._matcher.pop(TimedCommand(self._now(), _recorded(command)))
         if found is None:
             return Confirmed(0.0, Evidence.SENT, command_id=command.id)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar, final
+from typing import Any, ClassVar, Final, TypeVar, final
 
 from pydantic import ValidationError
 
 from homebot.config import Config
-from homebot.control.rehearsal import DryRun
+from homebot.control.command import IssuedCommand
 from homebot.devices.names import GATEWAY_READING, SENDS_NOTHING
+from homebot.devices.outcomes import Confirmed, Evidence, Outcome, Refused
 from homebot.errors import RefusedError
 from homebot.graph import Graph, Node, Service, Subscription
 from homebot.graph.mailbox import BoundedQueue
@@ -24,11 +25,31 @@ MessageT = TypeVar("MessageT", bound=Message)
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT")
 
+DRY_RUN: Final = "dry_run"
+"""The policy that refuses the commands of people in a dry run."""
+
 
 def observing(config: Config) -> Config:
     """Return *config* with gateways that only observe."""
     gateways = {name: {**table, ACT: False} for name, table in config.gateways.items()}
     return config.model_copy(update={"gateways": gateways})
+
+
+@final
+class DryRun:
+    """A dry run: nothing is sent.
+
+    An app continues as if the device had obeyed, until the next report. A person gets a refusal.
+    """
+
+    is_live: ClassVar[bool] = True
+
+    def outcome(self, command: IssuedCommand) -> Outcome:
+        """Return the outcome; see :class:`homebot.control.executor.Rehearsal`."""
+        if command.is_client:
+            problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
+            return Refused(DRY_RUN, problem, command_id=command.id)
+        return Confirmed(0.0, Evidence.SENT, command_id=command.id)
 
 
 @final

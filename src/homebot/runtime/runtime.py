@@ -43,7 +43,7 @@ from homebot.support.production_loop import LoopWatch
 
 if TYPE_CHECKING:
     from homebot.bridges.thing_directory import DirectoryBridgeSettings
-    from homebot.control.rehearsal import Rehearsal
+    from homebot.control.executor import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
     from homebot.recording.recorder import RunFacts
