@@ -233,6 +233,8 @@ def test_pings_that_nobody_asked_for(homebot: Attacked) -> None:
     ("what", "message"),
     [
         ("empty lists", '{"d":[' + "[]," * 300_000 + "[]]}"),
+        ("empty texts", '{"d":[' + '"",' * 900_000 + '""]}'),
+        ("a text without end", '{"data":"' + '\\"' * 300_000),
         ("unknown fields", "{" + ",".join(f'"{number}":1' for number in range(19_000)) + "}"),
         ("a long text", '{"data":"' + "x" * 1_000_000 + '"}'),
         ("wrong bytes", '{"data":[' + '"",' * 19_000 + '""]}'),
