@@ -13,6 +13,7 @@ from homebot.messages import Message, Time
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.definition import definition_text, fields_of
 from homebot.messages.interfaces import Interfaces, find_action, find_message, find_service, interfaces
+from homebot.messages.interfaces.interface_text import parse_interface
 from homebot.messages.std_msgs import Header
 from homebot.messages.type_hash import type_hash
 
@@ -35,6 +36,21 @@ bool is_tame true
 MSG: my_pets/Toy
 string[2] colors ["red", 'green, blue']
 """
+
+
+@pytest.mark.parametrize(
+    ("line", "kept"),
+    [
+        ("string A='a # b' # c", "a # b"),
+        ("string A='it\\'s # b' # c", "it's # b"),
+        ("string A=it's # b", "it's"),
+        ('string A=it\'s "# b" #c', 'it\'s "# b"'),
+        ("string A=5' 6\" # b' # c", "5' 6\" # b'"),
+    ],
+)
+def test_a_comment_begins_outside_of_quotation_marks_that_are_closed(line: str, kept: str) -> None:
+    (message,) = parse_interface("my_pets/msg/Toy", line)
+    assert message.constants == {"A": kept}
 
 
 def test_the_shipped_names_are_those_of_the_files_and_the_classes() -> None:

@@ -26,6 +26,7 @@ from tests.turns import slowness
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
+from homebot.devices.names import DEFINE_TYPE
 from homebot.mqtt.packets import Connect, FilterRequest, ProtocolVersion, Publish, Subscribe
 
 pytestmark = [pytest.mark.system, pytest.mark.no_cover]
@@ -251,6 +252,17 @@ def test_frames_that_take_long_to_read(homebot: Attacked, what: str, message: st
         return f"{len(refused)} refused"
 
     check(f"10 frames of {what}", homebot, homebot.toll(), attack)
+
+
+def test_a_definition_with_a_text_that_does_not_end(homebot: Attacked) -> None:
+    def attack(_hold: Callable[[], None]) -> str:
+        with client(homebot) as peer:
+            asked = {"type": "lab_msgs/msg/Text", "definition": "string a " + "\\'" * 20_000}
+            send(peer, op="call_service", id="define", service=DEFINE_TYPE, args=asked)
+            (answer,) = settle(peer)
+        return f"answered {answer['result']}"
+
+    check("a text that does not end", homebot, homebot.toll(), attack)
 
 
 def test_connections_that_say_nothing(homebot: Attacked) -> None:

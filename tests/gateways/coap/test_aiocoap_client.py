@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import aclosing, asynccontextmanager
 from pathlib import Path
@@ -15,6 +16,7 @@ from aiocoap.credentials import CredentialsMap
 from aiocoap.oscore_sitewrapper import OscoreSiteWrapper
 from tests.patience import PATIENCE
 from tests.ports import reserve_datagram_port
+from tests.turns import slowness
 
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.coap.aiocoap_client import MAX_BODY, CoapClient
@@ -50,6 +52,15 @@ async def server(value: resource.Resource, port: int, credentials: CredentialsMa
         yield f"coap://127.0.0.1:{port}/value"
     finally:
         await context.shutdown()
+
+
+async def test_an_address_of_many_brackets_is_refused_in_time_that_grows_with_its_length() -> None:
+    """The form of a Thing Description may be as long as that."""
+    async with CoapClient.open(5.0, ()) as client:
+        began = time.thread_time()
+        with pytest.raises((RefusedError, WireError, LinkError)):
+            await client.request("GET", f"coap://{'[' * 20_000}/value")
+        assert time.thread_time() - began < slowness()
 
 
 async def test_a_device_is_reached_although_the_network_refuses_others_at_that_moment() -> None:

@@ -47,7 +47,7 @@ _TRIES = 5
 """Sendings of a request that the network refuses: it tells the next sender, whomever that sends to."""
 
 _ROUNDS = 5
-_ZONE = re.compile(r"(\[[^\]%]*)%25")
+_ZONE = re.compile(r"\A([^/]*//[^/\[]*\[[^\]%]*)%25")
 """The zone of a link-local address as RFC 6874 spells it; aiocoap takes it without the escape."""
 
 _GROUPS = {"ipv4": "224.0.1.187", "ipv6": "ff02::fd"}

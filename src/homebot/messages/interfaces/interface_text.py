@@ -25,7 +25,8 @@ _LINE = re.compile(
 )
 _FIELD_NAME = re.compile(r"[a-z](?:_?[a-z0-9]+)*")
 _CONSTANT_NAME = re.compile(r"[A-Z](?:_?[A-Z0-9]+)*")
-_COMMENT = re.compile(r"""((?:[^#"']|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|["'])*?)(?:#.*)?""")
+_MARK = re.compile("[#\"']")
+_QUOTED: Final = {mark: re.compile(rf"{mark}[^{mark}\\]*+(?:\\.[^{mark}\\]*+)*+{mark}") for mark in "\"'"}
 _ITEM = re.compile(r"""\s*("(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|[^,\s][^,]*?)\s*(?:,|$)""")
 _SECTION = re.compile(r"^={80}\nMSG: (\S+)\n", re.MULTILINE)
 _PART = re.compile(r"^---[^\S\n]*$", re.MULTILINE)
@@ -82,13 +83,29 @@ def parse_interface(key: str, text: str) -> tuple[ParsedMessage, ...]:
 def _parse_message(ros_type: str, text: str) -> ParsedMessage:
     message = ParsedMessage(ros_type)
     for number, line in enumerate(text.split("\n"), start=1):
-        kept = _COMMENT.fullmatch(line)
-        if stripped := (kept[1] if kept else line).strip():
+        if stripped := _without_comment(line).strip():
             try:
                 _add_line(message, stripped)
             except (ValueError, SyntaxError) as exc:
                 raise UsageError(f"{ros_type}: line {number}: {exc}, got {stripped[:100]!r}") from exc
     return message
+
+
+def _without_comment(line: str) -> str:
+    """Return *line* up to a ``#`` that stands in no quoted text."""
+    at, lone = 0, ""
+    while (found := _MARK.search(line, at)) is not None:
+        mark, at = found[0], found.end()
+        if mark == "#":
+            return line[: found.start()]
+        if mark in lone:
+            continue
+        quoted = _QUOTED[mark].match(line, found.start())
+        if quoted is None:
+            lone += mark  # none that follows is closed either
+        else:
+            at = quoted.end()
+    return line
 
 
 def _add_line(message: ParsedMessage, line: str) -> None:
