@@ -221,6 +221,13 @@ def test_a_fan_counts_its_speeds_as_it_likes(percent: float, most: float, step: 
     assert values(found)["fan_speed"] == pytest.approx(speed / most * 100, abs=0.001)
 
 
+@pytest.mark.parametrize("limits", [{"minValue": -5, "maxValue": 0}, {"minStep": 5e-324}, {"minStep": -1}])
+def test_limits_without_sense_are_none(limits: dict[str, object]) -> None:
+    found = part("40", {"25": True, "29": 40.0}, c29=limits)
+    assert values(found)["fan_speed"] == 40.0
+    assert found.service.characteristics["29"].encode(30.0) in {30.0, 0}
+
+
 def test_what_cannot_be_written_cannot_be_set() -> None:
     on_off = part("49", {"25": True}, read_only="25").abilities["on_off"]
     assert (on_off.capability.settable, on_off.write) == (False, None)

@@ -25,6 +25,9 @@ MAX_CHARACTERISTICS: Final = 100
 
 _BASE: Final = "-0000-1000-8000-0026BB765291"
 _LONGEST: Final = 256
+_FINEST: Final = 1e-6
+"""A finer step is none."""
+
 INFORMATION: Final = "3E"
 SLEEP_INTERVAL: Final = "23A"
 """Of the service Accessory Runtime Information, which is younger than R2; its name and unit are those of aiohomekit 4.0
@@ -165,5 +168,5 @@ def _parse_characteristic(data: object) -> HapCharacteristic | None:
         fields.get("value"),
         (least, most) if least is not None and most is not None and least < most else (),
         tuple(int(one) for one in values if finite_number(one) is not None) if isinstance(values, list) else (),
-        finite_number(fields.get("minStep")) or 0.0,
+        step if (step := finite_number(fields.get("minStep")) or 0.0) >= _FINEST else 0.0,
     )

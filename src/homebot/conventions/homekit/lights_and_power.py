@@ -72,7 +72,7 @@ def _switch_of(service: HapService) -> str:
 def _share(service: HapService, kind: str) -> float:
     """Return what one percent is: some fans count their speeds from 0 to 3."""
     bounds = service.characteristics[kind].bounds
-    return bounds[1] / 100 if kind == SPEED and bounds else 1.0
+    return bounds[1] / 100 if kind == SPEED and bounds and bounds[1] > 0 else 1.0
 
 
 def _read_speed(service: HapService) -> PlainValue:
