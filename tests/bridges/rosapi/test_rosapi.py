@@ -189,7 +189,7 @@ async def test_time_is_spelled_both_ways(ask: Asker) -> None:
 
 
 async def test_actions_come_with_their_types(ask: Asker) -> None:
-    assert (await ask("get_ros_version"))["version"] == 2
+    assert await ask("get_ros_version") == {"version": 2, "distro": "jazzy"}
     assert await ask("action_servers") == {"action_servers": []}
     async with Node(ask.graph, "cook") as cook:
         ActionServer(cook, COOK, "/cook", lambda _: anyio.lowlevel.checkpoint())

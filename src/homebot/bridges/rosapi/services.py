@@ -105,6 +105,11 @@ def _node_details(graph: Graph, request: Any) -> _Answer:
     }
 
 
+def _version(graph: Graph, _request: Message) -> _Answer:
+    """Return the version of ROS whose types these are: clients choose their own by it."""
+    return {"version": 2, "distro": graph.interfaces.distribution}
+
+
 def _time(graph: Graph, _request: Message) -> TimeOfBothKinds:
     now = Time.from_seconds(graph.clock.now())
     return TimeOfBothKinds(sec=now.sec, nanosec=now.nanosec, secs=now.sec, nsecs=now.nanosec)
@@ -158,7 +163,7 @@ _SERVICES: Final[Mapping[str, tuple[str, str, _Answerer]]] = {
     "delete_param": ("string name", _DONE, parameters.delete_parameter),
     "get_param": ("string name, string default_value ''", f"string value, {_DONE}", parameters.get_parameter),
     "get_param_names": ("", "string[] names", parameters.list_parameters),
-    "get_ros_version": ("", "uint8 version, string distro", lambda *_: {"version": 2, "distro": "homebot"}),
+    "get_ros_version": ("", "uint8 version, string distro", _version),
     "get_time": ("", "time time", _time),
     "has_param": ("string name", "bool exists", parameters.has_parameter),
     "interfaces": ("", "string[] interfaces", lambda graph, _: interfaces_of(graph).names()),

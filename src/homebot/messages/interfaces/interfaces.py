@@ -66,7 +66,7 @@ class Interfaces:
 
     def __init__(self, texts: Mapping[str, str] | None = None, distribution: str = _DEFAULT) -> None:
         self._texts = dict(texts or {})
-        self._distribution = distribution
+        self.distribution = distribution
         self._modules: dict[str, tuple[str, ...]] = {package: (module,) for package, module in _CLASSES.items()}
         self._defined: Counter[str] = Counter()
         self._built: dict[str, Interface] = {}
@@ -101,7 +101,7 @@ class Interfaces:
 
     def with_texts(self, texts: Mapping[str, str]) -> Interfaces:
         """Return these interfaces of the owner with *texts*, which replace those of the same keys."""
-        return Interfaces(self._texts | dict(texts), self._distribution)
+        return Interfaces(self._texts | dict(texts), self.distribution)
 
     def find_message(self, ros_type: str) -> type[Message]:
         """Return the message called *ros_type*, ``package/msg/Name`` or ``package/Name``.
@@ -140,7 +140,7 @@ class Interfaces:
         key: str = interface.ros_type
         if key in self._classes_of(key):
             return "---\n".join(definition_body(message) for message in messages_in(interface))
-        return self._texts.get(key) or _shipped_text(key, self._distribution)[0]
+        return self._texts.get(key) or _shipped_text(key, self.distribution)[0]
 
     def define(self, ros_type: str, definition: str, client: str = "") -> Interface:
         """Define *ros_type* (``package/kind/Name``) for *client* by the text of its file, with nested messages.
@@ -212,7 +212,7 @@ class Interfaces:
 
     def _build(self, key: str) -> Interface:
         if key not in self._texts:
-            return _shipped_interface(key, self._distribution)
+            return _shipped_interface(key, self.distribution)
         if key in self._open:
             raise UsageError(f"{key} holds itself, by way of {', '.join(self._open)}")
         self._open.append(key)
