@@ -253,3 +253,17 @@ def test_any_json_becomes_a_message_or_a_clear_refusal(value: dict[str, object])
     else:
         problem = ""
     assert isinstance(message, Report) or "field '" in problem
+
+
+def test_characters_are_base64_text_and_may_come_as_a_list() -> None:
+    """As the original bridge sends and takes them."""
+
+    class Line(Message, ros_type="test_msgs/msg/Line"):
+        text: fields.CharArray
+        code: Annotated[fields.CharArray, Field(min_length=2, max_length=2)]
+
+    line = message_from_json(Line, {"text": "aGk=", "code": [1, 2]})
+    assert message_to_json(line) == {"text": "aGk=", "code": "AQI="}
+    assert json.loads(message_to_text(line)) == json.loads("".join(message_to_pieces(line))) == message_to_json(line)
+    with pytest.raises(TypeMismatchError, match="field 'text'"):
+        message_from_json(Line, {"text": "!", "code": [1, 2]})

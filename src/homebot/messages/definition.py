@@ -67,6 +67,16 @@ class FieldDefinition:
         return self.is_array and self.ros_type == "uint8"
 
     @property
+    def is_base64(self) -> bool:
+        """True if the value is base64 text in JSON, and bytes in CBOR: an array of ``uint8`` or ``char``."""
+        return self.is_array and self.ros_type in {"uint8", "char"}
+
+    def value_in(self, message: Message) -> Any:
+        """Return the value in *message* as it is sent; an array of ``char`` as bytes."""
+        value = getattr(message, self.name)
+        return value.to_bytes("B") if self.is_base64 and isinstance(value, NumericArray) else value
+
+    @property
     def declaration(self) -> str:
         """The field's line in a ``.msg`` file."""
         parts = self.ros_type.split("/")

@@ -1,6 +1,6 @@
-"""Messages as JSON values in the form of rosbridge v2: ``uint8[]`` as base64 text, NaN and infinity as null.
+"""Messages as JSON values in the form of rosbridge v2.
 
-Null is read as NaN.
+Arrays of ``uint8`` and ``char`` are base64 text, NaN and infinity null; null is read as NaN.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 2.
 """
@@ -48,7 +48,7 @@ _PIECE, _LONG = 50, 50_000
 
 def message_to_json(message: Message) -> JsonObject:
     """Return *message* as a JSON object with its fields in order."""
-    return {field.name: _value_to_json(getattr(message, field.name)) for field in fields_of(type(message))}
+    return {field.name: _value_to_json(field.value_in(message)) for field in fields_of(type(message))}
 
 
 def message_to_text(message: Message) -> str:
@@ -63,7 +63,7 @@ def message_to_pieces(message: Message) -> Iterator[str]:
     """Yield the text of *message* in pieces: one that holds thousands of messages takes longer than others may wait."""
     text = "{"
     for field in fields_of(type(message)):
-        value = getattr(message, field.name)
+        value = field.value_in(message)
         text += f'{"" if text == "{" else ","}"{field.name}":'
         if isinstance(value, NumericArray):
             text += to_json(_value_to_json(value)).decode()
@@ -138,7 +138,7 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
 def _holds_bytes(message_type: type[Message]) -> bool:
     """Return whether there is anything in it for which pydantic has another alphabet of base64."""
     types = (message_type, *nested_types(message_type))
-    return any(field.is_bytes for one in types for field in fields_of(one))
+    return any(field.is_base64 for one in types for field in fields_of(one))
 
 
 def _form_to_json(message: Message) -> JsonValue:
@@ -180,7 +180,7 @@ def _known_value(field: FieldDefinition, value: object) -> object:
 
 
 def _value_from_json(field: FieldDefinition, value: object) -> object:
-    if field.is_bytes:
+    if field.is_base64 and (field.is_bytes or isinstance(value, str)):
         return _bytes_from_json(value)
     if field.is_numeric and isinstance(value, list):
         return [math.nan if item is None else item for item in value] if _may_be_null(field, value) else value

@@ -25,6 +25,7 @@ class Scan(Message, ros_type="test_msgs/msg/Scan"):
     steps: tuple[fields.UInt16, ...]
     flags: tuple[bool, ...]
     raw: bytes
+    text: fields.CharArray
     names: tuple[str, ...]
 
 
@@ -35,6 +36,7 @@ SCAN = Scan(
     steps=(1, 256),
     flags=(True, False),
     raw=b"\x00\xff",
+    text=b"hi",
     names=("é",),
 )
 
@@ -62,6 +64,7 @@ def test_numbers_of_one_type_are_packed_and_everything_else_is_plain() -> None:
         "stamp": {"sec": 1, "nanosec": 2},
         "flags": [True, False],
         "raw": b"\x00\xff",
+        "text": b"hi",
         "names": ["é"],
     }
 

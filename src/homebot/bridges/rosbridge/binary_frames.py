@@ -46,7 +46,7 @@ def _frame(topic: str, msg: bytes, lost: int) -> bytes:
 
 
 def _message(message: Message) -> bytes:
-    return _map({field.name: _value(field, getattr(message, field.name)) for field in fields_of(type(message))})
+    return _map({field.name: _value(field, field.value_in(message)) for field in fields_of(type(message))})
 
 
 def _value(field: FieldDefinition, value: object) -> bytes:
