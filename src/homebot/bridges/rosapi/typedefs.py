@@ -8,7 +8,7 @@ from homebot.messages.message import Int32, Message
 __all__ = ["TypeDef", "typedefs_of"]
 
 
-_EXAMPLES = {"bool": "False", "string": "", "float32": "0.0", "float64": "0.0"}
+_EXAMPLES = {"bool": "False", "string": "", "wstring": "", "float32": "0.0", "float64": "0.0"}
 
 
 class TypeDef(Message, ros_type="rosapi_msgs/msg/TypeDef"):
