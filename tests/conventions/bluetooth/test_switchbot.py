@@ -86,7 +86,15 @@ def test_the_same_bytes_are_no_news() -> None:
     assert again.values
 
 
-@pytest.mark.parametrize("advertisement", [heard(b"T\x00"), heard(b"d\x00\x58", "01"), heard(b"o\x00")])
+@pytest.mark.parametrize("advertisement", [heard(b"T\x00\x64"), heard(b"d\x00\x58"), heard(b"o\x00\x64")])
+def test_a_device_is_none_before_the_data_of_the_maker_came(advertisement: Advertisement) -> None:
+    """They come in another packet, which an active scan asks for."""
+    assert SwitchbotParser({}).read(advertisement, 0.0) is None
+
+
+@pytest.mark.parametrize(
+    "advertisement", [heard(b"T\x00", "01"), heard(b"d\x00\x58", "01"), heard(b"o\x00", "da83 0020")]
+)
 def test_a_frame_that_is_cut_off_is_refused(advertisement: Advertisement) -> None:
     with pytest.raises(WireError, match="cut off"):
         SwitchbotParser({}).read(advertisement, 0.0)

@@ -124,7 +124,7 @@ class SwitchbotParser(BroadcastParser):
         return bool(service) and service[0] & 0x7F in _MODEL_OF
 
     def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
-        """Return the parts of a device, and its values if they are not the last ones again.
+        """Return the parts of a device, and its values if they are not the last ones again; None until all data came.
 
         Raises:
             WireError: It is truncated.
@@ -137,6 +137,8 @@ class SwitchbotParser(BroadcastParser):
         try:
             values = tuple(BroadcastValue(row.capability, row.capability, row.read(service, maker)) for row in rows)
         except IndexError:
+            if MAKER not in advertisement.manufacturer_data:
+                return None  # it comes in a packet of its own
             raise WireError("SwitchBot: it is cut off", service + maker) from None
         is_new = self._last.get(advertisement.address) != (service, maker)
         self._last[advertisement.address] = service, maker
