@@ -228,6 +228,11 @@ async def test_a_vacuum_s_map_is_laid_on_three_rooms_of_the_same_names() -> None
         ({"discovery": {}}, "robots.discovery: is the name of one of homebot's own nodes; choose another name"),
         ({"ro sie": {}}, "robots.ro sie: "),
         ({"rosie": {"map_transform": [0.0, 1.0]}}, "robots.rosie.map_transform"),
+        ({"rosie": {"frames": ["/map"]}}, "robots.rosie.frames: 'map' is a frame of the house already"),
+        (
+            {"bob": {"frames": ["odom"]}, "rosie": {"frames": ["/odom"]}},
+            "robots.rosie.frames: 'odom' is a frame of the robot bob already",
+        ),
     ],
 )
 def test_a_wrong_table_of_a_robot_is_named(robots: dict[str, object], problem: str) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 
 from homebot.units import Seconds
 
@@ -13,6 +13,7 @@ __all__ = ["JsonPose", "RobotSettings"]
 
 _Metres: TypeAlias = Annotated[float, Field(ge=-10_000, le=10_000, allow_inf_nan=False)]
 _Radians: TypeAlias = Annotated[float, Field(ge=-7, le=7, allow_inf_nan=False)]
+_Frame: TypeAlias = Annotated[str, AfterValidator(lambda frame: frame.removeprefix("/"))]
 _Limit: TypeAlias = Annotated[Seconds, Field(le=3600)]
 
 
@@ -38,7 +39,7 @@ class RobotSettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
-    frames: tuple[str, ...] = ()
+    frames: tuple[_Frame, ...] = ()
     floor: str = ""
     limit: _Limit = 5.0
     topic: str = ""

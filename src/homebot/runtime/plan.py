@@ -297,14 +297,18 @@ def _places(config: Config) -> Places:
 def _robots(config: Config) -> Mapping[str, RobotSettings]:
     if not config.robots:
         return {}
+    from homebot.devices.robot_owners import MAP  # noqa: PLC0415 - as below
     from homebot.robots.settings import RobotSettings  # noqa: PLC0415 - only with a table
 
-    for name in config.robots:
-        _check_name(f"robots.{name}", name, config.source)
-    return {
-        name: parse_settings(RobotSettings, table, config.source, f"robots.{name}", config.folder)
-        for name, table in config.robots.items()
-    }
+    robots: dict[str, RobotSettings] = {}
+    owners = {MAP: "the house"}
+    for name, table in config.robots.items():
+        _check_name(key := f"robots.{name}", name, config.source)
+        robots[name] = parse_settings(RobotSettings, table, config.source, key, config.folder)
+        for frame in robots[name].frames:
+            if (owner := owners.setdefault(frame, f"the robot {name}")) != f"the robot {name}":
+                raise ConfigError(config.source, f"{key}.frames", f"{frame!r} is a frame of {owner} already")
+    return robots
 
 
 def _history(config: Config) -> HistorySettings | None:
