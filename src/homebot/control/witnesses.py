@@ -92,8 +92,7 @@ class Witnesses:
     async def begin(self, opened: OpenCommand) -> list[Witness]:
         """Return the witnesses of a command that is about to be sent; :meth:`end` must follow."""
         command = opened.command
-        wanted = sensed_by(command.settings)
-        if not wanted or rises(command.settings) is None:
+        if rises(command.settings) is None or not (wanted := sensed_by(command.settings)):
             return []
         found = await self._sensors_for(command, wanted)
         for witness, part in found:

@@ -73,7 +73,12 @@ class CommandSender:
                 kept_for=kept_for,
                 repeated=repeated,
             )
-            response = await self._send_by(route.gateway, command)
+            try:
+                client = self._clients.get(route.gateway) or self._client(route.gateway)
+                limit = expires_after + _ANSWERS_WITHIN
+                response = await client.call(command, timeout=limit, cancel_with_caller=True)
+            except (InvalidNameError, ServiceError) as exc:
+                response = _failure(exc)
             if response.success:
                 return route
             if response.problem == "unreachable":
@@ -88,22 +93,18 @@ class CommandSender:
             raise RefusedError(f"{capability} of {device.id}", unable)
         raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
 
-    async def _send_by(self, gateway: str, command: Command) -> SendCommandResponse:
-        """Send *command* to *gateway*; one that is not running is unreachable and was unable to send anything."""
-        try:
-            client = self._clients.get(gateway) or self._client(gateway)
-            limit = command.expires_after + _ANSWERS_WITHIN
-            return await client.call(command, timeout=limit, cancel_with_caller=True)
-        except InvalidNameError as exc:
-            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=True)
-        except ServiceUnavailableError:
-            return SendCommandResponse(success=False, problem="unreachable", unable=True)
-        except ServiceError as exc:
-            return SendCommandResponse(success=False, message=str(exc), problem="unreachable")
-
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
         return client
+
+
+def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:
+    """Return the answer in place of a gateway's; one that is not running is unreachable, and unable to send."""
+    if isinstance(error, InvalidNameError):
+        return SendCommandResponse(success=False, message=str(error), problem="refused", unable=True)
+    is_away = isinstance(error, ServiceUnavailableError)
+    message = "" if is_away else str(error)
+    return SendCommandResponse(success=False, message=message, problem="unreachable", unable=is_away)
 
 
 def _routes(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
-from functools import partial
 from typing import Protocol, TypeAlias
 
 import anyio.lowlevel
@@ -21,7 +20,6 @@ from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnounc
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
-from homebot.support.time_limits import TimeLimits
 
 __all__ = ["CommandServer", "Perform", "RawMessages"]
 
@@ -100,7 +98,6 @@ class CommandServer:
         self._raw = raw
         self._log = log
         self._keeps_states = keeps_states
-        self._limits = TimeLimits()
         node, names = gateway.node, gateway.names
         self._clock = node.graph.clock
         node.create_service(SendCommand, names.send_command, self.serve, concurrent=True)
@@ -112,9 +109,7 @@ class CommandServer:
         if not self._gateway.acts:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
-        limit, timer = asyncio.timeout(None), 0
-        if command.expires_after:
-            timer = self._limits.set(command.expires_after, partial(limit.reschedule, 0.0))
+        limit = asyncio.timeout(command.expires_after or None)
         try:
             if command.approved:
                 self._check_approved(command)
@@ -132,8 +127,6 @@ class CommandServer:
             if not limit.expired():
                 raise
             return self._failed(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
-        finally:
-            self._limits.discard(timer)
         self._counters.commands += 1
         return _CARRIED_OUT
 
