@@ -237,6 +237,25 @@ def test_a_policy_can_ask_for_the_load_that_a_part_is_or_switches(one: Device, d
     assert found == drives
 
 
+@pytest.mark.parametrize(
+    ("name", "part_name", "tag", "asks"),
+    [
+        ("Garage", "", "", True),
+        ("Garage left", "", "shutter", True),
+        ("Shutters", "Garage", "", True),
+        ("Garage", "Blind", "", False),
+        ("Garage", "", "blind", False),
+        ("Garage blind", "", "", False),
+    ],
+)
+def test_a_cover_that_is_called_garage_is_its_door(name: str, part_name: str, tag: str, *, asks: bool) -> None:
+    """As one of ESPHome or Home Assistant without class; the switch of that name is that of its lamp."""
+    cover = device(name, part("window_covering", "movement", name=part_name, tag=tag))
+    assert always_asks(cover, cover.parts[0]) is asks
+    switch = device(name, part("switch", "on_off"))
+    assert not always_asks(switch, switch.parts[0])
+
+
 @pytest.mark.parametrize("part_id", ["unlock_door", "door_unlock", "openDoor"])
 @pytest.mark.parametrize("capability", ["text", "on_off"])
 def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:

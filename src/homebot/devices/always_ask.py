@@ -16,7 +16,17 @@ from typing import Final
 
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.part import Capability, Part
-from homebot.devices.words import ALL_THAT_ASK, BURNS_OR_FLOODS, HEAT, NO_LOCK, OPEN, OPENER, Groups, matching_words
+from homebot.devices.words import (
+    ALL_THAT_ASK,
+    BURNS_OR_FLOODS,
+    GARAGE,
+    HEAT,
+    NO_LOCK,
+    OPEN,
+    OPENER,
+    Groups,
+    matching_words,
+)
 from homebot.support.folding import fold
 
 __all__ = [
@@ -60,6 +70,7 @@ _HOTTER_THAN_A_ROOM = 45.0
 
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
+_AT_WINDOWS = frozenset({"awning", "blind", "curtain", "shade"})
 _HARMLESS = frozenset({"light"})
 _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
@@ -100,7 +111,8 @@ def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_AS
     if _LOADS.get(kind) in groups:
         return f"its type is {kind}"
     if kind in _RELAYS:
-        return _why_named(groups, *_names(device, part)) or _why_of_model(device, part, groups)
+        reason = _why_named(groups, *_names(device, part)) or _why_of_model(device, part, groups)
+        return reason or (_why_garage(device, part) if "entry" in groups else "")
     return ""
 
 
@@ -226,6 +238,14 @@ def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:
         if words := matching_words(name, groups, anywhere=anywhere):
             return f"the name {name!r} says {words!r}"
     return ""
+
+
+def _why_garage(device: Device, part: DevicePart) -> str:
+    """Return why a cover of no known class is a garage door: it is called ``Garage`` and nothing else."""
+    told = part.part
+    if told.service_type != "window_covering" or told.tag in _AT_WINDOWS:
+        return ""
+    return _why_named(GARAGE, *((told.name,) if told.name else _names(device, part)))
 
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:

@@ -6,6 +6,7 @@ The words of the table have small letters without accents, see :mod:`homebot.sup
 - ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
 - ``siren``: loads that sound. It does not always ask, but is no load like others.
+- ``garage``: places whose cover is a door, if it is called nothing else.
 
 An entry is a phrase of one or more words in any order, or the end of a word: ``-ventil``. Beside the groups:
 
@@ -27,6 +28,7 @@ from homebot.support.folding import words_of
 __all__ = [
     "ALL_THAT_ASK",
     "BURNS_OR_FLOODS",
+    "GARAGE",
     "HEAT",
     "NO_LOCK",
     "OPEN",
@@ -39,6 +41,7 @@ __all__ = [
 
 Groups: TypeAlias = frozenset[str]
 
+GARAGE: Final = frozenset({"garage"})
 HEAT: Final = frozenset({"heat"})
 OPEN: Final = frozenset({"open"})
 OPENER: Final = frozenset({"opener"})
@@ -138,7 +141,7 @@ def _read_tables() -> tuple[tuple[_Language, ...], frozenset[str], tuple[str, ..
 
 def _language(table: dict[str, list[str]], beside: tuple[str, ...]) -> _Language:
     fillers = frozenset(table.get("fillers", ()))
-    entries = [(entry, group) for group in sorted(ALL_THAT_ASK | SIREN) for entry in table.get(group, ())]
+    entries = [(entry, group) for group in sorted(ALL_THAT_ASK | SIREN | GARAGE) for entry in table.get(group, ())]
     words = [(frozenset(entry.split()), group) for entry, group in entries if not entry.startswith("-")]
     return _Language(
         tuple(_Phrase(phrase, group, phrase - fillers) for phrase, group in words),
