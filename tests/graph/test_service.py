@@ -16,6 +16,7 @@ from homebot.errors import (
     ServiceTimeoutError,
     ServiceUnavailableError,
     TypeMismatchError,
+    UsageError,
 )
 from homebot.graph import Client, Graph, Node, Service
 from homebot.messages import SetBool, String, Trigger
@@ -136,6 +137,16 @@ async def test_a_raising_server_gives_its_reason_and_cause_and_goes_on(
         assert str(caught.value) == "service /s failed: ValueError: no such lamp"
         assert caught.value.reason == "ValueError: no such lamp"
         assert isinstance(caught.value.__cause__, ValueError)
+
+
+async def test_a_refusal_by_homebot_is_given_without_the_name_of_its_class(node: Node, client: TriggerClient) -> None:
+    def refuse(_request: TriggerRequest) -> SuccessResponse:
+        raise UsageError("there is no such lamp")
+
+    node.create_service(Trigger, "s", refuse)
+    with pytest.raises(ServiceFailedError) as caught:
+        await client.call(ASK)
+    assert caught.value.reason == "there is no such lamp"
 
 
 async def test_a_single_error_of_a_task_group_is_told_as_itself(node: Node, client: TriggerClient) -> None:
