@@ -35,7 +35,7 @@ JOB_SKIPPED: Final = "app.job_skipped"
 MOST_JOBS: Final = 1000
 LONGEST_CATCH_UP: Final = 31 * 86_400.0
 LONGEST: Final = 100 * 366 * 86_400.0
-LONGEST_OFFSET: Final = 43_200.0  # seconds from an event of the sun, so that each has its own day
+LONGEST_OFFSET: Final = 43_200.0
 _TIMERS, _DAYS = "_timers", "_days"
 _GRACE: Final = 60.0  # seconds by which a durable timer may be late in any case
 _OWN: Final = "homebot.apps."
@@ -163,9 +163,8 @@ class Schedule:
         """See :meth:`homebot.App.at`."""
         from homebot.apps.sun import sun_time  # noqa: PLC0415 - astral takes 40 ms
 
-        home, seconds, spread = self._app.context, _signed("offset", offset), _seconds("jitter", jitter)
-        if key := "offset" if abs(seconds) > LONGEST_OFFSET else "jitter" if spread > LONGEST_OFFSET else "":
-            raise UsageError(f"{key}: {offset if key == 'offset' else jitter} is more than 12 hours")
+        home, seconds = self._app.context, _signed("offset", offset)
+        spread = _seconds("jitter", jitter, LONGEST_OFFSET, "12 hours")
         times = sun_time(event, home.latitude, home.longitude, seconds)
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
         return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, spread)
@@ -298,25 +297,25 @@ def _numbered(base: str) -> Iterable[str]:
 
 
 def _signed(key: str, length: Length) -> float:
+    """Return seconds that may be below 0, 12 hours at most, so that each event of the sun has its own day."""
     if isinstance(length, str):
         text = length.strip()
-        return -_seconds(key, text[1:]) if text.startswith("-") else _seconds(key, text.removeprefix("+"))
-    seconds = length.total_seconds() if isinstance(length, timedelta) else length
-    return -_seconds(key, -seconds) if type(seconds) in (int, float) and seconds < 0 else _seconds(key, seconds)
+        sign, length = (-1.0 if text.startswith("-") else 1.0), text[text[:1] in ("-", "+") :]
+    else:
+        seconds = length.total_seconds() if isinstance(length, timedelta) else length
+        sign, length = (-1.0, -seconds) if type(seconds) in (int, float) and seconds < 0 else (1.0, seconds)
+    return sign * _seconds(key, length, LONGEST_OFFSET, "12 hours")
 
 
-def _seconds(key: str, length: Length) -> float:
+def _seconds(key: str, length: Length, most: float = LONGEST, most_text: str = "100 years") -> float:
     seconds = parse_duration(length, key)
-    if seconds > LONGEST:
-        raise UsageError(f"{key}: {length} is more than 100 years")
+    if seconds > most:
+        raise UsageError(f"{key}: {length} is more than {most_text}")
     return seconds
 
 
 def _catch_up(length: Length) -> float:
-    seconds = _seconds("catch_up", length)
-    if seconds > LONGEST_CATCH_UP:
-        raise UsageError(f"catch_up: {length} is more than 31 days")
-    return seconds
+    return _seconds("catch_up", length, LONGEST_CATCH_UP, "31 days")
 
 
 def _duration(seconds: float) -> str:
