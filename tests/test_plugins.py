@@ -75,6 +75,14 @@ def test_a_class_in_a_file_is_found_also_where_a_module_of_that_name_is_installe
     [
         ("class A(int): pass\nclass B(int): pass\n", r"must be one class, .*; the file has A, B"),
         ("class A: pass\nfrom enum import IntEnum\n", "; the file has no class of its own that is derived from int"),
+        (
+            "class A(int): pass\nraise SystemExit(0)\n",
+            r"it calls sys\.exit\(\) \(.*\.py, line 2\); a program begins below `if",
+        ),
+        (
+            "from homebot import run\nclass A(int): pass\nrun(A)\n",
+            r"homebot loads this file itself; put run\(\) below `if",
+        ),
         ("class A(int): pass\n1 / 0\n", r"cannot be loaded: ZeroDivisionError: division by zero \(.*\.py, line 2\)"),
     ],
 )

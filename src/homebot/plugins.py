@@ -152,7 +152,7 @@ def _load_entry_point(group: str, name: str) -> object:
     point = _installed(group, name)
     try:
         return point.load()
-    except Exception as exc:
+    except (Exception, SystemExit) as exc:
         raise PluginError(name, f"cannot be loaded: {error_text(exc)}") from exc
 
 
@@ -214,7 +214,7 @@ def _load_class(path: str) -> object:
         module = importlib.import_module(module_name)
     except PluginError:
         raise
-    except Exception as exc:
+    except (Exception, SystemExit) as exc:
         raise PluginError(
             path, f"cannot be loaded: the module {module_name!r} cannot be imported: {error_text(exc)}"
         ) from exc
@@ -256,7 +256,7 @@ def _module_in(path: Path, name: str) -> ModuleType:
     check_file(path, name)
     try:
         return _run_as_module(path.resolve(), path.stat().st_mtime_ns)
-    except Exception as exc:
+    except (Exception, SystemExit) as exc:
         raise PluginError(name, f"cannot be loaded: {error_text(exc)}") from exc
 
 
@@ -343,9 +343,11 @@ def look_in(folder: Path) -> None:
     importlib.invalidate_caches()
 
 
-def error_text(error: Exception) -> str:
+def error_text(error: Exception | SystemExit) -> str:
     """Return *error* with the line of the plug-in that raised it; a syntax error names its own."""
     traced = ((Path(frame.f_code.co_filename), line) for frame, line in traceback.walk_tb(error.__traceback__))
     own = [f" ({file.name}, line {line})" for file, line in traced if file not in _LOADERS and file.exists()]
     line = own[0] if own and not isinstance(error, SyntaxError) else ""
+    if isinstance(error, SystemExit):
+        return f'it calls sys.exit(){line}; a program begins below `if __name__ == "__main__":`'
     return f"{type(error).__name__}: {error}{line}"

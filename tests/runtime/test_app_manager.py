@@ -95,6 +95,7 @@ async def test_a_reload_takes_code_and_settings_as_they_are_now(tmp_path: Path) 
     ("old", "new", "problem"),
     [
         ("async def run(self):", "async def run(self:", r"SyntaxError: .*line 11"),
+        ("class ", "raise SystemExit(3)\nclass ", r"it calls sys\.exit\(\)"),
         ("import anyio", "import anyone", "No module named 'anyone'"),
         ('WORD = "first"', "", "NameError: name 'WORD' is not defined"),
         ("class Hall(", "class Room(", "has no class|no attribute|not a class"),

@@ -15,6 +15,8 @@ from homebot.cli.main import make_parser
 from homebot.errors import UsageError
 
 if TYPE_CHECKING:
+    from types import FrameType
+
     from homebot.apps import App
 
 __all__ = ["run"]
@@ -66,6 +68,11 @@ def run(
 
 
 def _check_caller() -> None:
+    frame: FrameType | None = sys._getframe()  # noqa: SLF001 - the one way to see by which code a file is loaded
+    while frame is not None:
+        if frame.f_globals.get("__name__") == "homebot.plugins":
+            raise UsageError('homebot loads this file itself; put run() below `if __name__ == "__main__":`')
+        frame = frame.f_back
     if threading.current_thread() is not threading.main_thread():
         raise UsageError("run() works in the main thread alone, where Ctrl-C arrives; elsewhere use Runtime")
     try:

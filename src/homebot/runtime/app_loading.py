@@ -66,7 +66,7 @@ class FreshCode:
             kind = getattr(module, class_name or plugins.class_in(module, name, App), None)
             if not isinstance(kind, type):
                 raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - one way back for all
-        except Exception as exc:
+        except (Exception, SystemExit) as exc:
             self.restore()
             raise exc if isinstance(exc, PluginError) else PluginError(name, _problem(exc)) from exc
         return kind
@@ -103,7 +103,7 @@ def _modules_of(prefix: str) -> tuple[str, ...]:
     return tuple(name for name in sys.modules if name == prefix or name.startswith(f"{prefix}."))
 
 
-def _problem(error: Exception) -> str:
+def _problem(error: Exception | SystemExit) -> str:
     return f"cannot be loaded: {plugins.error_text(error)}"
 
 
