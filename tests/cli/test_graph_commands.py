@@ -26,11 +26,13 @@ READ_ONLY = (
 DUMP = """\
 /robot:
   ros__parameters:
-    arm.joints:
-      - shoulder
-      - elbow
-    arm.reach: 0.8
+    arm:
+      joints:
+        - shoulder
+        - elbow
+      reach: 0.8
     speed: 0.5
+    speed.limit: 2.0
     steps: 3
 """
 
@@ -39,6 +41,7 @@ def robot(graph: Graph) -> Node:
     """A node with parameters and an action; a goal of more than 90 ends aborted."""
     node = Node(graph, "robot")
     node.declare_parameter("speed", 0.5, ParameterDescriptor("Metres per second.", minimum=0.0, maximum=2.0))
+    node.declare_parameter("speed.limit", 2.0)
     node.declare_parameter("steps", 3, ParameterDescriptor(read_only=True))
     node.declare_parameter("arm.reach", 0.8, ParameterDescriptor(minimum=0.1))
     node.declare_parameter("arm.joints", ("shoulder", "elbow"))
@@ -66,7 +69,7 @@ def door(homebot_with: Any) -> str:
 @pytest.mark.parametrize(
     ("arguments", "printed"),
     [
-        ("param list", "/robot:\n  arm.joints\n  arm.reach\n  speed\n  steps\n"),
+        ("param list", "/robot:\n  arm.joints\n  arm.reach\n  speed\n  speed.limit\n  steps\n"),
         ("param get robot speed", "0.5\n"),
         ("param get /robot arm.joints", "- shoulder\n- elbow\n"),
         ("param set /robot speed 1", "speed is 1\n"),
@@ -118,7 +121,7 @@ def test_a_command_prints_what_it_should(door: str, capsys: Text, arguments: str
         ),
         (
             "param get /robot power",
-            "/robot: no parameter 'power' is declared; declared: arm.joints, arm.reach, speed, steps",
+            "/robot: no parameter 'power' is declared; declared: arm.joints, arm.reach, speed, speed.limit, steps",
         ),
         ("param get /robto speed", "there is no node '/robto'; did you mean /robot?"),
         ("param dump /robto", "/robto has no parameters; did you mean /robot?"),

@@ -101,11 +101,23 @@ def _describe(door: DoorClient, options: argparse.Namespace) -> int:
 
 @door_command
 def _dump(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the parameters of a node as YAML."""
+    """Print the parameters of a node as YAML, in tables by the dots of their names, as the tool of ROS does."""
     nodes = _names(door)
     node = _node(options.node, nodes)
-    print(to_yaml({node: {"ros__parameters": {name: _value(door, node, name) for name in nodes[node]}}}), end="")
+    found: dict[str, object] = {}
+    for name in sorted(nodes[node]):
+        _insert(found, name, _value(door, node, name))
+    print(to_yaml({node: {"ros__parameters": found}}), end="")
     return 0
+
+
+def _insert(table: dict[str, Any], name: str, value: object) -> None:
+    first, dot, rest = name.partition(".")
+    inner = table.setdefault(first, {}) if dot else None
+    if isinstance(inner, dict):
+        _insert(inner, rest, value)
+    else:  # also below a parameter that has a value of its own
+        table[name] = value
 
 
 @door_command
