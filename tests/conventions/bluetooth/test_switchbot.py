@@ -35,6 +35,7 @@ def read(advertisement: Advertisement) -> Broadcast:
         (heard(b"w\x00\x4b", "0103 05035d"), {"temperature": -3.5, "humidity": 93.0, "battery": 75.0}),
         (heard(b"T\x00\x64\x02\x97\x2d", uuid="0d00"), {"temperature": 23.2, "humidity": 45.0, "battery": 100.0}),
         (heard(b"i\x00\x64", "0103 000000"), {"temperature": None, "humidity": None, "battery": 100.0}),
+        (heard(b"v\x00", "00ff66541af1 82 079a3200"), {"temperature": 26.7, "humidity": 50.0}),
         (
             heard(b"5\x00\x64", "0103 009c2d 0000 02aa"),
             {"temperature": 28.0, "humidity": 45.0, "carbon_dioxide": 682.0, "battery": 100.0},

@@ -58,18 +58,18 @@ def _bits(**capabilities: tuple[int, int]) -> tuple[_SwitchbotRow, ...]:
     return tuple(_SwitchbotRow(name, reader(at, mask)) for name, (at, mask) in capabilities.items())
 
 
-def _celsius(service: bytes, maker: bytes) -> PlainValue:
-    tenths, whole, humidity = _climate(service, maker)
-    degrees = (whole & 0x7F) + (tenths & 0x0F) / 10
-    return None if not degrees and not humidity & 0x7F else degrees if whole & 0x80 else -degrees
+def _climate_at(at: int) -> tuple[_SwitchbotRow, ...]:
+    """Return the rows of tenths of a degree, degrees with a sign, and humidity, in three bytes; all 0 is unknown."""
 
+    def celsius(_service: bytes, maker: bytes) -> PlainValue:
+        tenths, whole, humidity = maker[at], maker[at + 1], maker[at + 2]
+        degrees = (whole & 0x7F) + (tenths & 0x0F) / 10
+        return None if not degrees and not humidity & 0x7F else degrees if whole & 0x80 else -degrees
 
-def _humidity(service: bytes, maker: bytes) -> PlainValue:
-    return None if _celsius(service, maker) is None else float(_climate(service, maker)[2] & 0x7F)
+    def humidity(service: bytes, maker: bytes) -> PlainValue:
+        return None if celsius(service, maker) is None else float(maker[at + 2] & 0x7F)
 
-
-def _climate(_service: bytes, maker: bytes) -> tuple[int, int, int]:
-    return maker[_BODY], maker[_BODY + 1], maker[_BODY + 2]
+    return _SwitchbotRow("temperature", celsius), _SwitchbotRow("humidity", humidity)
 
 
 def _carbon_dioxide(_service: bytes, maker: bytes) -> PlainValue:
@@ -86,7 +86,7 @@ def _lock(shift: int, mask: int) -> _SwitchbotRow:
     return _SwitchbotRow("lock", lambda _service, maker: states.get((maker[7] & mask) >> shift), "door_lock")
 
 
-_CLIMATE: Final = (_SwitchbotRow("temperature", _celsius), _SwitchbotRow("humidity", _humidity))
+_CLIMATE: Final = _climate_at(_BODY)
 _CURTAIN: Final = _SwitchbotRow("position", lambda _, maker: 100.0 - min(maker[_BODY] & 0x7F, 100), "window_covering")
 _BATTERY: Final = _SwitchbotRow("battery", lambda service, _: float(service[2] & 0x7F))
 _PLUG: Final = (
@@ -97,6 +97,7 @@ _BOT: Final = _SwitchbotRow("on_off", lambda service, _: (service[1] & 0xC0) == 
 _MODELS: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
     "TtIiWw4\x14": ("Meter", (*_CLIMATE, _BATTERY)),
     "5\x15": ("Meter Pro", (*_CLIMATE, _SwitchbotRow("carbon_dioxide", _carbon_dioxide), _BATTERY)),
+    "Vv": ("Hub 2", _climate_at(13)),
     "Dd": ("Contact Sensor", (*_bits(contact=(7, 0x30), occupancy=(7, 0x80), light_detected=(7, 0x40)), _BATTERY)),
     "Ss": ("Motion Sensor", (*_bits(occupancy=(7, 0x40), light_detected=(7, 0x20)), _BATTERY)),
     "&\x06": ("Leak Detector", (*_bits(water_leak=(8, 1), tamper=(8, 2)), _battery_at(7))),
