@@ -72,7 +72,9 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
 
     The unit is in the spelling of a device; its case does not matter if that is unambiguous, as in ``KWh``.
     """
-    spelled = unit.strip().replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
+    spelled = (
+        unit.strip().replace("° ", "°").replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
+    )
     spelled = spelled.replace("\u00ba", "°")  # the ordinal indicator, which looks like it
     known = {**_UNITS.get(capability, {}), CAPABILITIES[capability].unit: _SAME}
     if spelled in known:
@@ -140,6 +142,7 @@ _UNITS: Mapping[str, Mapping[str, Conversion]] = {
         "gal/min": Conversion(0.0, 60 * 0.003785411784, 1.0),
     },
     "frequency": {"mHz": _MILLI, "kHz": _KILO, "MHz": _MEGA, "GHz": Conversion(0.0, 1e9, 1.0)},
+    "humidity": dict.fromkeys(("%RH", "% RH", "RH%"), _SAME),
     "illuminance": {"lux": _SAME, "Lux": _SAME, "klx": _KILO},
     "power": {
         "mW": _MILLI,
@@ -147,12 +150,13 @@ _UNITS: Mapping[str, Mapping[str, Conversion]] = {
         "MW": _MEGA,
         "GW": Conversion(0.0, 1e9, 1.0),
         "TW": Conversion(0.0, 1e12, 1.0),
+        "BTU/h": Conversion(0.0, 1.0, 3.412141633),
     },
     "pressure": {
         "Pa": Conversion(0.0, 1.0, 100.0),
         "kPa": Conversion(0.0, 10.0, 1.0),
         "MPa": Conversion(0.0, 1e4, 1.0),
-        "mbar": _SAME,
+        **dict.fromkeys(("mb", "mbar"), _SAME),
         "cbar": Conversion(0.0, 10.0, 1.0),
         "bar": _KILO,
         "mmHg": Conversion(0.0, 1.333223874150, 1.0),
@@ -164,6 +168,7 @@ _UNITS: Mapping[str, Mapping[str, Conversion]] = {
         "F": Conversion(32.0, 1.0, 1.8),
         "K": Conversion(273.15, 1.0, 1.0),
         "C": _SAME,
+        **dict.fromkeys(("degC", "celsius"), _SAME),
     },
     "voltage": {"mV": _MILLI, "\u00b5V": _MICRO, "kV": _KILO, "MV": _MEGA},
     "pm1": _MASS_IN_AIR,
