@@ -1,4 +1,5 @@
 import pytest
+from tests.conventions.announced_parts import homeassistant_part
 
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -25,6 +26,14 @@ def test_a_capability_without_access_is_left_out() -> None:
     making = entity()
     making.add_capability("level", readable=False)
     assert making.build().part.capabilities == ()
+
+
+def test_a_message_with_which_a_template_asks_for_its_last_state_changes_nothing() -> None:
+    template = "{{ value_json.t if value_json.t is defined else this.state }}"
+    config = {"state_topic": "a", "value_template": template, "unit_of_measurement": "°C"}
+    codec = homeassistant_part("temperature", "sensor", config).codec
+    payloads = (b'{"t": 20.5}', b'{"rssi": -60}')
+    assert [dict(codec.read("a", one, retained=False)) for one in payloads] == [{"temperature": 20.5}, {}]
 
 
 def test_all_readers_of_a_topic_are_asked_also_those_of_a_filter() -> None:

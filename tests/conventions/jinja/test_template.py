@@ -16,7 +16,7 @@ from homebot.errors import WireError
     [
         ("{{ states('sensor.x') }}", "uses `states()`, which only Home Assistant has"),
         ("{{ states.sensor.x.state }}", "uses `states`, which only Home Assistant has"),
-        ("{{ this.state }}", "uses `this`, which only Home Assistant has"),
+        ("{{ trigger.id }}", "uses `trigger`, which only Home Assistant has"),
         ("{{ is_state('a.b', value) }}", "uses `is_state()`, which only Home Assistant has"),
         ("{{ value | slugify }}", "uses the filter `slugify`, which is not supported"),
         ("{{ value is callable }}", "uses the test `callable`, which is not supported"),

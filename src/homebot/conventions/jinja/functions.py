@@ -159,7 +159,11 @@ FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
 _HOME_ASSISTANT = """
 area_devices area_entities area_id area_name areas closest config_entry_id device_attr device_entities device_id
 distance expand has_value integration_entities is_device_attr is_hidden_entity is_state is_state_attr relative_time
-state_attr state_translated states this time_since time_until today_at trigger
+state_attr state_translated states time_since time_until today_at trigger
 """
 HOME_ASSISTANT: Final = frozenset(_HOME_ASSISTANT.split())
-"""Names that only mean something inside Home Assistant."""
+"""Names that only mean something inside Home Assistant.
+
+``this`` is not among them: it is undefined, so that a message with which a template asks for ``this.state``, the last
+value, changes nothing.
+"""
