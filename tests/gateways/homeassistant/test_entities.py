@@ -237,6 +237,9 @@ def test_degrees_fahrenheit_are_converted_both_ways() -> None:
         ("light.a", {"supported_color_modes": ["hs"]}, "level", 0.0, ("turn_off", {})),
         ("valve.a", {"supported_features": 15}, "valve", "open", ("open_valve", {})),
         ("lawn_mower.a", {"supported_features": 7}, "mower", "docked", ("dock", {})),
+        ("cover.a", {"supported_features": 240}, "tilt", 30.0, ("set_cover_tilt_position", {"tilt_position": 30})),
+        ("cover.a", {"supported_features": 112}, "tilt", 0.0, ("close_cover_tilt", {})),
+        ("cover.a", {"supported_features": 112}, "tilt", 100.0, ("open_cover_tilt", {})),
         ("lock.a", {"code_format": "\\d+"}, "lock", "unlocked", ("unlock", {"code": "1234"})),
     ],
 )
@@ -250,6 +253,11 @@ def test_a_command_is_the_call_of_a_service(
 def test_a_lock_with_a_code_needs_it() -> None:
     with pytest.raises(WrongCodeError):
         only("lock.a", "locked", code_format="\\d+").call("lock", "unlocked")
+
+
+def test_slats_without_a_position_have_two_ends() -> None:
+    with pytest.raises(RefusedError, match="only open"):
+        only("cover.a", "open", supported_features=112).call("tilt", 50.0)
 
 
 def test_a_transition_is_passed_on_and_an_unknown_capability_refused() -> None:

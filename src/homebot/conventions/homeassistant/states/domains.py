@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, date, datetime, time
 from typing import Final
 
-from homebot.conventions.command_values import require_option
+from homebot.conventions.command_values import require_number, require_option
 from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
     EntityComponent,
@@ -133,6 +133,14 @@ def _opening(name: str, domain: str) -> tuple[EntityRow, ...]:
     services = {"open": (1, f"open_{domain}"), "closed": (2, f"close_{domain}"), "stopped": (8, f"stop_{domain}")}
     position = percent("position", "current_position", f"set_{domain}_position", "position", has(4))
     return (*moves(name, services, *_OPENINGS), position)
+
+
+def _write_end_of_tilt(_info: Fields, value: PlainValue, _code: str) -> Fields:
+    """Turn slats that have no position to one of their ends."""
+    percent_open = require_number("tilt", value, 0, 100, "%")
+    if percent_open not in {0, 100}:
+        raise RefusedError(f"tilt {percent_open:g}", "its slats only open (100) and close (0)")
+    return {"service": "open_cover_tilt" if percent_open else "close_cover_tilt"}
 
 
 _LOCK_STATES = _named("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
@@ -270,6 +278,12 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
         (
             *_opening("movement", "cover"),
             percent("tilt", "current_tilt_position", "set_cover_tilt_position", "tilt_position", has(128)),
+            EntityRow(
+                "tilt",
+                read_number("current_tilt_position", 1.0, 0, 100),
+                _write_end_of_tilt,
+                when=lambda info: has(16, 32)(info) and not has(128)(info),
+            ),
         ),
     ),
     "lock": EntityComponent("door_lock", (EntityRow("lock", read_state(_LOCK_STATES), _write_lock),)),
