@@ -30,7 +30,7 @@ async def test_a_motion_sensor_of_a_robot_says_its_room_for_a_minute(open_home: 
         await home.report("low motion", "occupancy", True)
         await anyio.sleep(1)
         answer = await where.call(WhereIsRobotRequest())
-        assert [(pose.room, pose.has_position, pose.limit) for pose in answer.pose] == [("hall", False, 60.0)]
+        assert [(pose.room, pose.has_position, pose.limit) for pose in answer.pose] == [("Hall", False, 60.0)]
         await anyio.sleep(60)
         assert not (await where.call(WhereIsRobotRequest())).success
 
@@ -51,4 +51,4 @@ async def test_a_motion_sensor_does_not_revive_a_pose_of_a_silent_robot(open_hom
         await home.report("low motion", "occupancy", True)
         await anyio.sleep(1)
         answer = await where.call(WhereIsRobotRequest())
-        assert (answer.success, answer.pose[0].room) == (True, "hall")
+        assert (answer.success, answer.pose[0].room) == (True, "Hall")

@@ -308,11 +308,15 @@ async def test_a_clock_that_is_set_makes_no_pose_old_and_refuses_none() -> None:
 
 
 async def test_a_room_alone_is_no_position(one: House) -> None:
-    await one.say("/rosie/room", RobotRoom(robot="rosie", room="Hall"))
+    await one.say("/rosie/room", RobotRoom(robot="rosie", room="HALL"))
     await one.say("/rosie/room", RobotRoom(robot="bob", room="Kitchen"))
+    await one.say("/rosie/room", RobotRoom(robot="rosie", room=" "))
     [known] = one.news()
     assert (known.room, known.has_position, known.limit) == ("Hall", False, 600.0)
     assert known.error == pytest.approx(3.2, abs=0.01)
+    await one.say("/rosie/room", RobotRoom(robot="", room="Kitchen"))  # the topic says whose it is
+    await anyio.sleep(0.1)
+    assert [told.room for told in one.news()] == ["Kitchen"]
 
 
 async def test_two_robots_by_namespace_and_by_prefixed_frames() -> None:

@@ -177,10 +177,12 @@ class PoseTopics:
 
     def _on_room(self, robot: str, topic: str, messages: Sequence[RobotRoom]) -> None:
         for message in messages:
-            if message.robot == robot:
-                self._robots[robot].place(topic, TAG_LIMIT, room=message.room[:_LONGEST_ROOM])
-            else:
+            if message.robot not in {robot, ""}:
                 self._refuse(topic, f"the robot {message.robot[:100]!r} may not be stated there")
+            elif room := message.room.strip()[:_LONGEST_ROOM]:
+                self._robots[robot].place(topic, TAG_LIMIT, room=room)
+            else:
+                self._refuse(topic, "it names no room")
 
     def _place(self, robot: str, topic: str, limit: float, error: float, pose: Pose, header: Header) -> bool:
         """Place *robot* by a pose, unless that is refused; return whether it was not."""

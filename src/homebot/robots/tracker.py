@@ -142,8 +142,9 @@ class RobotTracker:
         known: dict[str, object] = {"floor": floor, "is_sure": not robot.unsure_because}
         known["received_at"] = Time.from_seconds(received_at)
         if not pose.has_position:
-            centre = plan.centre_of(house.locate(pose.room)[0])
-            known["error"] = pose.error if centre is None else centre.error
+            room = house.locate(pose.room)[0] or pose.room
+            centre = plan.centre_of(room)
+            known.update(room=room, error=pose.error if centre is None else centre.error)
         elif not pose.room and (at := plan.room_at(pose.x, pose.y, floor, "" if before is None else before.room)):
             known.update(room=at.room, is_nearest_room=at.is_nearest)
         return pose.model_copy(update={**known, "counts": robot.expires_at(pose) > robot.now()})
