@@ -137,6 +137,8 @@ async def test_bash_completes_names_of_devices_quoted(script: Path, tmp_path: Pa
             (("show", "K"), {"Küche"}),
             (("show", "W"), {r"Wohnzimmer\'s\ Lampe"}),
             (("show", r"\$"), {r"\$\(touch\ spoilt\)"}),
+            (("show", '"$'), {r"\$(touch spoilt)"}),
+            (("show", "'W"), {r"Wohnzimmer'\''s Lampe"}),
         ):
             words = ["bash", "--norc", "-c", _TAB, "bash", str(script), "homebot", *line]
             assert set((await completed(words, environment, tmp_path)).splitlines()) == found

@@ -25,11 +25,15 @@ _MOST: Final = 2000
 _BASH: Final = f"""\
 _homebot_devices() {{
   local name
-  "${{COMP_WORDS[0]}}" {COMPLETE_DEVICES} "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null | while IFS= read -r name; do
-    case $1 in [\\"\\']*) printf '%s\\n' "$name" ;; *) printf '%q\\n' "$name" ;; esac
-  done
+  "${{COMP_WORDS[0]}}" {COMPLETE_DEVICES} "${{COMP_WORDS[@]:1:COMP_CWORD}}" 2>/dev/null | case $1 in
+    \\"*) sed 's/[\\\\"$`]/\\\\&/g' ;;
+    \\'*) sed "s/'/'\\\\\\\\''/g" ;;
+    *) while IFS= read -r name; do printf '%q\\n' "$name"; done ;;
+  esac
 }}
 """
+"""A name is text in a quotation too, whatever the shell would read in it: devices choose theirs."""
+
 _ZSH: Final = f"""\
 _homebot_devices() {{
   local -a names
