@@ -36,6 +36,17 @@ def test_a_message_with_which_a_template_asks_for_its_last_state_changes_nothing
     assert [dict(codec.read("a", one, retained=False)) for one in payloads] == [{"temperature": 20.5}, {}]
 
 
+LOCK = {"command_topic": "a/set", "state_topic": "a"}
+
+
+@pytest.mark.parametrize(
+    ("name", "service_type"), [("Child lock", "x_setting"), ("TRV keypad lock", "x_setting"), ("Lock", "door_lock")]
+)
+def test_a_lock_of_keys_is_a_setting_by_its_name(name: str, service_type: str) -> None:
+    lock = homeassistant_part("lock" if service_type == "door_lock" else "on_off", "lock", {"name": name, **LOCK})
+    assert lock.part.service_type == service_type
+
+
 def test_all_readers_of_a_topic_are_asked_also_those_of_a_filter() -> None:
     making = entity()
     making.read_from("a/b", lambda said: {"value": said.text()})

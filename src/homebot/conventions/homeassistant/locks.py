@@ -16,14 +16,15 @@ from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import NO_READINGS, Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
+from homebot.support.folding import words_of
 
 __all__ = ["build_alarm_control_panel", "build_lock"]
 
 _LOCK_STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
 """Of two states with the same payload the later one counts."""
 
-_KEY_LOCKS = frozenset({"child_lock", "keypad_lock"})
-"""Names by which Zigbee2MQTT announces locks of keys, not of doors."""
+_KEY_LOCKS = frozenset({("child", "lock"), ("keypad", "lock")})
+"""The last words of ids and names of locks of keys, not of doors, as those of Zigbee2MQTT."""
 
 _ALARM_ACTIONS = {
     "disarmed": "disarm",
@@ -45,7 +46,7 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
     checked for presence: it is a foreign regular expression.
     """
     command = config.required_command()
-    if config.discovery_id.rpartition("/")[2] in _KEY_LOCKS:
+    if any(words_of(text)[-2:] in _KEY_LOCKS for text in (config.discovery_id, config.text("name"))):
         return _build_key_lock(config, command)
     states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in _LOCK_STATES}
     states[config.text("payload_reset", "None")] = None
