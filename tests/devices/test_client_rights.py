@@ -256,6 +256,23 @@ def test_a_cover_that_is_called_garage_is_its_door(name: str, part_name: str, ta
     assert not always_asks(switch, switch.parts[0])
 
 
+@pytest.mark.parametrize(
+    ("name", "button", "asks"),
+    [
+        ("Garage", "Open", True),
+        ("Door", "Release", True),
+        ("Front door", "Open", True),
+        ("Garage light", "Open", False),
+        ("Kitchen", "Open", False),
+        ("Garage", "Light", False),
+    ],
+)
+def test_a_button_asks_by_the_name_of_its_device_and_its_own(name: str, button: str, *, asks: bool) -> None:
+    """As the action ``open`` of a Thing called Garage, and the buttons of an ESPHome of that name."""
+    one = device(name, part("generic_switch", "push", name=button))
+    assert always_asks(one, one.parts[0]) is asks
+
+
 @pytest.mark.parametrize("part_id", ["unlock_door", "door_unlock", "openDoor"])
 @pytest.mark.parametrize("capability", ["text", "on_off"])
 def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:

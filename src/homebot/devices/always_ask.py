@@ -222,7 +222,7 @@ def _why_called(capability: Capability, device: Device, part: DevicePart) -> str
     if capability.name == "number" and capability.unit in _DEGREES:
         return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
     if capability.name in _PRESSED and _is_deed(told):
-        return _why_named(ALL_THAT_ASK, *_names(device, part))
+        return _why_named(ALL_THAT_ASK, *_names(device, part), f"{device.name} {_own_name(part)}")
     names = (told.name,) if told.name else _names(device, part)
     if capability.name in _CHOSEN:
         return _why_named(NO_LOCK if told.category else ALL_THAT_ASK, *names)
