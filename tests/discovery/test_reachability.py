@@ -73,6 +73,15 @@ def test_parts_of_one_announcement_each_have_their_own(index: DeviceIndex) -> No
     assert (only(index).reachable.state, only(index).offline_parts) == ("yes", ())
 
 
+def test_the_reason_names_a_part_only_where_others_differ(index: DeviceIndex) -> None:
+    both = announce("both", part_of("light", "on_off", id="l"), part_of("switch", "on_off", id="s"), ids=("id:both",))
+    index.observe(both)
+    index.report(tell(both, REACHABLE, True, part="l", at=1))
+    assert only(index).reachable.why.startswith("homeassistant:both (l) is online")
+    index.report(tell(both, REACHABLE, True, part="s", at=2))
+    assert only(index).reachable.why.startswith("homeassistant:both is online")
+
+
 def test_what_tells_it_no_more_is_nothing_to_go_by(index: DeviceIndex) -> None:
     """As where the announcement that comes next names no availability."""
     index.observe(LAMP)

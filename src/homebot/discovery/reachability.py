@@ -71,7 +71,8 @@ def _combined(reports: list[_SourceReach]) -> Reachability:
         if answers:
             source, part, reach = max(answers, key=lambda one: one[2].heard_at)
             label = source.label if source.sighting.convention else "it"  # a key of a gateway tells a person nothing
-            label = f"{label} ({part})" if part and part not in label else label
+            is_all_of_it = all(one is not None and one.value is value for other, _, one in reports if other is source)
+            label = label if is_all_of_it or part in label else f"{label} ({part})"
             return describe(label, _according(source, reach), reach, reports)
     return NOT_REPORTED
 
