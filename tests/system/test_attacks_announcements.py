@@ -255,12 +255,25 @@ def many_parts(number: int) -> tuple[str, bytes]:
     return f"homeassistant/device/d{number}/config", json.dumps(told).encode()
 
 
+def wide_device() -> Iterator[tuple[str, bytes]]:
+    """A lamp of as many settings as are read, and a device of as many properties, each in a node of its own."""
+    features = [{"type": "numeric", "name": f"n{one}", "property": f"n{one}", "access": 7} for one in range(600)]
+    exposes = [{"type": "light", "features": features}]
+    definition = {"model": "m", "vendor": "v", "exposes": exposes}
+    entry = {"ieee_address": f"0x{1:016x}", "friendly_name": "wide", "type": "EndDevice", "definition": definition}
+    yield TOPIC, json.dumps([entry | {"supported": True}]).encode()
+    nodes = {f"n{one}": {"properties": {"p": {"datatype": "integer", "settable": True}}} for one in range(600)}
+    yield "homie/5/wide/$description", json.dumps({"homie": "5.0", "version": 1, "name": "W", "nodes": nodes}).encode()
+    yield "homie/5/wide/$state", b"ready"
+
+
 def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
-    """A list of real devices, the same with other names, and thirty devices of 300 parts each."""
+    """A list of real devices, the same with other names, thirty devices of 300 parts each, and wide devices."""
     devices = house_of(size(200, 400))
     floods = {
         "list": [(TOPIC, devices)],
         "renamed": [(TOPIC, devices.replace(b'"device ', b'"lamp '))],
+        "wide devices": list(wide_device()),
         "300 parts each": [many_parts(number) for number in range(30)],
         "devices": [config("sensor", f"device{number}") for number in range(size(500, 3_000))],
     }

@@ -106,12 +106,13 @@ class PartBuilder(Generic[MessageT]):
         """Mark its codec as dependent on earlier reports; see :attr:`DescribedPart.remembers`."""
         self._remembers = True
 
-    def build(self, payloads: object = None) -> DescribedPart:
+    def build(self, payloads: object = None, *, digest: str = "") -> DescribedPart:
         """Return the finished part.
 
         Args:
             payloads: Plain values of the announcement that determine the payloads of commands; None if topics and
                 capabilities determine them.
+            digest: The digest of these values if several parts share them.
         """
         part_id, service_type, name, advertised, tag, category, guessed = self._about
         codec = TableCodec(self.parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
@@ -126,7 +127,7 @@ class PartBuilder(Generic[MessageT]):
             capabilities=tuple(self._capabilities.values()),
             reads=tuple(self._readers),
             writes=tuple(self._writes),
-            payloads="" if payloads is None else payload_digest(payloads),
+            payloads=digest if payloads is None else payload_digest(payloads),
         )
         return DescribedPart(
             part.slimmed(),

@@ -172,7 +172,7 @@ class Entity(PartBuilder[StateMessage]):
         self.add_capability(name, readable=False, writer=push_writer(name, lambda: command.publish(payload)))
         self.add_commands(command)
 
-    def build(self, payloads: object = None) -> DescribedPart:
+    def build(self, payloads: object = None, *, digest: str = "") -> DescribedPart:
         """Return the finished part, with its echoes marked: states that may only repeat the command.
 
         These are all settable states if the config is ``optimistic``, or if every state topic is also a command topic.
@@ -182,7 +182,7 @@ class Entity(PartBuilder[StateMessage]):
         """
         if self._config.flag("optimistic") or (self._readers and self._readers.keys() <= self._writes.keys()):
             self._capabilities = {name: _echoed(one) for name, one in self._capabilities.items()}
-        return super().build(payloads or (self._config.of_commands() if self._writes else None))
+        return super().build(payloads or (self._config.of_commands() if self._writes else None), digest=digest)
 
     def _add_reader(
         self,

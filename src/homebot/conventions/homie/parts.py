@@ -26,6 +26,7 @@ from homebot.conventions.homie.properties import add_properties, add_property, n
 from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, Role, as_settings, find_roles
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.units import sensor_type
+from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Category
 
 __all__ = ["build_parts"]
@@ -49,8 +50,9 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
         if node not in lamp:
             controls.extend(_controls(device, node))
         others.extend((*_meters(node), *_singles(node)))
-    formats = _command_formats(device) or None
-    return tuple(part.build(formats) for part in (*controls, *others))
+    formats = _command_formats(device)
+    digest = payload_digest(formats) if formats else ""
+    return tuple(part.build(digest=digest) for part in (*controls, *others))
 
 
 def _command_formats(device: HomieDevice) -> list[tuple[object, ...]]:

@@ -96,6 +96,9 @@ class _DocumentReader:
     def nodes(self, fields: Mapping[str, object]) -> tuple[HomieNode, ...]:
         found = []
         for node_id, node in fields.items():
+            if self._count >= MAX_PROPERTIES:
+                self.ignored += 1
+                continue
             try:
                 found.append(self._node(node_id, node))
             except WireError:

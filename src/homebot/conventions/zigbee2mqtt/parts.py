@@ -144,9 +144,15 @@ class _PartsBuilder:
 
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
-        around = [one.of_commands() for one in self._auxiliary.values()]
+        digest = ""
         for part in self._built(topics, expose):
-            yield _with_payloads(part, (expose.of_commands(), tuple(around))) if part.part.writes else part
+            if not part.part.writes:
+                yield part
+                continue
+            if not digest:
+                around = [one.of_commands() for one in self._auxiliary.values()]
+                digest = payload_digest((expose.of_commands(), tuple(around)))
+            yield part._replace(part=part.part.model_copy(update={"payloads": digest}))
 
     def _built(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         if expose.type not in SPECIFIC_TYPES:
@@ -203,11 +209,6 @@ class _PartsBuilder:
                 return build_fan(part, expose, self._device.model)
             case _:
                 return build_climate(part, expose, self._auxiliary.get("program"))
-
-
-def _with_payloads(described: DescribedPart, announced: object) -> DescribedPart:
-    part = described.part.model_copy(update={"payloads": payload_digest(announced)})
-    return described._replace(part=part)
 
 
 def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:
