@@ -195,6 +195,13 @@ def test_a_command_to_an_address_that_no_device_has_is_sent_with_a_warning(
     assert [topic for topic, _, _ in still.published] == ["nobody/reads/this", "zigbee2mqtt/Kitchen lamp/set"]
 
 
+def test_a_history_of_a_misspelt_value_names_the_right_one(still_homebot: Homebot, capsys: Text) -> None:
+    assert main(["--door", still_homebot.door, "history", "Kitchen lamp", "--capability", "powr"]) == 1
+    assert "homebot: nothing has a value 'powr'; did you mean power" in capsys.readouterr().err
+    assert main(["--door", still_homebot.door, "history", "Kitchen lamp", "--capability", "power"]) == 1
+    assert "nothing is known of that time" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("command", "code"), [("find", 0), ("history", 1)])
 def test_near_matches_are_told_to_be_that(
     still_homebot: Homebot, capsys: Text, still: StillHouse, command: str, code: int

@@ -19,12 +19,14 @@ from homebot.cli.graph_queries import entities
 from homebot.cli.history_plot import plot_lines
 from homebot.cli.terminal import print_table
 from homebot.cli.unknown_words import why_none
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
 from homebot.devices.wording.json_message import JsonMessage, fields_of
 from homebot.devices.wording.time_format import from_seconds
 from homebot.devices.wording.values import value_text
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
+from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
@@ -41,6 +43,7 @@ _BEGINS_WITHIN = 5.0
 """Seconds after its start in which homebot begins a history."""
 
 _PAUSE = 0.3
+_SEE_VALUES = "`homebot show DEVICE` lists those of a device"
 _EXAMPLES = """\
   homebot history 'Kitchen lamp'
   homebot history 'temperature in kitchen' --since 7d --plot
@@ -83,6 +86,8 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
     request |= {"capability": options.capability, "points": min(options.points or _points(options), _MOST)}
     found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, request))
+    if not found.series and (name := options.capability) and name not in CAPABILITIES:
+        raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
     _print_history(found, options, since, until)
     return 0 if found.series else 1
 
