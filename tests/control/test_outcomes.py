@@ -252,6 +252,24 @@ async def test_what_is_so_already_is_not_sent(home: Home) -> None:
     assert home.commands == []
 
 
+async def test_a_lamp_that_came_back_is_told_again(home: Home) -> None:
+    """It may have lost its power, and come back as something else without a report."""
+    home.put("lamp", "light", "on_off")
+    home.gateway.devices.report_reachable("lamp", reachable=True)
+    await anyio.sleep(1)
+    await home.report("lamp", "on_off", True)
+    lamp = await home.handle(Light)
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    for reachable in (False, True):
+        home.gateway.devices.report_reachable("lamp", reachable=reachable)
+        await anyio.sleep(1)
+    assert home.commands == []
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    assert [one.value.plain() for one in home.commands] == [True]
+    assert isinstance(await lamp.turn_on(), AlreadySo)
+    assert len(home.commands) == 1
+
+
 async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(home: Home) -> None:
     home.put("lamp", "light", "on_off")
     await home.report("lamp", "on_off", True)

@@ -247,8 +247,8 @@ def known_state(
     """Return the certain values of the commanded part, of the capabilities *asked*.
 
     If the device is online by its last will, its retained value is certain, and one from before the connection was
-    lost: many devices report only changes. After a failed command older values are not certain, and newer ones are not
-    recent.
+    lost: many devices report only changes. It is not recent if the device came back since: it may have lost its power.
+    After a failed command older values are not certain, and newer ones are not recent.
 
     Args:
         unsure_since: The time of the last failed command for each capability, in seconds since the Unix epoch.
@@ -257,6 +257,7 @@ def known_state(
     is_online = command.device.reachable.state == "yes"
     if not (is_online or command.device.freshness == "fresh"):
         return KnownState({}, is_recent=False)
+    back_at = command.device.reachable.since.to_seconds() if is_online else -inf
     values: dict[str, PlainValue] = {}
     is_recent = True
     for capability in asked:
@@ -265,6 +266,7 @@ def known_state(
             continue
         told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability, -inf)
         is_recent = is_recent and unsure_at == -inf and _is_recent(state, told_at, lost_at, command.issued_at)
+        is_recent = is_recent and told_at >= back_at
         if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
             values[capability] = state.value.plain()
     return KnownState(values, is_recent)
