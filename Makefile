@@ -23,9 +23,10 @@ run: $(VENV)/.run
 	@$(BIN)/python -m homebot run $(ARGS)
 
 # With PYTHONDONTWRITEBYTECODE set, each worker would compile all of homebot: a third of the time.
-## Runs all tests: about five minutes on two cores.
+# Three workers for each core: many tests wait for a program or a network.
+## Runs all tests: about four minutes on two cores.
 test: $(VENV)/.dev
-	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 4 --dist worksteal -m "not peers" $(ARGS)
+	env -u PYTHONDONTWRITEBYTECODE $(BIN)/python -m pytest -n 6 --dist worksteal -m "not peers" $(ARGS)
 
 # To measure which lines run takes more than twice the time of the tests.
 ## Runs all tests and shows the lines that none of them reaches.
