@@ -85,6 +85,20 @@ def test_an_approved_lock_that_is_announced_differently_waits_again_and_says_wha
     assert not waits_for_approval(only(index))
 
 
+def test_an_approval_of_what_was_shown_is_refused_once_it_is_announced_otherwise(
+    index: DeviceIndex, lock: Sighting
+) -> None:
+    index.observe(lock)
+    shown = index.places.approval_digest("door")
+    index.observe(changed(lock, payloads="unlock sends LOCK"), 1.0)
+    with pytest.raises(RefusedError, match="it changed since it was shown; look at it again"):
+        index.places.approve("door", 2.0, shown)
+    assert waits_for_approval(only(index))
+    index.observe(lock, 3.0)
+    index.places.approve("door", 4.0, shown)
+    assert not waits_for_approval(only(index))
+
+
 def test_an_approved_lock_with_another_identifier_waits_again(index: DeviceIndex, lock: Sighting) -> None:
     index.observe(lock)
     index.places.approve("door", 1.0)

@@ -12,9 +12,11 @@ from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import House
 
 from homebot.devices import Devices
+from homebot.devices.approval_messages import ApproveDevice
 from homebot.devices.handles import Light
 from homebot.devices.names import (
     ALIAS_DEVICE,
+    APPROVE_DEVICE,
     EXPORT_PLACES,
     GET_PLACES,
     IMPORT_PLACES,
@@ -51,6 +53,23 @@ LAMP = announce(
     at=1.0,
     confirmed=True,
 )
+
+
+async def test_what_a_preview_showed_is_approved_and_nothing_else() -> None:
+    bolt = part_of("door_lock", "lock", id="l", writes=("door/set",))
+    lock = announce("lock/door", bolt, ids=("mac:aabbccddeeff",), name="Door", gateway="mqtt")
+    other = lock.model_copy(update={"parts": (bolt.model_copy(update={"writes": ("garage/set",)}),)})
+    async with directory() as house:
+        client = house.asker.create_client(ApproveDevice, APPROVE_DEVICE)
+        await house.hears(lock)
+        shown = await client.call(ApproveDevice.Request(device="door", is_preview=True))
+        assert shown.commands == ("l: lock to door/set",)
+        await house.hears(other)
+        refused = await client.call(ApproveDevice.Request(device="door", digest=shown.digest))
+        assert not refused.success
+        assert "it changed since it was shown; look at it again" in refused.message
+        await house.hears(lock)
+        assert (await client.call(ApproveDevice.Request(device="door", digest=shown.digest))).success
 
 
 async def test_handles_are_found_and_followed_by_what_the_owner_states() -> None:

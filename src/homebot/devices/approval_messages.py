@@ -13,11 +13,14 @@ class ApproveDeviceRequest(Message):
         device: The id of the device.
         remove: Whether to take the approval back instead.
         is_preview: Whether to change nothing: the answer shows what would be approved.
+        digest: The digest in the answer to a preview: what is announced otherwise by then is not approved. Empty for
+            what is announced now.
     """
 
     device: str
     remove: bool = False
     is_preview: bool = False
+    digest: str = ""
 
 
 class ApproveDeviceResponse(ServiceAnswer):
@@ -26,10 +29,12 @@ class ApproveDeviceResponse(ServiceAnswer):
     Attributes:
         commands: The approved commands, one line for each setting: address and payload.
         changes: Differences from the approval before, one line for each part of an announcement.
+        digest: Of a preview: the digest of what would be approved.
     """
 
     commands: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
+    digest: str = ""
 
 
 class DescribeCommandsRequest(Message):

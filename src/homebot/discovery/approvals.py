@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator
 from typing import NamedTuple, final
 
-from homebot.devices.command_description import CommandDescription
+from homebot.devices.command_description import CommandDescription, payload_digest
 from homebot.discovery.merging.part_ids import PartPlace
 from homebot.discovery.source_record import SourceRecord
 from homebot.errors import RefusedError
 
-__all__ = ["MAX_APPROVALS", "Approval", "ApprovalRegistry"]
+__all__ = ["MAX_APPROVALS", "Approval", "ApprovalRegistry", "approval_digest"]
 
 MAX_APPROVALS = 10_000
 """Parts that are approved; further ones are refused."""
@@ -82,6 +82,11 @@ class ApprovalRegistry:
 
 
 ApprovalRecord = tuple[str, str, str, tuple[str, tuple[str, ...], tuple[str, ...], tuple[str, ...], str], float]
+
+
+def approval_digest(sources: Iterable[SourceRecord]) -> str:
+    """Return the digest of what an approval of all parts of *sources* would be bound to."""
+    return payload_digest(sorted(_descriptions(sources)))
 
 
 def _descriptions(sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, CommandDescription]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Final, final
 
+from homebot.discovery.approvals import approval_digest
 from homebot.discovery.description import position_of
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
@@ -221,16 +222,38 @@ class PlacesEditor:
         self.state(entry, facts, f"the owner took back its {_WORDS[name]} {value}")
         return self._values(entry, name)
 
-    def approve(self, device_id: str, now: float) -> tuple[str, ...]:
+    def approval_digest(self, device_id: str) -> str:
+        """Return the digest of what an approval of a device would be bound to now.
+
+        Raises:
+            RefusedError: There is no such device.
+        """
+        return approval_digest(self._entry(device_id).sources.values())
+
+    def check_shown(self, device_id: str, digest: str) -> None:
+        """Check that a device is announced as when *digest* was its :meth:`approval_digest`.
+
+        Raises:
+            RefusedError: It is not, or there is no such device.
+        """
+        if digest != self.approval_digest(device_id):
+            raise RefusedError(f"the approval of {device_id}", "it changed since it was shown; look at it again")
+
+    def approve(self, device_id: str, now: float, digest: str = "") -> tuple[str, ...]:
         """Approve the announcements of a device as they are, so that it may be driven; again is fine.
+
+        Args:
+            digest: The :meth:`approval_digest` that was shown; empty for any.
 
         Returns:
             Differences from the approvals before, one line for each part of an announcement.
 
         Raises:
-            RefusedError: There is no such device, or there are too many approvals.
+            RefusedError: There is no such device, it is announced otherwise than shown, or approvals are too many.
         """
         entry = self._entry(device_id)
+        if digest:
+            self.check_shown(device_id, digest)
         changes = self._table.owner.approve(entry.sources.values(), now)
         self.restate((entry,), "the owner approved it")
         return changes

@@ -137,11 +137,14 @@ class PlacesServices:
         changes: tuple[str, ...] = ()
         try:
             if request.is_preview:
-                return ApproveDeviceResponse(success=True, commands=await self._commands(node, request.device))
+                digest = places.approval_digest(request.device)
+                commands = await self._commands(node, request.device)
+                places.check_shown(request.device, digest)
+                return ApproveDeviceResponse(success=True, commands=commands, digest=digest)
             if request.remove:
                 places.disapprove(request.device)
             else:
-                changes = places.approve(request.device, self._clock.now())
+                changes = places.approve(request.device, self._clock.now(), request.digest)
         except RefusedError as exc:
             return ApproveDeviceResponse(success=False, message=str(exc))
         self._publish_all()

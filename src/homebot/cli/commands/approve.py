@@ -42,17 +42,22 @@ def _approve(door: DoorClient, options: argparse.Namespace) -> int:
     """Approve a device, take that back, or show what would be approved."""
     device = named_device(door, options.device).id
     waited = device in unapproved(door, device)
-    request = {"device": device, "remove": options.undo, "is_preview": options.show}
-    answer = cast("ApproveDeviceResponse", door.ask(APPROVE_DEVICE, request))
+    answer = shown = _ask(door, device=device, is_preview=not options.undo, remove=options.undo)
+    if not (options.undo or options.show):  # what is printed is what is approved, also of a device that keeps changing
+        answer = _ask(door, device=device, digest=shown.digest)
     if options.show:
         print(f"{printable(device)} {'waits for approval' if waited else 'does not wait for approval'}; its commands:")
     else:
         print(f"{printable(device)} {_told(waited=waited, undo=options.undo)}")
     for change in answer.changes:
         print(f"  changed: {printable(change)}")
-    for command in answer.commands:
+    for command in shown.commands:
         print(f"  {printable(command)}")
     return 0
+
+
+def _ask(door: DoorClient, **request: object) -> ApproveDeviceResponse:
+    return cast("ApproveDeviceResponse", door.ask(APPROVE_DEVICE, request))
 
 
 def _told(*, waited: bool, undo: bool) -> str:

@@ -109,7 +109,7 @@ function Waiting({ devices, onApproved }) {
     setShown({ device, ...answer });
   };
   const approve = async () => {
-    const answer = await call("/discovery/approve", { device: shown.device }).catch((error) => ({ success: false, message: error.message }));
+    const answer = await call("/discovery/approve", { device: shown.device, digest: shown.digest }).catch((error) => ({ success: false, message: error.message }));
     setShown(answer.success ? null : { device: shown.device, ...answer });
     if (answer.success) onApproved();
   };
