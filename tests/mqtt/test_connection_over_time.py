@@ -16,6 +16,7 @@ from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.status import OFFLINE, ONLINE
+from homebot.support.backoff import REFUSED_BACKOFF
 
 pytestmark = pytest.mark.virtual_time
 
@@ -82,6 +83,18 @@ async def test_a_broker_that_says_no_is_asked_at_most_every_few_minutes(options:
         assert broker.stats.connections_refused < 8 * HOUR / 150 + 10
         with pytest.raises(RefusedError, match="not authorized"):
             await connection.wait_connected()
+
+
+async def test_a_broker_that_says_no_when_it_is_back_is_asked_again_soon(options: MqttOptions) -> None:
+    """Mosquitto of Home Assistant refuses everybody until Home Assistant runs."""
+    async with MemoryBroker(credentials={"anna": "right"}) as broker:
+        await broker.stop(abrupt=True)
+        async with connection_to(broker, options) as connection:
+            await anyio.sleep(HOUR)
+            await broker.start()
+            with pytest.raises(RefusedError):
+                await connection.wait_connected()
+            assert (connection.state.retry_in or 0.0) <= REFUSED_BACKOFF.first
 
 
 async def test_what_was_said_while_the_link_was_frozen_comes_after_it(

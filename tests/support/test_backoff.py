@@ -47,6 +47,16 @@ def test_pauses_grow_with_each_failure_until_an_attempt_succeeds() -> None:
     assert retries.fail(PLAIN) == 1.0
 
 
+def test_a_first_refusal_after_long_silence_has_the_first_pause() -> None:
+    clock, refused = ManualClock(), PLAIN._replace(first=2.0)
+    retries = BackoffCounter(clock, Random(1))
+    for _ in range(100):
+        retries.fail(PLAIN)
+    clock.advance(PLAIN.late_after)
+    assert [retries.fail(refused) for _ in range(2)] == [2.0, 4.0]
+    assert retries.fail(PLAIN) == PLAIN.late_cap
+
+
 def test_an_attempt_that_lasted_counts_as_a_success() -> None:
     clock = ManualClock()
     retries = BackoffCounter(clock, Random(1), steady_after=60.0)

@@ -9,12 +9,12 @@ import anyio
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
-from homebot.errors import LinkError, PeerError, UsageError
+from homebot.errors import LinkError, PeerError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
-from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, BackoffCounter
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, BackoffCounter
 
 __all__ = ["LinkedGateway"]
 
@@ -51,6 +51,8 @@ class LinkedGateway(Gateway):
                 await connect()
             except LinkError as exc:
                 self.problem = str(exc)
+            except WireError as exc:
+                backoff, self.problem = WRONG_ANSWER_BACKOFF, str(exc)
             except (PeerError, UsageError) as exc:
                 backoff, self.problem = REFUSED_BACKOFF, str(exc)
             self.publish_state("unavailable", self.problem)

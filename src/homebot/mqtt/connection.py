@@ -28,7 +28,7 @@ from homebot.mqtt.options import MqttOptions, MqttWill
 from homebot.mqtt.status import OFFLINE, ONLINE, StatusPublisher
 from homebot.mqtt.subscriptions import SubscriptionSet
 from homebot.mqtt.topics import validate_filter
-from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff
+from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.support.logger import get_logger
 
 __all__ = ["ConnectionState", "LinkPhase", "MqttConnection"]
@@ -116,15 +116,13 @@ class MqttConnection:
         self.publish = self._client.publish
         self._status = StatusPublisher(self._client, status_topic, self._url)
         self._clock = LoopClock() if clock is None else clock
-        self._random = Random() if random is None else random  # noqa: S311 - jitter is no secret
+        self._retries = BackoffCounter(self._clock, random or Random())  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
         self._standing = SubscriptionSet(self._client, is_paced=is_paced)
         self._state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None
-        self._failures = 0
-        self._failing_since = 0.0
         self._links = 0
         self._protocol = ""
         self._made_again_at = -math.inf
@@ -343,17 +341,13 @@ class MqttConnection:
         await self._status.publish(ONLINE)
 
     def _plan(self, reason: HomebotError, up_since: float | None) -> float:
-        now = self._clock.monotonic()
         refused = not isinstance(reason, LinkError)
-        if up_since is not None and now - up_since >= _STABLE:
-            self._failures = 0
-        if self._failures == 0:
-            self._failing_since = now
+        if up_since is not None and self._clock.monotonic() - up_since >= _STABLE:
+            self._retries.succeed()
         was_up = up_since is not None
-        backoff = self._refused_backoff if refused else self._link_backoff
-        is_first_loss = was_up and self._failures == 0 and not refused
-        self._failures += 1
-        delay = 0.0 if is_first_loss else backoff.delay(self._failures, now - self._failing_since, self._random)
+        is_first_loss = was_up and not self._retries.has_failed and not refused
+        pause = self._retries.fail(self._refused_backoff if refused else self._link_backoff)
+        delay = 0.0 if is_first_loss else pause
         phase, event = LinkPhase.WAITING, "mqtt.link_lost" if was_up else "mqtt.unreachable"
         if refused:
             phase, event = LinkPhase.REFUSED, "mqtt.refused"

@@ -13,6 +13,7 @@ __all__ = [
     "DEVICE_REFUSED_BACKOFF",
     "LINK_BACKOFF",
     "REFUSED_BACKOFF",
+    "WRONG_ANSWER_BACKOFF",
     "Backoff",
     "BackoffCounter",
 ]
@@ -57,6 +58,8 @@ class Backoff(NamedTuple):
 class BackoffCounter:
     """Counter of consecutive failures, with the next delay.
 
+    The failures of each policy count by themselves: one wrong answer after hours of silence is the first one.
+
     Args:
         steady_after: Seconds that an attempt has to last for its failure to count as the first; infinite where only
             :meth:`succeed` says so.
@@ -67,8 +70,12 @@ class BackoffCounter:
         self._random = random
         self._steady_after = steady_after
         self._began = clock.monotonic()
-        self._failures = 0
-        self._failing_since = 0.0
+        self._failures: dict[Backoff, tuple[int, float]] = {}
+
+    @property
+    def has_failed(self) -> bool:
+        """True after a failure, until an attempt succeeds."""
+        return bool(self._failures)
 
     def begin(self) -> None:
         """Note that an attempt begins."""
@@ -76,15 +83,16 @@ class BackoffCounter:
 
     def succeed(self) -> None:
         """Note that the attempt succeeded: its failure, if it fails later, is the first."""
-        self._failures = 0
+        self._failures.clear()
 
     def fail(self, backoff: Backoff) -> float:
         """Count a failure; return the seconds to wait before the next attempt."""
         now = self._clock.monotonic()
-        if self._failures == 0 or now - self._began > self._steady_after:
-            self._failures, self._failing_since = 0, now
-        self._failures += 1
-        return backoff.delay(self._failures, now - self._failing_since, self._random)
+        if now - self._began > self._steady_after:
+            self._failures.clear()
+        failures, since = self._failures.get(backoff, (0, now))
+        self._failures[backoff] = failures + 1, since
+        return backoff.delay(failures + 1, now - since, self._random)
 
 
 # A broker in the house is back a second after its restart, and a try costs one refused TCP connect: with
@@ -102,4 +110,8 @@ DEVICE_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0,
 """For a device, or a directory of devices, that does not answer."""
 
 DEVICE_REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
-"""For refused logins and protocol errors: a person has to change something."""
+"""For refused logins: a person has to change something."""
+
+# One that is starting may answer half of what it should, and be right a second later; one of another kind never is.
+WRONG_ANSWER_BACKOFF: Final = Backoff(first=2.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
+"""For an answer that breaks the rules of the protocol."""

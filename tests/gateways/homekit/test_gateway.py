@@ -130,6 +130,22 @@ async def test_an_accessory_that_restarts_is_back_within_five_seconds_and_got_no
         assert server.written == [(ON, True), (ON, False)]
 
 
+async def test_an_accessory_that_answers_wrongly_when_it_is_back_is_asked_again_at_once() -> None:
+    server = lamp()
+    async with paired(server) as (home, reports):
+        server.is_there = False
+        server.drop()
+        await anyio.sleep(3600)
+        listed, server.accessories = server.accessories, []
+        server.is_there = True
+        while not (await home.health())[0]:  # noqa: ASYNC110 - it tells nobody
+            await anyio.sleep(0.1)
+        server.accessories = listed
+        with anyio.fail_after(5):
+            await reading(reports, "reachable", True)
+        assert (await home.health())[0] == ()
+
+
 async def test_a_command_that_expires_while_the_accessory_hangs_does_not_come_later() -> None:
     server = lamp()
     async with paired(server) as (home, _):

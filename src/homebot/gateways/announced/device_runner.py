@@ -10,10 +10,10 @@ from typing import Final
 import anyio
 
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, PeerError
+from homebot.errors import LinkError, PeerError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, Backoff, BackoffCounter
+from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, Backoff, BackoffCounter
 from homebot.support.isolation import error_text, first_cause, run_as
 
 __all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "PublishedDevice", "problems_of"]
@@ -162,12 +162,14 @@ class DeviceRunner(PublishedDevice, ABC):
             except* LinkError as group:
                 failed, self.problem = self._lost_backoff, str(first_cause(group))
             except* PeerError as group:
-                failed, self.problem = DEVICE_REFUSED_BACKOFF, str(first_cause(group))
+                cause = first_cause(group)
+                failed = WRONG_ANSWER_BACKOFF if isinstance(cause, WireError) else DEVICE_REFUSED_BACKOFF
+                self.problem = str(cause)
                 self._devices.engine.quarantine.log_limited(FAILED, f"{self.name}: {self.problem}", self.key)
             except* Exception as group:  # the work with one device must not end that with others
                 failed, self.problem = DEVICE_REFUSED_BACKOFF, error_text(group)
                 self.log.warning(CRASHED, message=f"{self.name}: {self.problem}", device=self.key, exc_info=group)
-        self.needs_help = failed is DEVICE_REFUSED_BACKOFF
+        self.needs_help = failed is not None and failed is not self._lost_backoff
         if not self.is_stopped:
             self.on_end()
         return failed
