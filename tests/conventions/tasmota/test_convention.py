@@ -88,7 +88,9 @@ def test_an_address_of_digits_alone_is_an_address() -> None:
     ("full_topic", "expected"),
     [
         ("%topic%/%prefix%/", "tasmota_000011/cmnd/Power1"),
-        ("home/%hostname%/%prefix%/%id%/", "home/tasmota-000011-17/cmnd/000011/Power1"),
+        ("home/%hostname%/%prefix%/%id%/", f"home/tasmota-000011-17/cmnd/{MAC}/Power1"),
+        ("%prefix%/home/%topic%", "cmnd/home/tasmota_000011/Power1"),
+        ("home//#%topic%", "home/tasmota_000011/cmnd/Power1"),
     ],
 )
 def test_topics_are_made_as_the_device_was_set_up(full_topic: str, expected: str) -> None:
@@ -157,7 +159,7 @@ def test_one_device_too_many_is_refused() -> None:
         {"ver": 2},
         {"mac": "2462AB000012"},
         {"ft": 1},
-        {"ft": "%prefix%/#/"},
+        {"ft": "%prefix%/+/"},
         {"t": "a\x00", "ft": "%topic%/"},
         {"tp": ["cmnd", "stat"]},
         {"tp": ["cmnd", "", "tele"]},

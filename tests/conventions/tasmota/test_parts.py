@@ -58,6 +58,27 @@ def test_relays_are_numbered_and_the_first_may_go_without() -> None:
     assert parts["power_1"].state_requests == (Publication("c/STATE", b""),)
 
 
+@pytest.mark.parametrize(
+    ("device", "part", "topic", "message", "expected"),
+    [
+        ({"rl": [1]}, "power_1", "s/POWER", {"POWER": "ON"}, {"on_off": True}),
+        ({"rl": [1, 1]}, "power_2", "s/POWER2", {"POWER2": "OFF"}, {"on_off": False}),
+        ({"rl": [1]}, "power_1", "s/STATE", {"POWER": "ON"}, {"on_off": True}),
+        ({"rl": [1]}, "power_1", "s/POWER", "ON", {}),
+        ({"rl": [2], "lt_st": 1}, "light_1", "s/DIMMER", {"POWER": "ON", "Dimmer": 20}, {"on_off": True, "level": 20}),
+        ({"rl": [3, 3]}, "shutter_1", "s/SHUTTER", {"Shutter1": {"Position": 30}}, {"position": 30}),
+        ({"rl": [2], "fan": 1}, "fan", "s/FANSPEED", {"FanSpeed": 3}, {"on_off": True, "fan_speed": 100}),
+        ({"swc": [1]}, "switch_1", "s/SWITCH1", {"Switch1": {"Action": "ON"}}, {"state": True}),
+        ({"swc": [0]}, "switch_1_press", "s/SWITCH1", {"Switch1": {"Action": "TOGGLE"}}, {"press": "single"}),
+        ({"btn": [1]}, "button_1", "s/BUTTON1", {"Button1": {"Action": "HOLD"}}, {"press": "hold"}),
+    ],
+)
+def test_option_4_gives_each_answer_a_topic_of_its_own(
+    device: dict[str, Any], part: str, topic: str, message: object, expected: dict[str, object]
+) -> None:
+    assert said(built(**device, so={"4": 1, "73": 1})[part], topic, message) == expected
+
+
 def test_a_device_has_words_of_its_own() -> None:
     relay = only(rl=[1], state=["Aus", "An", "Um", "Halt"])
     assert said(relay, "s/RESULT", {"POWER": "An"}) == {"on_off": True}

@@ -103,7 +103,7 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         mac=mac,
         name=clean_text(_text(fields, "dn")) or next((name for name in names if name), "") or mac,
         output_names=tuple(clean_text(name) for name in names),
-        commands=_topic(fields, mac, prefixes[0]),
+        commands=_topic(fields, mac, prefixes[0], suffix="/%prefix%"),
         results=_topic(fields, mac, prefixes[1]),
         telemetry=_topic(fields, mac, prefixes[2]),
         state_texts=_state_texts(fields),
@@ -147,13 +147,26 @@ def _state_texts(fields: Mapping[str, object]) -> tuple[str, ...]:
     return texts if len(texts) == len(_STATE_TEXTS) and all(texts) else _STATE_TEXTS
 
 
-def _topic(fields: Mapping[str, object], mac: str, prefix: str) -> str:
+def _topic(fields: Mapping[str, object], mac: str, prefix: str, *, suffix: str = "") -> str:
+    """Return the beginning of a device's topics, up to its last slash, as the firmware makes it.
+
+    Args:
+        suffix: What the firmware appends to a topic without prefix.
+
+    Source: Tasmota 14.4 firmware, ``support.ino``, ``GetTopic_P``.
+    """
     topic = _text(fields, "ft")
     if not topic:
         raise WireError(f"config: ft is {shown(fields.get('ft'))}, not a topic of at most {_MAX_TEXT} characters")
-    for name, value in (("hostname", _text(fields, "hn")), ("id", mac[-6:]), ("prefix", prefix)):
+    topic += "" if "%prefix%" in topic else suffix
+    for name, value in (
+        ("prefix", prefix),
+        ("topic", _text(fields, "t")),
+        ("hostname", _text(fields, "hn")),
+        ("id", mac),
+    ):
         topic = topic.replace(f"%{name}%", value)
-    topic = topic.replace("%topic%", _text(fields, "t"))
+    topic = f"{topic.replace('#', '').replace('//', '/').removesuffix('/')}/"
     try:
         validate_topic(topic)
     except InvalidNameError as error:

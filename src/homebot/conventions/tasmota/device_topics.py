@@ -15,7 +15,7 @@ from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.tasmota.config import TasmotaConfig
 from homebot.devices.value import PlainValue
 
-__all__ = ["TasmotaTopics", "sensor_values"]
+__all__ = ["TasmotaTopics", "power_commands", "sensor_values"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,10 +24,19 @@ class TasmotaTopics:
 
     config: TasmotaConfig
 
+    def results(self, *commands: str) -> tuple[str, ...]:
+        """Return the topics of the answers to *commands*, on which changes are reported too."""
+        answers = commands if self.config.option(_COMMAND_TOPICS_OPTION) else ("RESULT",)
+        return tuple(f"{self.config.results}{answer.upper()}" for answer in answers)
+
+    def states(self, *commands: str) -> tuple[str, ...]:
+        """Return the topics of the states that *commands* change: reported at once, and every few minutes."""
+        return (*self.results(*commands, "State"), self.telemetry)
+
     @property
-    def states(self) -> tuple[str, str]:
-        """The topics on which outputs are reported: at once, and every few minutes."""
-        return f"{self.config.results}RESULT", f"{self.config.telemetry}STATE"
+    def telemetry(self) -> str:
+        """The topic on which outputs are reported every few minutes."""
+        return f"{self.config.telemetry}STATE"
 
     @property
     def sensors(self) -> tuple[str, str]:
@@ -63,7 +72,7 @@ class TasmotaTopics:
 
     def add_power_switch(self, part: JsonPart, index: int) -> None:
         """Add ``on_off`` of the output *index*, with a command of its own."""
-        for topic in self.states:
+        for topic in self.states(*power_commands(index)):
             part.read_from(topic, partial(self.read_power, index))
         part.add_capability("on_off", writer=partial(self._switch, index))
         part.add_command_topics(self.topic(f"Power{index + 1}"))
@@ -71,7 +80,7 @@ class TasmotaTopics:
 
     def add_power_state(self, part: JsonPart, index: int) -> None:
         """Add ``state`` of the output *index*, which cannot be set."""
-        for topic in self.states:
+        for topic in self.states(*power_commands(index)):
             part.read_from(topic, partial(self._read_state, index))
         part.add_capability("state")
         part.add_state_request(*self.state_requests)
@@ -92,6 +101,15 @@ class TasmotaTopics:
 
     def _request(self, command: str, argument: bytes) -> Publications:
         return () if self.config.is_sleeper else (Publication(self.topic(command), argument),)
+
+
+_COMMAND_TOPICS_OPTION = 4
+"""SetOption4: the answer to a command has a topic with its name."""
+
+
+def power_commands(index: int) -> tuple[str, ...]:
+    """Return the names by which the output *index* reports its power. A single output has no number."""
+    return (f"Power{index + 1}", *(("Power",) if index == 0 else ()))
 
 
 def sensor_values(message: JsonMessage) -> JsonMessage:

@@ -23,11 +23,13 @@ def describe_inputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
             yield _contact(topics, index, mode)
         if mode in _PRESSED:
             actions = {topics.config.state_texts[place]: press for place, press in _PRESSED[mode].items()}
-            yield _presses(topics, f"switch_{index + 1}_press", _switch_name(topics, index), actions)
+            name = _switch_name(topics, index)
+            yield _presses(topics, f"switch_{index + 1}_press", f"Switch{index + 1}", name, actions)
     if topics.config.option(_BUTTONS_OPTION):
         for index, is_there in enumerate(topics.config.buttons):
             if is_there:
-                yield _presses(topics, f"button_{index + 1}", f"Button{index + 1}", _button_actions(topics))
+                report = f"Button{index + 1}"
+                yield _presses(topics, f"button_{index + 1}", report, report, _button_actions(topics))
 
 
 _TOGGLE, _HOLD = 2, 3
@@ -79,10 +81,11 @@ def _contact(topics: TasmotaTopics, index: int, mode: int) -> DescribedPart:
     read = partial(_read_state, topics.config.state_texts[0], topics.config.state_texts[1], name)
     part.add_capability("state")
     if mode in _PULSES:
-        part.read_events_from(topics.states[0], read)
+        for topic in topics.results(f"Switch{index + 1}"):
+            part.read_events_from(topic, read)
         part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
     else:
-        for topic in (topics.states[0], *topics.sensors):
+        for topic in (*topics.results(f"Switch{index + 1}"), *topics.sensors):
             part.read_from(topic, read)
         part.add_state_request(*topics.sensor_requests)
     return part.build()
@@ -105,9 +108,10 @@ def _button_actions(topics: TasmotaTopics) -> Mapping[str, str]:
     return _BUTTON_ACTIONS
 
 
-def _presses(topics: TasmotaTopics, part_id: str, name: str, actions: Mapping[str, str]) -> DescribedPart:
+def _presses(topics: TasmotaTopics, part_id: str, report: str, name: str, actions: Mapping[str, str]) -> DescribedPart:
     part = JsonPart(part_id, "generic_switch", name=clean_text(name), advertised="button")
-    part.read_events_from(topics.states[0], partial(_read_press, name, actions))
+    for topic in topics.results(report):
+        part.read_events_from(topic, partial(_read_press, name, actions))
     part.add_capability("press", options=tuple(dict.fromkeys(actions.values())))
     return part.build()
 

@@ -21,7 +21,7 @@ from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig
-from homebot.conventions.tasmota.device_topics import TasmotaTopics
+from homebot.conventions.tasmota.device_topics import TasmotaTopics, power_commands
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
@@ -115,12 +115,15 @@ def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
 def add_light(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
     """Add the capabilities of the lamp at the output *index*."""
     lamp = _lamp(topics, index)
-    for topic in topics.states:
+    for topic in topics.states(*power_commands(index), *_REPORTED_COMMANDS):
         part.read_from(topic, lamp.read)
     part.add_command_topics(topics.topic("Backlog"))
     lamp.features.add_to(part, LIGHT_CAPABILITIES, lamp.publish)
     part.add_state_request(*topics.state_requests)
 
+
+_REPORTED_COMMANDS = ("Channel", "Color", "CT", "Dimmer", "HsbColor", "Scheme", "White")
+"""Commands that the firmware answers with the state of the lamp."""
 
 _ON_OFF, _DIMMER, _WHITES, _COLOR, _COLOR_WHITE, _COLOR_WHITES = range(6)
 _EFFECTS = ("Solid", "Wake up", "Cycle up", "Cycle down", "Random")

@@ -28,7 +28,7 @@ __all__ = ["build_parts", "count_shutters"]
 def _add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
     """Add the capabilities of the fan."""
     fan = _Fan(topics)
-    for topic in topics.states:
+    for topic in topics.states(_COMMAND):
         part.read_from(topic, fan.read)
     part.add_capability("on_off", writer=fan.switch)
     part.add_capability("fan_speed", writer=fan.set_speed)
@@ -87,7 +87,7 @@ def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> tuple[obj
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
     shutter = _Shutter(topics, index + 1, bool(options & _INVERTED), tilt)
-    for topic in (topics.states[0], *topics.sensors):
+    for topic in (*topics.results("Shutter"), *topics.sensors):
         part.read_from(topic, shutter.read)
     part.add_capability("movement", writer=shutter.move)
     part.add_capability("position", writer=shutter.set_position)

@@ -221,7 +221,7 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
 
 def _signal(topics: TasmotaTopics) -> DescribedPart:
     part = JsonPart("wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
-    part.read_from(topics.states[1], _read_signal)
+    part.read_from(topics.telemetry, _read_signal)
     part.add_capability("signal_strength")
     return part.build()
 
