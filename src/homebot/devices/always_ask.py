@@ -32,6 +32,7 @@ from homebot.support.folding import fold
 __all__ = [
     "ALWAYS_ASK",
     "APPROVED",
+    "BREAKER",
     "CHANGED",
     "always_asks",
     "is_approved",
@@ -51,6 +52,9 @@ _LOADS: Final[Mapping[str, str]] = MappingProxyType(
 
 ALWAYS_ASK: Final = frozenset(_LOADS)
 """Device types of the class: garage doors and gates, locks, boilers, valves, alarm panels."""
+
+BREAKER: Final = "breaker"
+"""The tag of a switch that is a circuit breaker of the house, as in a SPAN panel."""
 
 APPROVED: Final = "approved"
 """The name of the fact by which the owner states that a device that can hurt may be driven."""
@@ -186,6 +190,8 @@ def _why_by_itself(device: Device, part: DevicePart) -> str:
 def _why_declared(part: Part) -> str:
     if part.service_type in ALWAYS_ASK:
         return f"its type is {part.service_type}"
+    if part.tag == BREAKER:
+        return "it is a circuit breaker"
     if part.advertised and not part.category and matching_words(part.advertised, HEAT):
         return f"it calls itself {part.advertised}"
     for one in part.capabilities:  # a generator would cost each announcement and command more

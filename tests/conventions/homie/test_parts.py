@@ -3,6 +3,8 @@ from collections.abc import Callable
 import pytest
 
 from homebot.conventions.description import DescribedPart
+from homebot.devices.always_ask import is_declared
+from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -372,3 +374,33 @@ def test_a_fan_with_a_switch_is_switched_by_that(introduce: Introduce) -> None:
     fan = introduce({"fan": {"type": f"{CAP}fan", "properties": {"state": FLAG, "speed": PERCENT}}})["fan"]
     assert told(fan, "on_off", False) == [("fan/state/set", "false")]
     assert read(fan, "fan/speed", "30") == {"fan_speed": 30.0}
+
+
+@pytest.mark.parametrize(
+    ("node", "name", "options", "capability", "topic_value", "expected", "sent"),
+    [
+        ("relay", "state", "ON,OFF", "on_off", "ON", True, "OFF"),
+        ("circuit", "relay", "UNKNOWN,OPEN,CLOSED", "on_off", "CLOSED", True, "OPEN"),
+        ("lawn", "valve", "OPEN,CLOSED", "valve", "CLOSED", "closed", "OPEN"),
+    ],
+)
+def test_an_enum_of_two_opposites_is_a_boolean(
+    introduce: Introduce,
+    node: str,
+    name: str,
+    options: str,
+    capability: str,
+    topic_value: str,
+    expected: object,
+    sent: str,
+) -> None:
+    part = introduce({node: {"properties": {name: {"datatype": "enum", "format": options, "settable": True}}}})[node]
+    assert read(part, f"{node}/{name}", topic_value) == {capability: expected}
+    assert told(part, capability, "open" if capability == "valve" else False) == [(f"{node}/{name}/set", sent)]
+    assert read(part, f"{node}/{name}", "UNKNOWN") == {}
+
+
+def test_the_relay_of_a_breaker_always_asks(introduce: Introduce) -> None:
+    relay = {"datatype": "enum", "format": "UNKNOWN,OPEN,CLOSED", "settable": True}
+    part = introduce({"switch": {"properties": {"relay": relay}}})["switch"].part
+    assert is_declared(DevicePart(id=part.id, part=part, routes=()))

@@ -189,7 +189,7 @@ def test_one_device_has_so_many_attributes(homie: Homie, say: Say) -> None:
 
 def test_retained_attributes_end_with_the_state(homie: Homie) -> None:
     filters = homie.filters()
-    assert filters[-1] == "homie/+/$state"
+    assert filters[-1] == "ebus/+/$state"
     for attribute in LAMP:
         assert any(topic_matches(one, f"{BASE}/{attribute}") for one in filters), attribute
     assert not any(topic_matches(one, f"{BASE}/light/on") for one in filters)

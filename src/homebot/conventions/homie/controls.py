@@ -93,7 +93,7 @@ def add_lock(part: BytesPart, props: Props) -> None:
     def write(value: PlainValue, _transition: float) -> Publications:
         if state is not None and state.is_settable and value != "open":
             target = require_option("lock", value, ("locked", "unlocked", *(("open",) if "open" in commands else ())))
-            return (publication(state, "true" if target == "locked" else "false"),)
+            return (publication(state, state.flags[target == "locked"]),)
         option = commands[require_option("lock", value, commands)]
         return () if command is None else (publication(command, option),)
 
@@ -136,7 +136,7 @@ def add_light(part: BytesPart, props: Props) -> None:
     on: Publications = ()
     off: Publications = ()
     if switch is not None and switch.is_settable:
-        on, off = (publication(switch, "true"),), (publication(switch, "false"),)
+        off, on = (publication(switch, switch.flags[0]),), (publication(switch, switch.flags[1]),)
     add_properties(part, props, "on_off")
     if level is not None:
         add_property(part, "level", level, on=on, off=off)

@@ -24,10 +24,11 @@ class HomieSettings(ConventionSettings):
     """The table of this convention.
 
     Attributes:
-        domains: The first level of the topics; ``+`` for any, as the convention recommends to controllers.
+        domains: The first level of the topics; ``+`` for any, as the convention recommends to controllers. ``ebus`` is
+            that of electrical panels, such as SPAN.
     """
 
-    domains: tuple[_Domain, ...] = ("homie",)
+    domains: tuple[_Domain, ...] = ("homie", "ebus")
 
 
 class Homie(LazyConvention[HomieSettings, "HomieReader"]):

@@ -119,6 +119,7 @@ class HomieProperty:
         options: The options of an enum, or the forms of a colour.
         is_retained: Whether its value is a state; otherwise it is an event.
         names_form: Whether a colour's form stands before its numbers, as in version 5.
+        flags: The payloads of a boolean for false and true.
     """
 
     id: str
@@ -131,6 +132,7 @@ class HomieProperty:
     is_settable: bool = False
     is_retained: bool = True
     names_form: bool = True
+    flags: tuple[str, str] = ("false", "true")
 
     @property
     def is_number(self) -> bool:
@@ -171,18 +173,45 @@ def make_property(
         raise WireError(f"datatype is {shown(datatype)}")
     options = parse_options(form) if datatype in _WITH_OPTIONS or (datatype == "boolean" and form) else ()
     _check_options(datatype, options, form)
+    flags = _flags(prop_id, options) if datatype == "enum" else None
     return HomieProperty(
         id=prop_id,
         name=clean_text(fields("name")),
-        datatype=datatype,
+        datatype="boolean" if flags else datatype,
         topic=topic,
-        unit=clean_text(fields("unit"), _LONGEST_UNIT),
+        unit=clean_text(fields("unit"), _LONGEST_UNIT).translate(_LOOKALIKES),
         range=parse_range(form) if datatype in {"integer", "float"} else Range(),
-        options=options if datatype in _WITH_OPTIONS else (),
+        options=options if datatype in _WITH_OPTIONS and not flags else (),
         is_settable=is_settable,
         is_retained=is_retained,
         names_form=names_form,
+        flags=flags or ("false", "true"),
     )
+
+
+_LOOKALIKES = str.maketrans("ºμ", "°µ")
+"""Characters of units by others of the same look, as the examples of homie-esp8266 write ``ºC``."""
+
+
+def _flags(prop_id: str, options: tuple[str, ...]) -> tuple[str, str] | None:
+    """Return the options for false and true of an enum that is a boolean; None for any other enum."""
+    spelled = {option.casefold(): option for option in options}
+    for only_id, false, true in _FLAGS:
+        if only_id in {"", prop_id} and {false, true} <= spelled.keys() <= {false, true, "unknown"}:
+            return spelled[false], spelled[true]
+    return None
+
+
+_FLAGS = (
+    ("", "off", "on"),
+    ("relay", "open", "closed"),
+    ("contact", "closed", "open"),
+    ("valve", "closed", "open"),
+)
+"""Enums that are booleans: the id, empty for any, and the options for false and true.
+
+Source: homie4 0.2 (PyPI), ``Property_Switch`` and ``Property_Contact``; eBus 0.3, capability switch (SPAN panels).
+"""
 
 
 def _check_options(datatype: str, options: tuple[str, ...], form: str) -> None:

@@ -93,7 +93,7 @@ _GUESSES: tuple[tuple[str, frozenset[str]], ...] = (
     ("thermostat", frozenset({"thermostat", "heater", "heating", "radiator", "setpoint", "heatsetpoint"})),
     ("fan", frozenset({"fan", "ventilator"})),
     ("valve", frozenset({"valve"})),
-    ("light", frozenset({"light", "lamp", "bulb", "led", "dimmer", "strip", "rgb", "luminaire", "lighting"})),
+    ("light", frozenset({"light", "lights", "lamp", "bulb", "led", "dimmer", "strip", "rgb", "luminaire", "lighting"})),
 )
 _TOKEN = re.compile(r"[a-z]+[0-9]*")
 _LONGEST = 200
@@ -179,6 +179,7 @@ _BY_UNIT: Mapping[str, str] = {one: capability for capability, names in _UNITS.i
 
 _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
     ("battery", "battery", frozenset({"", "%"})),
+    ("soc", "battery", frozenset({"%"})),
     ("humidity", "humidity", frozenset({"", "%"})),
     ("moisture", "soil_moisture", frozenset({"%"})),
     ("temperature", "temperature", frozenset({""})),
@@ -190,6 +191,7 @@ _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
     ("monoxide", "carbon_monoxide", frozenset({"", "ppm"})),
     ("co", "carbon_monoxide", frozenset({"ppm"})),
     ("pm25", "pm25", frozenset({"", "µg/m³"})),
+    ("pm2", "pm25", frozenset({"µg/m³"})),
     ("pm10", "pm10", frozenset({"", "µg/m³"})),
     ("voc", "volatile_organic_compounds", frozenset({"µg/m³"})),
     ("rssi", "signal_strength", frozenset({""})),
@@ -198,8 +200,8 @@ _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
 _NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
 """Words that change the meaning of others: the temperature of a colour, the cycles of a battery."""
 
-_RATINGS = frozenset({"rated", "rating"})
-"""Words of what a thing is made for, not of what is measured: a breaker of 200 A."""
+_RATINGS = frozenset({"advertised", "limit", "nameplate", "rated", "rating"})
+"""Words of what a thing is made for or allowed, not of what is measured: a breaker of 200 A."""
 
 _SHORT = 4
 """Longer words also count as the beginning of another, as ``battery`` in ``batterystate``."""

@@ -26,6 +26,7 @@ from homebot.conventions.homie.properties import add_properties, add_property, n
 from homebot.conventions.homie.roles import CONTROLS, THERMOSTAT_ROLES, NodeRoles, Role, as_settings, find_roles
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.units import sensor_type
+from homebot.devices.always_ask import BREAKER
 from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Category
 
@@ -128,6 +129,8 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
     if not service_type:
         return
     tag = KINDS[node.kind].tag if node.kind else ""
+    if service_type == "switch" and props["on_off"].flags[0].casefold() == "open":
+        tag = BREAKER
     part = node_part(node.node, service_type, tag=tag, guessed=node.is_guess)
     if service_type in _ADDERS:
         _ADDERS[service_type](part, props)

@@ -120,7 +120,7 @@ def _flag_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         value = read_plain(prop, payload)
         return value if isinstance(value, bool) else None
 
-    return _ValueCodec(read, lambda value: "true" if require_bool(capability, value) else "false")
+    return _ValueCodec(read, lambda value: prop.flags[require_bool(capability, value)])
 
 
 def _valve_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
@@ -129,8 +129,9 @@ def _valve_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         return ("open" if value else "closed") if isinstance(value, bool) else None
 
     options = ("open", "closed")
-    spelled = {"open": "true", "closed": "false"}
-    return _ValueCodec(read, lambda value: spelled[require_option(capability, value, options)], options=options)
+    return _ValueCodec(
+        read, lambda value: prop.flags[require_option(capability, value, options) == "open"], options=options
+    )
 
 
 def _enum_codec(capability: str, prop: HomieProperty) -> _ValueCodec:

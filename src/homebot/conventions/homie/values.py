@@ -40,7 +40,7 @@ def read_plain(prop: HomieProperty, payload: bytes) -> PlainValue:
         return None
     match prop.datatype:
         case "boolean":
-            return {"true": True, "false": False}.get(text)
+            return {prop.flags[0]: False, prop.flags[1]: True}.get(text)
         case "integer" | "float":
             return _read_number(prop, text)
         case "enum":
@@ -65,7 +65,7 @@ def spell_plain(prop: HomieProperty, capability: str, value: PlainValue) -> str:
     """
     match prop.datatype:
         case "boolean":
-            return "true" if require_bool(capability, value) else "false"
+            return prop.flags[require_bool(capability, value)]
         case "integer" | "float":
             return _spell_number(prop, capability, value)
         case "enum":
