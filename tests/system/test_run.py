@@ -153,6 +153,11 @@ def test_a_hangup_reloads_the_tokens_and_says_what_waits_for_a_restart(start: St
     assert "control.tmeout: unknown key; did you mean timeout or time_zone?" in run.until("nothing was reloaded: ")
     assert _cli(tmp_path, *nodes).returncode == 0
 
+    file.unlink()  # as some editors do for a moment
+    run.process.send_signal(signal.SIGHUP)
+    assert "homebot.toml does not exist" in run.until("nothing was reloaded: ")
+    assert _cli(tmp_path, *nodes).returncode == 0
+
     file.write_text(good.partition("[door.tokens.second]")[0])
     run.process.send_signal(signal.SIGHUP)
     run.until("were reloaded")

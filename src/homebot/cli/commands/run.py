@@ -167,6 +167,8 @@ def _app(text: str) -> str:
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
     gc.set_threshold(*COLLECT_AFTER)
+    if not options.config and DEFAULT_CONFIG.exists():
+        options.config = str(DEFAULT_CONFIG)  # if it is gone at a reload, that is a mistake and no simulated house
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
     is_watched = _is_watched(options)
@@ -288,14 +290,13 @@ def _with_token(table: Table, variable: str) -> Table:
 
 
 def _base(options: argparse.Namespace) -> tuple[Config, World | None]:
-    path = Path(options.config) if options.config else DEFAULT_CONFIG
-    if options.config or path.exists():
-        return load_config(path), None
+    if options.config or DEFAULT_CONFIG.exists():
+        return load_config(Path(options.config or DEFAULT_CONFIG)), None
     if options.mqtt:
         home = {"name": options.root} if options.root else {}
         return parse_config({"home": home, "gateways": {"mqtt": {}}}, COMMAND_LINE), None
     if is_service() and not options.house:
-        raise UsageError(f"{path} does not exist, and a service runs no simulated house; give --config FILE")
+        raise UsageError(f"{DEFAULT_CONFIG} does not exist, and a service runs no simulated house; give --config FILE")
     if house_name(options) == FAMILY:
         return load_config(_FAMILY_FOLDER / "home.toml"), _house(FAMILY)
     return _thesis_config(options), None if options.house else _house(THESIS)
