@@ -111,7 +111,7 @@ def test_the_request_is_what_the_arguments_say(
     homebot: Any, arguments: list[str], command: str, values: dict[str, str]
 ) -> None:
     service = Service(homebot, answer(CONFIRMED))
-    service.run("Lamp 0", *arguments, "--transition", "3")
+    service.run("Lamp 0", *arguments, "--transition", "3000ms")
     (request,) = service.requests
     assert (request.target, request.command, request.transition) == ("Lamp 0", command, 3.0)
     assert request.values == tuple(KeyValue(key=name, value=value) for name, value in values.items())
@@ -128,4 +128,4 @@ def test_seconds_that_are_none_are_refused(homebot: Any, capsys: Text) -> None:
     with pytest.raises(SystemExit) as ended:
         Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on", "--transition", "nan")
     assert ended.value.code == 2
-    assert "seconds are a number from 0 to 86400" in capsys.readouterr().err
+    assert "'nan' is not a duration; write it like 90s" in capsys.readouterr().err

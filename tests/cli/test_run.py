@@ -243,8 +243,8 @@ def test_what_cannot_be_run_is_one_clear_sentence(
         (["--app", ""], "got ''"),
         (["--app", "apps/light.txt"], "module:Class, FILE.py or FILE.py:Class, got 'apps/light.txt'"),
         (["--app", "my_app.py:"], "got 'my_app.py:'"),
-        (["--for", "0"], "must be a number above 0, got '0'"),
-        (["--for", "soon"], "must be a number above 0, got 'soon'"),
+        (["--for", "0"], "must be above 0, got '0'"),
+        (["--for", "soon"], "'soon' is not a duration; write it like 90s, 8h or 1h30m (d, h, m, s, ms)"),
         (
             ["--door", "wss://127.0.0.1:9090"],
             "homebot's door has no TLS: give ws://HOST:PORT, got 'wss://127.0.0.1:9090'",

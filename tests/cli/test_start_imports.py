@@ -99,6 +99,8 @@ def test_commands_of_a_client_start_without_pydantic() -> None:
         "do",
         "doctor",
         "find",
+        "history",
+        "journal",
         "leases",
         "param",
         "places",

@@ -27,6 +27,7 @@ __all__ = [
     "broker_url",
     "door_address",
     "door_of_environment",
+    "duration",
     "positive",
     "seconds",
     "set_client_command",
@@ -47,6 +48,7 @@ _CONNECTION: Final = ("door", "home", "token_file")
 """The options that say which homebot a command connects to."""
 
 _HOST = re.compile(r"[\w.-]+")
+_NUMBER = re.compile(r"-?[0-9]+([.][0-9]*)?")
 
 
 class Commands(Protocol):
@@ -207,16 +209,25 @@ def positive(text: str) -> float:
     return number
 
 
-def seconds(text: str) -> float:
-    """Return the seconds in *text*, a number above 0 or a duration such as ``2m``."""
-    if text[-1:].isdigit() or not text[:1].isdigit():
-        return positive(text)
-    from homebot.units import parse_duration  # noqa: PLC0415 - few commands need it
+def duration(text: str, most: float = math.inf) -> float:
+    """Return the seconds in *text*, a number or a duration such as ``2m``: *most* at most."""
+    from homebot.units import parse_duration  # noqa: PLC0415 - loads pydantic
 
     try:
-        return positive(str(parse_duration(text)))
+        length = parse_duration(float(text) if _NUMBER.fullmatch(text) else text)
     except UsageError as exc:
         raise argparse.ArgumentTypeError(str(exc)) from exc
+    if length > most:
+        raise argparse.ArgumentTypeError(f"must be at most {most:g} seconds, got {text!r}")
+    return length
+
+
+def seconds(text: str) -> float:
+    """Return the seconds in *text* as :func:`duration` does, above 0."""
+    length = duration(text)
+    if not 0 < length < math.inf:
+        raise argparse.ArgumentTypeError(f"must be above 0, got {text!r}")
+    return length
 
 
 def whole(text: str) -> int:

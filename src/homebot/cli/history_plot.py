@@ -44,6 +44,6 @@ def _rows(means: dict[int, float], low: float, high: float, columns: int, height
 
 
 def _axis(since: float, until: float, columns: int) -> str:
-    form = "%H:%M" if until - since <= _DAY else "%d %b %H:%M" if until - since <= 30 * _DAY else "%d %b %Y"
+    form = "%H:%M" if until - since < _DAY else "%d %b %H:%M" if until - since <= 30 * _DAY else "%d %b %Y"
     first, last = (datetime.fromtimestamp(one).astimezone().strftime(form) for one in (since, until))
     return f"{'':{_LABEL}} └{first}{'─' * max(columns - len(first) - len(last), 1)}{last}"

@@ -169,7 +169,7 @@ def _run(argv: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         if isinstance(exc, BrokenPipeError):  # the reader of our output has enough
             return 0
-        print(f"homebot: {exc}", file=sys.stderr)
+        print(f"homebot: {exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", file=sys.stderr)
         return 1
 
 

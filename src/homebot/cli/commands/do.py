@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import getpass
-import math
 import shlex
+from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.arguments import set_client_command
+from homebot.cli.arguments import duration, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.graph_queries import home_name
@@ -57,7 +57,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--level", metavar="PERCENT", help="brightness, above 0 and up to 100")
     parser.add_argument("--kelvin", metavar="K", help="colour temperature")
     parser.add_argument("--color", metavar="HUE,SATURATION", help="hue to 360, and saturation to 100: 0,100 is red")
-    parser.add_argument("--transition", metavar="S", type=_seconds, default=0.0, help="seconds that the change takes")
+    parser.add_argument(
+        "--transition",
+        metavar="TIME",
+        type=partial(duration, most=86_400),
+        default=0.0,
+        help="seconds that the change takes, or a time such as 500ms",
+    )
     parser.add_argument("--ask-code", action="store_true", help="ask for the code of a lock or an alarm")
     parser.add_argument("--json", action="store_true", help="print the answer of homebot as JSON")
 
@@ -110,13 +116,3 @@ def _print(answer: CommandDevicesResponse, home: str) -> None:
         done = sum(has_succeeded(one.result.outcome) for one in answer.results)
         worst = f"; worst outcome: {answer.outcome.replace('_', ' ')}" if done < count else ""
         print(f"{done} of {count}{where} succeeded{worst}")
-
-
-def _seconds(text: str) -> float:
-    try:
-        seconds = float(text)
-    except ValueError:
-        seconds = math.nan
-    if not 0 <= seconds <= 86_400:
-        raise argparse.ArgumentTypeError(f"seconds are a number from 0 to 86400, got {text!r}")
-    return seconds

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.arguments import duration, set_client_command, whole
 from homebot.cli.device_queries import device_or_similar, find_devices, house_time, note_near_matches
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
@@ -27,7 +27,6 @@ from homebot.devices.wording.values import value_text
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
-from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices.history_messages import EnergyOfDay, HistorySeries, ReadHistoryResponse
@@ -60,8 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _history, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="*", help="a device, by id or name, or a query as of `find`")
     parser.add_argument("--capability", metavar="NAME", default="", help="only this value, such as power")
-    parser.add_argument("--since", metavar="SPAN", type=_span, help="the last SPAN, such as 2h or 7d (default: 24h)")
-    parser.add_argument("--until", metavar="SPAN", type=_span, default=0.0, help="without the last SPAN")
+    parser.add_argument("--since", metavar="SPAN", type=duration, help="the last SPAN, such as 2h or 7d (default: 24h)")
+    parser.add_argument("--until", metavar="SPAN", type=duration, default=0.0, help="without the last SPAN")
     parser.add_argument(
         "--points", metavar="N", type=whole, help="rows of each value at most (default: 24, files 5000)"
     )
@@ -242,10 +241,3 @@ def _span_text(seconds: float) -> str:
         if seconds >= 2 * size:
             return f"{seconds / size:.0f} {unit}"
     return f"{seconds:.0f} s"
-
-
-def _span(text: str) -> float:
-    try:
-        return parse_duration(text)
-    except UsageError as exc:
-        raise argparse.ArgumentTypeError(str(exc)) from exc

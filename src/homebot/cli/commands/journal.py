@@ -6,7 +6,7 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Never, cast
 
-from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.arguments import duration, set_client_command, whole
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_client import JournalClient, entry_json
@@ -14,8 +14,6 @@ from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.wording.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import ago
-from homebot.errors import UsageError
-from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
@@ -43,7 +41,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--command", metavar="ID", default="", dest="command_id", help="only entries about this command"
     )
-    parser.add_argument("--since", metavar="SPAN", type=_span, help="only entries of the last SPAN, such as 30m or 2d")
+    parser.add_argument(
+        "--since", metavar="SPAN", type=duration, help="only entries of the last SPAN, such as 30m or 2d"
+    )
     parser.add_argument("--limit", metavar="N", type=whole, default=50, help="the N newest entries (default: 50)")
     parser.add_argument("--follow", action="store_true", help="then print each new entry, until Ctrl-C")
     parser.add_argument("--json", action="store_true", help="print each entry as one line of JSON")
@@ -111,10 +111,3 @@ class _EntryPrinter:
         text = entry_text(entry, names) + (f", because {cause}" if cause else "")
         name, command = name_text(entry.device, names, entry.part) or _NO_DEVICE, entry.command
         return f"{clock_text(entry.at, self._now)}  {name}  {command + '  ' if command else ''}{text}"
-
-
-def _span(text: str) -> float:
-    try:
-        return parse_duration(text)
-    except UsageError as exc:
-        raise argparse.ArgumentTypeError(str(exc)) from exc

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import math
 import sys
 from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.arguments import add_verb, add_verbs, set_client_command
+from homebot.cli.arguments import add_verb, add_verbs, duration, set_client_command
 from homebot.cli.device_queries import named_device
 from homebot.cli.door_client import DoorClient, door_command, with_client
 from homebot.cli.graph_queries import entities
 from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.errors import PeerError, UsageError
+from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -80,7 +79,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         one.add_argument("--reader", default="", metavar="NAME", help="a part of the reader's name (default: any)")
         one.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
         one.add_argument(
-            "--wait", type=_seconds, default=30.0, metavar="S", help="wait S seconds for a tag (default: 30)"
+            "--wait",
+            type=partial(duration, most=_LONGEST_WAIT),
+            default=30.0,
+            metavar="S",
+            help="wait S seconds for a tag (default: 30)",
         )
 
 
@@ -180,15 +183,3 @@ def _failed(problem: str, message: str) -> int:
         raise PeerError(message)
     print(f"homebot: {printable(message)}", file=sys.stderr)
     return code
-
-
-def _seconds(text: str) -> float:
-    from homebot.units import parse_duration  # noqa: PLC0415 - as few commands need it
-
-    try:
-        seconds = parse_duration(text) if text[-1:].isalpha() else float(text)
-    except (UsageError, ValueError):
-        seconds = math.nan
-    if not 0 <= seconds <= _LONGEST_WAIT:
-        raise argparse.ArgumentTypeError(f"must be 0 to {_LONGEST_WAIT:g} seconds, got {text!r}")
-    return seconds
