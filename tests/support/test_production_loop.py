@@ -7,12 +7,15 @@ import difflib
 import sys
 import time
 from collections.abc import Callable, Coroutine
+from pathlib import Path
 from typing import TypeVar
 
 import pytest
 from structlog.testing import capture_logs
 from structlog.typing import EventDict
 
+import homebot
+from homebot.support import production_loop
 from homebot.support.production_loop import LoopWatch, ProductionLoop, own_time
 
 pytestmark = pytest.mark.slow
@@ -46,6 +49,10 @@ def block_for_half_a_second() -> None:
     seen = watch()
     while seen.longest < 0.5:
         pass
+
+
+def test_all_of_homebot_is_named_where_it_is_installed_among_libraries() -> None:
+    assert Path(production_loop._OURS) == Path(homebot.__file__).parent
 
 
 def test_a_blocked_loop_is_told_once_with_task_and_line_and_at_its_end() -> None:

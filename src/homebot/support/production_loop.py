@@ -34,7 +34,7 @@ AT_START = 10.0
 _LOOK_EVERY = 0.25
 _MOST_FRAMES = 20
 
-_OURS: Final = str(Path(__file__).parent)
+_OURS: Final = str(Path(__file__).parents[1])
 _LIBRARIES: Final = tuple(
     dict.fromkeys(sysconfig.get_paths()[name] for name in ("stdlib", "platstdlib", "purelib", "platlib"))
 )
