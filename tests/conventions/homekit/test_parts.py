@@ -76,10 +76,10 @@ def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[s
         ("CF", {"B0": 1, "D1": 1, "D2": 0}, "water_valve", {"on_off": True, "running": False}),
         ("7E", {"66": 3, "67": 1}, "x_alarm_panel", {"alarm": "arming"}),
         ("7E", {"66": 4, "67": 1}, "x_alarm_panel", {"alarm": "triggered"}),
-        ("7E", {"66": 3}, "x_alarm_panel", {"alarm": "disarmed"}),
+        ("7E", {"66": 3, "77": 0, "7A": 1}, "x_alarm_panel", {"alarm": "disarmed", "tamper": True, "problem": False}),
         ("7E", {"66": 2, "67": 2}, "x_alarm_panel", {"alarm": "armed_night"}),
-        ("4A", {"F": 1, "33": 1, "11": 20.5, "35": 21.0, "10": 45.0}, "thermostat",
-         {"thermostat_action": "heating", "thermostat_mode": "heat", "local_temperature": 20.5,
+        ("4A", {"F": 1, "33": 1, "11": 20.5, "35": 21.0, "10": 45.0, "BF": 1}, "thermostat",
+         {"fan_mode": "auto", "thermostat_action": "heating", "thermostat_mode": "heat", "local_temperature": 20.5,
           "heating_setpoint": 21.0, "cooling_setpoint": None, "humidity": 45.0}),
         ("4A", {"F": 0, "33": 3, "11": 20.5, "35": 21.0, "12": 19.0, "D": 25.0}, "thermostat",
          {"thermostat_action": "idle", "thermostat_mode": "auto", "local_temperature": 20.5,
@@ -203,11 +203,11 @@ def test_the_sources_of_a_television_are_the_services_beside_it() -> None:
     television = service(48, "D8", characteristic(49, "B0", 1), characteristic(50, "E7", 2))
     inputs = (
         service(250 + at, "D9", characteristic(260 + at, "E6", number), characteristic(270 + at, "E3", name, READ))
-        for at, (number, name) in enumerate({2: "HDMI 1", 70_000: "Live TV"}.items())
+        for at, (number, name) in enumerate({2: "HDMI", 3: "HDMI", 70_000: "Live TV"}.items())
     )
     (found,) = parts_of(parse_accessories([accessory(1, "TV", television, *inputs)])[1])
-    assert found.abilities["option"].capability.options == ("HDMI 1", "Live TV")
-    assert (values(found)["option"], written(found, "option", "Live TV")) == ("HDMI 1", {"E7": 70_000})
+    assert found.abilities["option"].capability.options == ("HDMI", "HDMI 3", "Live TV")
+    assert (values(found)["option"], written(found, "option", "Live TV")) == ("HDMI", {"E7": 70_000})
 
 
 @pytest.mark.parametrize(

@@ -18,7 +18,7 @@ from homebot.devices.value import PlainValue
 __all__ = ["POWER_ROWS"]
 
 LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER = "43", "49", "47", "40", "B7", "BB"
-HEATER, HUMIDIFIER = "BC", "BD"
+HEATER, HUMIDIFIER, THERMOSTAT = "BC", "BD", "4A"
 SPEAKER, SMART_SPEAKER, TELEVISION = "113", "228", "D8"
 ON, ACTIVE, BRIGHTNESS, HUE, SATURATION, MIREDS, SPEED = "25", "B0", "8", "13", "2F", "CE", "29"
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
@@ -109,7 +109,7 @@ POWER_ROWS: Final = (
     ServiceRow(OUTLET, "plugged_in", "26"),
     ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _writer("fan_speed", SPEED)),
     ServiceRow(f"{HEATER} {HUMIDIFIER}", "fan_speed", SPEED, SPEED, None, _read_speed, _write_only_speed),
-    ServiceRow(FAN, "fan_mode", "BF", "BF", _FAN_MODES),
+    ServiceRow(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
     ServiceRow(_FANS, "direction", "28", "28", _DIRECTIONS),

@@ -56,8 +56,8 @@ _SENSOR_ROWS: Final = (
         BATTERY, "battery_charging", "8F", read=lambda service: service.number("8F") == 1
     ),  # 2 is "not chargeable"
     ServiceRow(f"{BATTERY} {_SENSORS}", "battery_low", "79"),
-    ServiceRow(_SENSORS, "tamper", "7A"),
-    ServiceRow(f"{_SENSORS} D0 CF", "problem", "77"),
+    ServiceRow(f"{_SENSORS} 7E", "tamper", "7A"),
+    ServiceRow(f"{_SENSORS} D0 D7 CF 7E", "problem", "77"),
     ServiceRow(FILTER, "measurement", "AB", unit="%"),  # of its life that is left
     ServiceRow(FILTER, "problem", "AC"),
 )
@@ -136,9 +136,11 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
 
 def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
     """Yield the row of a television's sources, which are services beside it."""
-    inputs = [one for one in accessory.services.values() if one.type == _INPUT]
-    names = {one.number(_INPUT_ID): one.text(_CONFIGURED_NAME) or one.text(_NAME) for one in inputs}
-    sources = {int(number): name for number, name in names.items() if number is not None and name}
+    sources: dict[int, str] = {}
+    for one in accessory.services.values():
+        number, name = one.number(_INPUT_ID), one.text(_CONFIGURED_NAME) or one.text(_NAME)
+        if one.type == _INPUT and number is not None and name:
+            sources[int(number)] = f"{name} {number:.0f}" if name in sources.values() else name
     if sources:
         yield ServiceRow(_TELEVISION, "option", _SOURCE, _SOURCE, sources)
 
