@@ -10,7 +10,7 @@ import anyio
 
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.device import KeyValue
-from homebot.errors import LinkError, WrongCodeError
+from homebot.errors import LinkError, RefusedError, WrongCodeError
 from homebot.gateways.homekit.port import (
     FoundAccessory,
     HomekitLink,
@@ -161,7 +161,7 @@ class FakePort(HomekitPort):
         server.attempts += 1
         await server.answers.wait()
         if not server.knows_homebot or pairing["secret"] != _SECRET:
-            raise WrongCodeError(f"the connection to {found.name}", "the pairing was removed there")
+            raise RefusedError(f"the connection to {found.name}", "it does not know homebot any more")
         link = FakeLink(server, on_event)
         server.links.append(link)
         try:

@@ -233,7 +233,7 @@ class AiohomekitPort(HomekitPort):
         kind: Any = CoAPDiscovery if found.is_on_thread else IpDiscovery
         discovery = kind(_controller_of(found), _service_of(found))
         try:
-            with _translated(found.name), anyio.fail_after(PAIRS_WITHIN):
+            with _translated(found.name, is_pairing=True), anyio.fail_after(PAIRS_WITHIN):
                 if not found.is_on_thread:
                     await _connect(discovery.connection, self._connects_within)
                 finish = await discovery.async_start_pairing(found.id)
@@ -281,34 +281,40 @@ def _statuses(answer: HomekitValues) -> StatusCodes:
     return {key: status for key, status in statuses.items() if status}
 
 
-_REFUSALS: Final = (
-    (exceptions.AuthenticationError, "the code is wrong, or the pairing was removed there; pair it again"),
-    (exceptions.UnavailableError, "it is paired with another controller; remove it there, or reset it"),
-    (exceptions.MaxPeersError, "it has as many pairings as it can keep"),
-    (exceptions.MaxTriesError, "too many wrong codes were tried; disconnect its power for a moment"),
-    (exceptions.BusyError, "another controller is pairing with it"),
-    (exceptions.BackoffError, "it wants a pause after a wrong code; try again later"),
-    (exceptions.InvalidError, "it does not know homebot any more, or is no accessory; pair it again"),
-    (exceptions.HttpErrorResponse, "it refuses the request"),
-)
+_FORGOTTEN: Final = "it does not know homebot any more; pair it again"
+_PAIRING_REFUSALS: Final[Mapping[type[Exception], str]] = {
+    exceptions.AuthenticationError: "the code is wrong",
+    exceptions.UnavailableError: "it is paired with another controller; remove it there, or reset it",
+    exceptions.MaxPeersError: "it has as many pairings as it can keep",
+    exceptions.MaxTriesError: "too many wrong codes were tried; disconnect its power for a moment",
+    exceptions.BusyError: "another controller is pairing with it",
+    exceptions.BackoffError: "it wants a pause after a wrong code; try again later",
+    exceptions.InvalidError: "it refuses the request",
+    exceptions.HttpErrorResponse: "it refuses the request",
+}
+_REFUSALS: Final = {
+    **_PAIRING_REFUSALS,
+    exceptions.AuthenticationError: _FORGOTTEN,
+    exceptions.InvalidError: _FORGOTTEN,
+}
 _LOST: Final = (exceptions.AccessoryDisconnectedError, exceptions.EncryptionError, OSError, TimeoutError)
 """An accessory that restarted does not know the keys of a session over Thread any more."""
 
 
 @contextmanager
-def _translated(name: str) -> Iterator[None]:
+def _translated(name: str, *, is_pairing: bool = False) -> Iterator[None]:
     """Turn the library's errors into ours; no error shows a code or a key."""
     try:
         yield
     except Exception as exc:  # noqa: BLE001 - it trusts the accessory, and fails in any way if that breaks the rules
-        raise _error_of(name, exc) from None
+        raise _error_of(name, exc, is_pairing=is_pairing) from None
 
 
-def _error_of(name: str, error: Exception) -> HomebotError:
-    what, causes = f"the connection to {name}", tuple(_causes(error))
-    for kind, reason in _REFUSALS:
+def _error_of(name: str, error: Exception, *, is_pairing: bool) -> HomebotError:
+    what, causes = f"{'pairing' if is_pairing else 'the connection to'} {name}", tuple(_causes(error))
+    for kind, reason in (_PAIRING_REFUSALS if is_pairing else _REFUSALS).items():
         if any(isinstance(one, kind) for one in causes):
-            is_wrong = kind is exceptions.AuthenticationError
+            is_wrong = is_pairing and kind is exceptions.AuthenticationError
             return WrongCodeError(what, reason) if is_wrong else RefusedError(what, reason)
     if isinstance(error, _LOST):
         return LinkError(f"{name} cannot be reached: {clean_text(str(error)) or 'it does not answer in time'}")

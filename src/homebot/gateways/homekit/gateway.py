@@ -109,6 +109,8 @@ class HomekitGateway(Gateway):
             raise UnableError(f"{found.name} is paired by the code on it: homebot pair '{found.name}' CODE")
         if found.is_paired and key not in self._pairings:
             raise UnableError(_next_step(found))
+        if key in self._runners and self._runners[key].link is not None:
+            raise UnableError(f"{found.name} is paired with homebot already")
         pairing = await self._port.pair(found, read_homekit_digits(code))
         await self._keep({**self._pairings, key: pairing})
         self._stop(key)
