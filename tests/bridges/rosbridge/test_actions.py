@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 from typing import Any
 
 import anyio
@@ -40,6 +41,10 @@ async def test_a_goal_has_feedback_and_one_result_with_its_status(house: House) 
         refused = await peer.receive()
         assert refused == {**end, "values": refused["values"], "status": 0, "result": False}
         assert "rejected" in refused["values"]
+        await peer.send("send_action_goal", id="g:1", args={"order": 1}, fragment_size=60, **GOAL)
+        feedback = [await peer.receive() for _ in range(2)]
+        assert json.loads("".join(one["data"] for one in feedback))["values"] == {"sequence": [0]}
+        assert [(await peer.receive())["op"] for _ in range(2)] == ["fragment"] * 2
 
 
 async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(house: House) -> None:

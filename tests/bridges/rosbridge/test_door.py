@@ -112,7 +112,6 @@ BAD_FRAMES = [
     '{"op": "advertise", "topic": "/new", "type": "who_msgs/Knows"}',
     '{"op": "subscribe", "topic": "/chatter", "type": "std_msgs/Int32"}',
     '{"op": "unsubscribe", "topic": "/chatter"}',
-    '{"op": "unadvertise", "topic": "/chatter"}',
     '{"op": "advertise_service", "service": "/s", "type": "who_srvs/Knows"}',
     '{"op": "unadvertise_service", "service": "/s"}',
     '{"op": "service_response", "service": "/s", "id": "1", "result": true}',
@@ -160,7 +159,6 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(house: Hous
             {"op": "publish", "topic": "/nowhere", "msg": {}},
             "there is no topic /nowhere yet, so its type must be given",
         ),
-        ({"op": "unadvertise", "topic": "/chatter"}, "topic /chatter was not advertised by this client"),
         ({"op": "fly"}, "uses the unknown operation 'fly'; known are "),
     ],
 )

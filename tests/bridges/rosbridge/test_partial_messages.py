@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import Annotated
+from typing import Annotated, Any
 
 import pytest
 from pydantic import Field
@@ -14,6 +14,7 @@ from homebot.messages import message as fields
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import zero_message
 from homebot.messages.geometry_msgs import PoseStamped
+from homebot.messages.interfaces import find_action
 from homebot.messages.message import Message
 from homebot.messages.std_msgs import Header
 
@@ -81,10 +82,12 @@ def test_a_wrong_field_is_refused(message_type: type[Message], values: dict[str,
         partial_message_from_client(message_type, values, NOW)
 
 
-def test_a_header_without_a_stamp_is_of_now_and_one_that_is_not_there_is_zero() -> None:
-    stated, missing = partial_message_from_client(PoseStamped, {"header": {"frame_id": "map"}}, NOW)
-    assert stated == zero_message(PoseStamped).model_copy(
-        update={"header": Header(stamp=Time(sec=12, nanosec=500_000_000), frame_id="map")}
-    )
-    assert missing == ("pose",)
-    assert partial_message_from_client(PoseStamped, {}, NOW)[0] == zero_message(PoseStamped)
+@pytest.mark.parametrize("header", [{}, {"header": {}}, {"header": {"stamp": "now", "frame_id": ""}}])
+def test_a_header_that_lacks_its_stamp_or_is_not_there_is_of_now(header: dict[str, object]) -> None:
+    """ROSBRIDGE_PROTOCOL.md, section 3.2.3; a header of a message inside is as empty as the rest."""
+    stated, missing = partial_message_from_client(PoseStamped, header, NOW)
+    now = Header(stamp=Time(sec=12, nanosec=500_000_000), frame_id="")
+    assert stated == zero_message(PoseStamped).model_copy(update={"header": now})
+    assert set(missing) <= {"pose", "header.frame_id"}
+    goal: Any = find_action("nav2_msgs/action/NavigateToPose").Goal
+    assert partial_message_from_client(goal, {}, NOW)[0] == zero_message(goal)

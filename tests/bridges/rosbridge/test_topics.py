@@ -173,8 +173,11 @@ async def test_advertising_twice_needs_unadvertising_twice(house: House, peer: P
     await peer.send("unadvertise", id="a", topic="/t")
     await peer.settle()
     assert house.entities() == {("publisher", "/t")}
-    await peer.send("unadvertise", id="b", topic="/t")
-    await peer.settle()
+    await peer.send("set_level", level="warning")
+    for _ in range(2):
+        await peer.send("unadvertise", id="b", topic="/t")
+    problem = "topic /t was not advertised by this client"
+    assert await peer.receive() == {"op": "status", "id": "b", "level": "warning", "msg": problem}
     assert house.entities() == set()
 
 

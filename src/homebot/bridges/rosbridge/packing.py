@@ -15,7 +15,7 @@ from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 from typing import Final, final
 
-from homebot.bridges.rosbridge.protocol import Fragment, FrameError, Identifier, Operation, parse_frame
+from homebot.bridges.rosbridge.protocol import Fragment, FrameError, Identifier, Operation, Request, parse_frame
 
 __all__ = ["PLAIN", "FrameAssembler", "Packing"]
 
@@ -41,6 +41,11 @@ class Packing:
 
     as_png: bool = False
     fragment_size: int = 0
+
+    @classmethod
+    def of(cls, op: Request) -> Packing:
+        """Return the form of the answers to *op*."""
+        return cls(op.compression == "png", op.fragment_size or 0)
 
     def pack(self, text: str, identifier: str) -> Iterator[str]:
         """Yield the frames for *text*; *identifier* separates its fragments from those of others."""

@@ -12,7 +12,7 @@ import json
 from collections.abc import Generator, Mapping
 from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainValidator, ValidationError
 from pydantic_core import PydanticCustomError
 
 from homebot.bridges.rosbridge.json_pieces import MAX_NESTING, RefusedJsonError, parse_in_pieces
@@ -38,6 +38,7 @@ __all__ = [
     "Level",
     "Operation",
     "PublishOperation",
+    "Request",
     "SendActionGoal",
     "ServiceResponse",
     "SetLevel",
@@ -59,7 +60,6 @@ _NAMES = ("service", "action", "topic")
 
 _LONGEST_ID = 1000
 Name = Annotated[str, Field(min_length=1, max_length=500)]
-Id = Annotated[str, Field(max_length=_LONGEST_ID)]
 Milliseconds = Annotated[float, Field(ge=0, le=3_600_000, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -70,6 +70,13 @@ def _arguments(value: object) -> object:
     return value
 
 
+def _identifier(value: object) -> object:
+    if not _is_identifier(value):
+        raise PydanticCustomError("identifier", f"has to be a whole number or a text of up to {_LONGEST_ID} characters")
+    return value
+
+
+Id = Annotated[str | int, PlainValidator(_identifier)]
 Arguments = Annotated[dict[str, Any] | list[Any], BeforeValidator(_arguments)]
 
 
@@ -106,7 +113,7 @@ class Operation(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore", strict=True, defer_build=True)
 
     op: str
-    id: Id | int | None = None
+    id: Id | None = None
 
     def __init_subclass__(cls, ops: tuple[str, ...] = (), **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
@@ -165,19 +172,25 @@ class UnsubscribeOperation(Operation, ops=("unsubscribe",)):
     topic: Name
 
 
-class CallService(Operation, ops=("call_service",)):
-    """A service call; a list of ``args`` fills the request's fields in order.
+class Request(Operation):
+    """A service call or a goal.
 
     Attributes:
-        compression: How the response should come: ``png``, or anything else for JSON.
+        args: The fields of the request; a list fills them in order.
+        compression: How answers should come: ``png``, or anything else for JSON.
         fragment_size: As of a subscription.
     """
 
-    service: Name
     args: Arguments = Field(default_factory=dict)
-    timeout: Seconds = 0
     compression: str = "none"
     fragment_size: int | None = None
+
+
+class CallService(Request, ops=("call_service",)):
+    """A service call."""
+
+    service: Name
+    timeout: Seconds = 0
 
 
 class ServiceResponse(Operation, ops=("service_response",)):
@@ -217,16 +230,14 @@ class ActionOperation(Operation):
     action: Name
 
 
-class SendActionGoal(ActionOperation, ops=("send_action_goal",)):
+class SendActionGoal(Request, ActionOperation, ops=("send_action_goal",)):
     """A goal for an action.
 
     Attributes:
-        args: The fields of the goal; a list fills them in order.
         feedback: Whether the client wants the feedback.
     """
 
     action_type: str = ""
-    args: Arguments = Field(default_factory=dict)
     feedback: bool = False
 
 
@@ -272,7 +283,7 @@ class Fragment(Operation, ops=("fragment",)):
         total: How many there are; each is kept until the last one comes.
     """
 
-    id: Id | int
+    id: Id
     data: str
     num: Annotated[int, Field(ge=0)]
     total: Annotated[int, Field(ge=1, le=1000)]
@@ -316,8 +327,12 @@ def _op_in(fields: Mapping[str, object]) -> str:
 
 def _id_in(fields: Mapping[str, object]) -> Identifier:
     """Return the identifier for the answer; None where there is none that can be repeated."""
-    found = fields.get("id")
-    return found if isinstance(found, int) or (isinstance(found, str) and len(found) <= _LONGEST_ID) else None
+    found: Any = fields.get("id")
+    return found if _is_identifier(found) else None
+
+
+def _is_identifier(value: object) -> bool:
+    return isinstance(value, int) or (isinstance(value, str) and len(value) <= _LONGEST_ID)
 
 
 def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: str) -> str:

@@ -10,6 +10,7 @@ from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.outbox import Outbox
+from homebot.bridges.rosbridge.packing import Packing
 from homebot.bridges.rosbridge.protocol import CancelActionGoal, SendActionGoal, failure_frame, frame_text
 from homebot.bridges.rosbridge.services import cause_of_call, named_values, parse_queries
 from homebot.bridges.rosbridge.shared_state import SharedState
@@ -130,14 +131,14 @@ class SentGoals:
             if not any(one.client is client for one in self._goals.values()):
                 self._clients.pop(client.action_name, None)
                 client.close()
-        self._outbox.answer(frame)
+        self._outbox.answer(frame, Packing.of(op))
 
     def _forward(self, sent: _SentGoal, feedback: Message) -> None:
         op = sent.op
         if self._goals.get(sent if op.id is None else op.id) is not sent:
             return
         if self._outbox.has_room:
-            values = message_to_text(feedback)
-            self._outbox.answer(frame_text("action_feedback", op.id, {"action": op.action}, values=values))
+            frame = frame_text("action_feedback", op.id, {"action": op.action}, values=message_to_text(feedback))
+            self._outbox.answer(frame, Packing.of(op))
         else:
             self._counters.feedback_lost += 1

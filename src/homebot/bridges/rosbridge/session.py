@@ -33,6 +33,7 @@ __all__ = ["ClientSession", "DoorLink"]
 
 _SEVERITY: dict[protocol.Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _OPENING = (protocol.Advertise, protocol.AdvertiseAction, protocol.AdvertiseService, protocol.SubscribeOperation)
+_PACKED = (protocol.Request, protocol.SubscribeOperation)
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
 
@@ -178,6 +179,8 @@ class ClientSession:
     def _do(self, op: protocol.Operation, holdings: Holdings, tasks: TaskGroup, size: int) -> None:
         if isinstance(op, _OPENING):
             self._check_room(holdings)
+        if isinstance(op, _PACKED) and op.compression == "png" and not self._reads_png:
+            op = op.model_copy(update={"compression": "none"})
         match op:
             case protocol.PublishOperation():
                 self._publish(op, holdings, size)
@@ -200,8 +203,6 @@ class ClientSession:
             self._remark("warning", text, op.id)
 
     def _subscribe(self, op: protocol.SubscribeOperation, holdings: Holdings) -> None:
-        if op.compression == "png" and not self._reads_png:
-            op = op.model_copy(update={"compression": "none"})
         if (remark := holdings.subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
 
@@ -215,8 +216,7 @@ class ClientSession:
         try:
             await self._outbox.room()
             await self._turns.turn()
-            packing = Packing(self._reads_png and op.compression == "png", op.fragment_size or 0)
-            answer = partial(self._outbox.answer, packing=packing)
+            answer = partial(self._outbox.answer, packing=Packing.of(op))
             await call_service(self._node, op, self._turns, self._access, answer, partial(self._on_request, holdings))
         finally:
             self._calls -= 1
@@ -269,7 +269,7 @@ class ClientSession:
         if op.op in {"call_service", "send_action_goal"}:
             self._outbox.answer(protocol.failure_frame(op, problem))
         else:
-            self._remark("error", problem, op.id)
+            self._remark("warning" if op.op == "unadvertise" else "error", problem, op.id)
 
     def _remark(self, level: protocol.Level, text: str, identifier: protocol.Identifier) -> None:
         """Send the client a remark, if it asked for those of this *level*."""

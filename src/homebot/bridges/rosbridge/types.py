@@ -2,7 +2,9 @@
 
 ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
 ``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none. A header without a stamp
-is of now, as by the original bridge.
+is of now, as is the header that a message itself lacks, and a time that is the text ``now``.
+
+Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 3.2.3; for ``now`` its ``message_conversion.py``.
 """
 
 from __future__ import annotations
@@ -177,6 +179,7 @@ def _parts(ros_type: str) -> tuple[str, str]:
 _ROS2_NAMES = {"secs": "sec", "nsecs": "nanosec"}
 _HEADER = "std_msgs/msg/Header"
 _ROS1_COUNTER = "seq"
+_NOW = "now"
 
 
 def message_from_client(message_type: type[Message], value: Mapping[str, object]) -> Message:
@@ -196,8 +199,8 @@ def partial_message_from_client(
 ) -> tuple[Message, tuple[str, ...]]:
     """Return the message that the JSON object *value* spells in part, and the names of the fields that it lacks.
 
-    The names have dots where they are of messages inside. A field with a default is not missing. A text that has to be
-    one of an enumeration stays missing.
+    The names have dots where they are of messages inside. A header and a field with a default are not missing. A text
+    that has to be one of an enumeration stays missing.
 
     Args:
         now: Seconds since the Unix epoch.
@@ -239,7 +242,7 @@ def _in_ros2(
 ) -> dict[str, object]:
     """Return *value* with ROS 2's names, and with the fields that it lacks if *missing* takes their names.
 
-    A header in it that has no stamp gets *stamp*, unless that is None.
+    A header in it that has no stamp, and a time that is ``now``, gets *stamp*, unless that is None.
     """
     fields = fields_by_name(message_type)
     whole = _with_ros2_names(message_type, value)
@@ -252,8 +255,11 @@ def _in_ros2(
             whole[name] = _element(field, whole[name], missing, f"{path}{name}.", stamp)
         elif missing is not None and message_type.model_fields[name].is_required() and field.choices is None:
             is_message = field.message is not None and not field.is_array
-            whole[name] = _element(field, {}, {}) if is_message else zero_of(field)
-            missing[f"{path}{name}"] = None
+            is_header = is_message and field.ros_type == _HEADER and not path
+            zero = _element(field, {}, {}, stamp=stamp if is_header else None) if is_message else zero_of(field)
+            whole[name] = zero
+            if not is_header:
+                missing[f"{path}{name}"] = None
     return whole
 
 
@@ -264,4 +270,6 @@ def _element(
         return value
     if isinstance(value, list) and field.is_array:
         return [_element(field, item, missing, path, stamp) for item in value]
+    if value == _NOW and field.message is Time and stamp is not None:
+        return stamp
     return _in_ros2(field.message, value, missing, path, stamp) if isinstance(value, dict) else value
