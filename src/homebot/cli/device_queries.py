@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, TypeVar, cast
 
 from homebot.cli.door_client import DoorClient
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from homebot.devices import Device
     from homebot.devices.approval_messages import UnapprovedResponse
     from homebot.devices.journal_messages import ExplainDeviceResponse
+    from homebot.devices.query.terms import Query
     from homebot.devices.services import QueryDevicesResponse
     from homebot.messages import Time
 
@@ -37,10 +38,12 @@ __all__ = [
     "reasons_for",
     "unapproved",
     "why_it_asks",
+    "why_none",
 ]
 
 T = TypeVar("T")
 
+_SOME = 12
 _NEAR = 100
 _NEAR_MATCH = " is a near match"
 _TYPO = 0.8
@@ -144,6 +147,31 @@ def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
     """Return why a search for the device's name finds it, and why it stands where it stands."""
     found = find_devices(door, quoted(device.name))
     return next((one.reasons for one in found.results if one.device.id == device.id), ())
+
+
+def why_none(door: DoorClient, query: str) -> str:
+    """Return why *query* finds nothing: the area that no device is in, if there is one."""
+    from homebot.devices.query import parse, terms  # noqa: PLC0415 - loads pydantic
+
+    def areas_of(query: Query) -> Iterator[str]:
+        match query:
+            case terms.InArea(area):
+                yield area
+            case terms.And(parts) | terms.Or(parts):
+                for part in parts:
+                    yield from areas_of(part)
+
+    for area in areas_of(parse.parse_query(query)):
+        if not find_devices(door, f"in {quoted(area)}", 1).total:
+            areas = all_devices(door, lambda device: (device.area, *device.outer_areas))
+            known = sorted({one for some in areas for one in some if one})
+            hint = (
+                f"areas are {', '.join(known[:_SOME])}"
+                if known
+                else "`homebot place DEVICE ROOM` says which room a device is in"
+            )
+            return f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
+    return f"no device matches {query!r}; `homebot devices` lists all"
 
 
 def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:

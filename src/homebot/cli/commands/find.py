@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import set_client_command, whole
 from homebot.cli.device_json import device_json, json_text, list_text
-from homebot.cli.device_queries import find_devices, note_near_matches, unapproved
+from homebot.cli.device_queries import find_devices, note_near_matches, unapproved, why_none
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.wording.values import life, state_text, types
@@ -61,8 +61,6 @@ def _find(options: argparse.Namespace) -> int:
             ]
             print(list_text([json_text(one) for one in results]))
         elif not found.results:
-            from homebot.cli.unknown_words import why_none  # noqa: PLC0415 - there is time where nothing is found
-
             print(why_none(door, query))
             _show_left_out(found)
         else:

@@ -13,12 +13,11 @@ from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import duration, set_client_command, whole
-from homebot.cli.device_queries import device_or_similar, find_devices, house_time, note_near_matches
+from homebot.cli.device_queries import device_or_similar, find_devices, house_time, note_near_matches, why_none
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.history_plot import plot_lines
 from homebot.cli.terminal import print_table
-from homebot.cli.unknown_words import why_none
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
 from homebot.devices.wording.json_message import JsonMessage, fields_of
