@@ -67,7 +67,11 @@ COMMANDS: Final = {
     "restore": "put back what a backup holds",
     "broker": "run an MQTT broker and nothing else",
 }
-"""The purpose of each in a line. It is in the module of its name; ``import`` is in ``import_thing``."""
+"""The purpose of each in a line."""
+
+_OWNER: Final = ("alias", "approve", "forget", "merge", "place", "split", "trust")
+_MODULES: Final = {"import": "import_thing", "release": "leases", "why-not": "why"} | dict.fromkeys(_OWNER, "owner")
+"""The modules of those that are in none of their name."""
 
 _WRONG_COMMAND_LINE: Final = 2
 
@@ -180,10 +184,10 @@ def _flushed(code: int) -> int:
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
     """Add the arguments of *command*, and the function that runs it, to its *parser*."""
-    name = "import_thing" if command == "import" else command.replace("-", "_")
     with gc_paused(), _minimal_structlog_imports():
-        module = importlib.import_module(f"homebot.cli.commands.{name}")
-    add_arguments: Callable[[argparse.ArgumentParser], None] = module.add_arguments
+        module = importlib.import_module(f"homebot.cli.commands.{_MODULES.get(command, command)}")
+    add_arguments: Callable[[argparse.ArgumentParser], None]
+    add_arguments = getattr(module, f"add_{command.replace('-', '_')}_arguments", None) or module.add_arguments
     add_arguments(parser)
 
 

@@ -1,4 +1,4 @@
-"""``homebot leases``."""
+"""``homebot leases`` and ``homebot release``."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.terminal import print_table
-from homebot.devices.names import FIND_DEVICES, GET_LEASES
+from homebot.devices.names import END_LEASES, FIND_DEVICES, GET_LEASES
 from homebot.devices.wording.journal_words import issuer_text, settings_text, trigger_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import age, from_seconds, iso, to_seconds
 from homebot.devices.wording.values import plain_value
+from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from homebot.devices.lease_messages import HeldPart, LeasesResponse
     from homebot.messages import Time
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "add_release_arguments"]
 
 _HEAD = ("DEVICE", "HELD", "BY", "ISSUER", "FOR", "BECAUSE", "OUTRANKED")
 _SEVERAL = 2
@@ -43,6 +44,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 
+def add_release_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot release``."""
+    examples = """\
+  homebot release 'Front door'
+
+Ends all leases of a device, whoever holds it; `homebot leases` shows them. It takes the right `manage`. The device
+stays as it is. A program whose lease was ended does not get the same one again: its block goes on without it.
+"""
+    set_client_command(parser, _release, examples, acts=True)
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+
+
 @door_command
 def _leases(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the holders of leases, with the held values and expiry times."""
@@ -56,6 +69,20 @@ def _leases(door: DoorClient, options: argparse.Namespace) -> int:
         print_table(_HEAD, rows, if_any=("BECAUSE", "OUTRANKED"))
     else:
         print(f"nobody holds {printable(options.device)}" if device else "nobody holds anything")
+    return 0
+
+
+@door_command
+def _release(door: DoorClient, options: argparse.Namespace) -> int:
+    """End all leases of a device."""
+    device = named_device(door, options.device).id
+    parts = cast("LeasesResponse", JsonMessage(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
+    for held in parts:
+        for one in held.holders:
+            by = f"{printable(one.by, 60)} ({issuer_text(one.issuer)})"
+            print(f"{printable(device)} is no longer held {settings_text([held.setting])} by {by}")
+    if not parts:
+        raise PeerError(f"nobody holds {printable(device)}")
     return 0
 
 

@@ -1,8 +1,10 @@
-"""``homebot why``."""
+"""``homebot why`` and ``homebot why-not``."""
 
 from __future__ import annotations
 
 import argparse
+import shlex
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from homebot.cli.arguments import set_client_command
@@ -11,17 +13,21 @@ from homebot.cli.device_queries import house_time, named_device
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
-from homebot.devices.wording.history_words import chain_lines, chains_of, finding_text
-from homebot.devices.wording.journal_words import ago_text
+from homebot.devices.outcomes import has_succeeded
+from homebot.devices.wording.history_words import Chain, chain_lines, chains_of, finding_text, result_text
+from homebot.devices.wording.journal_words import ago_text, clock_text, issuer_text, trigger_text
 from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
+from homebot.errors import UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device
-    from homebot.devices.journal_messages import ExplainDeviceResponse
+    from homebot.devices.journal_messages import ExplainDeviceResponse, ExplainMissingStateResponse
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "add_why_not_arguments"]
+
+_MOST = 10
 
 _EXAMPLES = """\
   homebot why 'Hall lamp'
@@ -36,6 +42,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot why``."""
     set_client_command(parser, _why, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
+
+
+def add_why_not_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot why-not``."""
+    examples = """\
+  homebot why-not 'Hall lamp' on
+  homebot why-not 'Front door' locked --json
+
+Tells which commands asked a device for a state, and what became of each; or that nobody asked for it, that the device
+is in that state already, or that it has no such state.
+"""
+    set_client_command(parser, _why_not, examples)
+    parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument("state", metavar="STATE", help="the state it is not in: on, off, open, locked, 40, cleaning, …")
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
 
@@ -54,9 +75,7 @@ def _why(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, now: float) -> None:
-    name = printable(device.name or device.id)
-    state = state_text(device)
-    print_line(f"{name} is {state}." if state else f"{name} does not report its state.", "bold")
+    _print_state(device)
     print(finding_text(found, client.names, now))
     chains = chains_of(found.entries)
     if chains and found.finding != "change":
@@ -79,3 +98,84 @@ def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -
         "ineffective_routes": [{"part": one.key, "route": one.value} for one in found.ineffective],
         "fights": [{"apps": list(one.issuers), "text": one.text, "last": iso(one.newest)} for one in found.fights],
     }
+
+
+@door_command
+def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
+    """Print the commands that asked for a state, and their outcomes."""
+    if not options.state.strip():
+        raise UsageError("give the state that the device is not in, such as on, open or 40")
+    device = named_device(door, options.device)
+    client = JournalClient(door)
+    client.names[device.id] = device.name
+    found = client.explain_missing(device.id, options.state)
+    asked = chains_of(found.entries)
+    if options.json:
+        chains = [chain_json(one, client.names) for one in asked]
+        shown = {"device": device.id, "state": state_text(device), "wanted": options.state}
+        print(json_text({**shown, "is_so": found.is_so, "asked": chains}))
+        return 0
+    now = house_time(door)
+    _print_state(device)
+    if found.is_so:
+        print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
+    if asked:
+        _print_asked(asked, client, options, device, now)
+        if not found.is_so and _obeyed(asked[-1]):
+            print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
+    elif not found.is_so:
+        print(_unasked(device, options, found, now))
+    return 0
+
+
+def _print_asked(
+    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: Device, now: float
+) -> None:
+    times = "once" if len(asked) == 1 else f"{len(asked)} times"
+    print(f"{_wanted(options)} was asked for {times}:")
+    print()
+    print_rows([_row(one, client, now) for one in asked[-_MOST:]])
+    if len(asked) > _MOST:
+        print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal {_quoted(device)}")
+
+
+def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingStateResponse, now: float) -> str:
+    """Return why *device* is not as wanted if the journal has no command for that."""
+    if found.problem:
+        return printable(found.problem)
+    begins = found.begins
+    since = f" since the journal began, {ago_text(to_seconds(begins), now)}" if begins.sec else ""
+    empty = "" if begins.sec else ": the journal is empty"
+    how = f" To ask for it: homebot do {_quoted(device)} {printable(found.word)}" if found.word else ""
+    return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
+
+
+def _obeyed(chain: Chain) -> bool:
+    """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
+    results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
+    return bool(results) and has_succeeded(results[-1])
+
+
+def _print_state(device: Device) -> None:
+    state = state_text(device)
+    print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
+
+
+def _name(device: Device) -> str:
+    return printable(device.name or device.id)
+
+
+def _quoted(device: Device) -> str:
+    return shlex.quote(_name(device))
+
+
+def _wanted(options: argparse.Namespace) -> str:
+    return printable(options.state, 40)
+
+
+def _row(chain: Chain, client: JournalClient, now: float) -> tuple[str, ...]:
+    cause = trigger_text(chain[0].trigger, client.names)
+    part = client.names.get(f"{chain[0].device}#{chain[0].part}", "")
+    result = (f"{printable(part, 60)}: " if part else "") + result_text(chain, now)
+    result += f" (asked because {cause})" if cause else ""
+    return clock_text(chain[0].at, now), issuer_text(chain[0].issuer), result
