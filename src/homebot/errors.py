@@ -19,6 +19,7 @@
     │   └── UnableError             a part cannot do that as it is described; nothing was sent
     ├── LinkError                   the way to a peer outside is down: try again later
     │   ├── BusyError               the peer did nothing with the request now
+    │   ├── UnansweredError         a request was sent, and no answer came: it may still have its effect
     │   └── CertificateError        the peer has another certificate than one that is trusted
     ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
     ├── AbortError                  a part awaited a cancelled task, or raised an exit of Python: likewise
@@ -64,6 +65,7 @@ __all__ = [
     "ServiceUnavailableError",
     "TypeMismatchError",
     "UnableError",
+    "UnansweredError",
     "UnknownTypeError",
     "UsageError",
     "WireError",
@@ -208,6 +210,10 @@ class LinkError(HomebotError):
 
 class BusyError(LinkError):
     """A peer did nothing with a request, and says that it may work later."""
+
+
+class UnansweredError(LinkError):
+    """A request was sent, and no answer came: it may still have its effect."""
 
 
 class CertificateError(LinkError):

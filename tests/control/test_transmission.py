@@ -9,8 +9,9 @@ import pytest
 from tests.control.conftest import Home, ignore, obey_after
 
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Light
+from homebot.devices.handles import Handle, Light
 from homebot.devices.outcomes import Confirmed, NoAnswer
+from homebot.support.unanswered import awaiting_answer
 
 pytestmark = pytest.mark.virtual_time
 
@@ -94,3 +95,43 @@ async def test_the_network_forgets_a_command_before_it_is_sent_again(home: Home)
     for seconds, (before, after) in zip(kept_for, itertools.pairwise(sent_at), strict=False):
         assert after - before >= seconds + 0.4 - 0.01
     assert home.commands[-1].expires_after == pytest.approx(10.0 - 2 * 1.9, abs=0.01)  # until the outcome is told
+
+
+async def freeze(_home: Home, _command: Command) -> None:
+    """Send the command into a network that does not acknowledge it."""
+    with awaiting_answer():
+        await anyio.sleep_forever()
+
+
+async def test_what_the_network_did_not_acknowledge_was_sent_once_and_may_arrive_later(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=freeze)
+    outcome = await lamp.turn_on()
+    assert outcome == NoAnswer(10.0, is_unacknowledged=True, command_id=outcome.command_id)
+    assert outcome.was_sent
+    assert outcome.text == "no answer within 10 s; its network has not acknowledged it, and may still deliver it"
+    assert len(home.commands) == 1
+
+
+async def test_neither_an_echo_nor_what_was_so_before_takes_its_place(home: Home) -> None:
+    lamp = await home.lamp("on_off", echoed=("on_off",))
+    await lamp.turn_on()
+    await anyio.sleep(100)
+    home.behaviours["lamp"] = freeze
+    outcome = await lamp.turn_on()
+    assert isinstance(outcome, NoAnswer)
+    assert outcome.is_unacknowledged
+
+
+async def test_a_press_that_the_network_did_not_acknowledge_is_not_confirmed(home: Home) -> None:
+    home.put("lamp", "generic_switch", "push", is_silent=True)
+    home.behaviours["lamp"] = freeze
+    outcome = await (await home.handle(Handle)).command("push", value=True)
+    assert isinstance(outcome, NoAnswer)
+    assert outcome.is_unacknowledged
+    assert len(home.commands) == 1
+
+
+async def test_a_report_confirms_what_the_network_did_not_acknowledge(home: Home) -> None:
+    lamp = await home.lamp("on_off", behaviour=freeze)
+    home.later(4.0, "lamp", "on_off", value=True)
+    assert isinstance(await lamp.turn_on(), Confirmed)

@@ -18,7 +18,13 @@ from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has
 from homebot.devices.wording.history_words import result_text
 from homebot.devices.wording.json_message import JsonMessage
 
-_VALUES = {"float": 6.5, "str": "a-9", "Evidence": Evidence.REPORTED, "Mapping[str, PlainValue]": {"level": 40.0}}
+_VALUES = {
+    "float": 6.5,
+    "str": "a-9",
+    "bool": True,
+    "Evidence": Evidence.REPORTED,
+    "Mapping[str, PlainValue]": {"level": 40.0},
+}
 EXAMPLES = tuple(
     kind(**{one.name: _VALUES[str(one.type)] for one in fields(kind)})  # type: ignore[arg-type]
     for kind in OUTCOMES.values()

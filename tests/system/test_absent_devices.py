@@ -1,4 +1,4 @@
-"""Commands over MQTT 3.1.1, in which nothing expires: a Mosquitto keeps them for devices that are away."""
+"""Commands by a Mosquitto to devices that are away, and by one that is frozen; over MQTT 3.1.1, nothing expires."""
 
 from __future__ import annotations
 
@@ -123,3 +123,19 @@ async def test_a_press_for_a_device_that_is_away_was_accepted_by_its_network_and
         assert outcome.evidence is Evidence.ACKNOWLEDGED
         assert outcome.text.startswith("accepted by the network after ")
         assert await device.missed() == {("bell/set", b"PRESS"): 1}
+
+
+async def test_a_command_to_a_frozen_broker_has_no_answer_and_arrives_once() -> None:
+    """It left this process, so that nobody may say that it was not sent."""
+    async with MosquittoBroker(credentials=CREDENTIALS, policy=None) as broker:
+        url = f"mqtt://anna:right@{broker.host}:{broker.port}"
+        device = AbsentDevice(url)
+        await device.announce()
+        async with home(url, "5") as devices:
+            lamp, bell = await until_found(devices)
+            with broker.frozen():
+                outcomes = [await lamp.turn_on(), await bell.command("push", value=True)]
+            for outcome in outcomes:
+                assert isinstance(outcome, NoAnswer)
+                assert outcome.is_unacknowledged
+        assert await device.missed() == {("lamp/set", b"ON"): 1, ("bell/set", b"PRESS"): 1}

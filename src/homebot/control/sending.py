@@ -18,7 +18,7 @@ from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
-from homebot.errors import LinkError, RefusedError
+from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
 
@@ -84,23 +84,30 @@ class Sending:
 
     async def run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
-        plan, command, progress, clock = self._plan(sent), sent.command, sent.progress, self._clock
+        plan, progress, clock = self._plan(sent), sent.progress, self._clock
         while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
             if step.kind == "wait":
                 await sent.wait(step.until - now)
-            else:
-                plan.attempts += 1
-                if plan.attempts == 1 or self._policies.check(command) is None:
-                    problem = await self._send(sent, plan)
-                    if problem is None or (progress.wanted and progress.is_met):
-                        route = progress.routes[-1] if progress.routes and problem is None else ""
-                        self._journal.record("acknowledged", command, route.partition("/")[0])
-                    elif plan.attempts == 1:
-                        return problem
-                plan.asked_at = clock.monotonic()
-                plan.began = plan.asked_at if plan.attempts == 1 else plan.began
-            plan.lost_at = self._feed.last_loss(command.part.routes).monotonic
+            elif (problem := await self._attempt(sent, plan)) is not None:
+                return problem
+            plan.lost_at = max(plan.lost_at, self._feed.last_loss(sent.command.part.routes).monotonic)
         return outcome_of(progress, clock.monotonic())
+
+    async def _attempt(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
+        """Send a command, again only if the policies still allow it; return the outcome if the first sending fails."""
+        command, progress, problem = sent.command, sent.progress, None
+        plan.attempts += 1
+        if plan.attempts == 1 or self._policies.check(command) is None:
+            problem = await self._send(sent, plan)
+            if (progress.wanted and progress.is_met) or (problem is None and not progress.is_unacknowledged):
+                route = progress.routes[-1] if progress.routes and problem is None else ""
+                self._journal.record("acknowledged", command, route.partition("/")[0])
+                problem = None
+        plan.asked_at = self._clock.monotonic()
+        if plan.attempts > 1:
+            return None
+        plan.began = progress.sent_at if progress.is_unacknowledged else plan.asked_at
+        return problem
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, profile, timeout = sent.command, sent.timeline.profile, self._settings.timeout
@@ -146,6 +153,9 @@ class Sending:
                 )
                 if len(command.part.routes) > 1:
                     sent.progress.routes.append(route.name)
+        except UnansweredError:
+            sent.progress.miss_acknowledgement()
+            plan.lost_at = clock.monotonic()
         except LinkError as exc:
             return NoAnswer(clock.monotonic() - began, str(exc), command_id=command.id)
         except RefusedError as exc:

@@ -129,6 +129,8 @@ class CommandResult(Message):
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
         reason: ``refused``, and ``no_answer`` where it was not sent: the reason; ``reverted``: ``device``, or
             ``unknown`` if it may be a person's doing; ``gone``: what there is not.
+        is_unacknowledged: ``no_answer``: whether it was sent, and its network has not acknowledged it, so that it may
+            arrive later.
     """
 
     command_id: str
@@ -142,6 +144,7 @@ class CommandResult(Message):
     by: str = ""
     policy: str = ""
     reason: str = ""
+    is_unacknowledged: bool = False
 
     @staticmethod
     def answer_type() -> "type[Outcome]":

@@ -10,7 +10,16 @@ from homebot.devices.device import Device, DevicePart, Route
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import OWNER, PREFER, GatewayNames
 from homebot.devices.value import PlainValue, Value
-from homebot.errors import InvalidNameError, LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.errors import (
+    InvalidNameError,
+    LinkError,
+    RefusedError,
+    ServiceError,
+    ServiceGoneError,
+    ServiceTimeoutError,
+    ServiceUnavailableError,
+    UnansweredError,
+)
 from homebot.graph import Client, Node
 
 __all__ = ["CommandSender"]
@@ -55,10 +64,11 @@ class CommandSender:
 
         Raises:
             RefusedError: The gateway or the part refuses, or the part is disputed.
-            LinkError: No gateway of the part is running and connected; it may work later.
+            UnansweredError: A gateway sent it, and its network has not acknowledged it.
+            LinkError: It was not sent: no gateway of the part is running and connected; it may work later.
         """
         routes = _routes(device, part, capability, ineffective, is_repeated=repeated)
-        problem, unable, is_away = f"its gateway {routes[0].gateway} is not running", "", False
+        problem, unable, is_away, silence = f"its gateway {routes[0].gateway} is not running", "", False, ""
         for route in routes:
             command = Command(
                 key=route.key,
@@ -81,14 +91,17 @@ class CommandSender:
                 response = _failure(exc)
             if response.success:
                 return route
-            if response.problem == "unreachable":
+            if response.problem in {"unreachable", "unanswered"}:
                 is_away, problem = True, response.message or problem
+                silence = problem if response.problem == "unanswered" else silence
                 if capability in MOMENTARY and not response.unable:
                     break
             elif response.unable:
                 unable = unable or response.message
             else:
                 raise RefusedError(f"{capability} of {device.id}", response.message)
+        if silence:
+            raise UnansweredError(f"{capability} was sent to {device.id}: {silence}")
         if unable and not is_away:
             raise RefusedError(f"{capability} of {device.id}", unable)
         raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
@@ -102,6 +115,8 @@ def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:
     """Return the answer in place of a gateway's; one that is not running is unreachable, and unable to send."""
     if isinstance(error, InvalidNameError):
         return SendCommandResponse(success=False, message=str(error), problem="refused", unable=True)
+    if isinstance(error, ServiceTimeoutError | ServiceGoneError):
+        return SendCommandResponse(success=False, message=str(error), problem="unanswered")
     is_away = isinstance(error, ServiceUnavailableError)
     message = "" if is_away else str(error)
     return SendCommandResponse(success=False, message=message, problem="unreachable", unable=is_away)

@@ -27,7 +27,7 @@ from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAn
 from homebot.devices.setting_check import check_setting
 from homebot.devices.text_sender import TextSender
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError
+from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError, UnansweredError
 from homebot.graph import Client, Node
 from homebot.log import LogLimit, more_like_this
 from homebot.support.bounded_map import BoundedMap
@@ -187,6 +187,8 @@ class Commander:
                 await self._sender.send(
                     device, part, one.capability, one.value.plain(), request.transition, request.code
                 )
+        except UnansweredError:
+            return NoAnswer(self._clock.monotonic() - began, is_unacknowledged=True)
         except LinkError as exc:
             return NoAnswer(0.0, str(exc))
         except RefusedError as exc:

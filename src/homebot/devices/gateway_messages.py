@@ -188,13 +188,14 @@ class SendCommandResponse(ServiceAnswer):
     """The gateway's result for a command; it does not prove that the device obeyed.
 
     Attributes:
-        problem: ``refused`` by the part, the gateway or the network, where the same again fails again, or the device or
-            its network is ``unreachable`` now.
+        problem: ``refused`` by the part, the gateway or the network, where the same again fails again; ``unreachable``
+            if it was not sent, as the device or its network cannot be reached now; ``unanswered`` if it was sent, and
+            the network has not acknowledged it: it may still have its effect.
         unable: Whether it was refused because the part cannot do that as it is described there. Nothing was sent then,
             and another route to the part may do.
     """
 
-    problem: Literal["", "refused", "unreachable"] = ""
+    problem: Literal["", "refused", "unreachable", "unanswered"] = ""
     unable: bool = False
 
 

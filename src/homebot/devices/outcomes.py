@@ -177,6 +177,7 @@ class NoAnswer(Outcome):
     Attributes:
         waited: Seconds.
         reason: Why it could not be sent, as text; empty if it was sent.
+        is_unacknowledged: Whether it was sent, and its network has not acknowledged it, so that it may arrive later.
     """
 
     kind: ClassVar[str] = "no_answer"
@@ -184,6 +185,7 @@ class NoAnswer(Outcome):
     judges_device: ClassVar[bool] = True
     waited: float
     reason: str = ""
+    is_unacknowledged: bool = False
 
     @property
     def was_sent(self) -> bool:
@@ -193,7 +195,10 @@ class NoAnswer(Outcome):
     @property
     def text(self) -> str:
         """As for :class:`Outcome`."""
-        return f"not sent: {self.reason}" if self.reason else f"no answer within {_seconds_text(self.waited)} s"
+        if self.reason:
+            return f"not sent: {self.reason}"
+        later = "; its network has not acknowledged it, and may still deliver it" if self.is_unacknowledged else ""
+        return f"no answer within {_seconds_text(self.waited)} s{later}"
 
 
 @dataclass(frozen=True, slots=True)

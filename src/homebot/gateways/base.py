@@ -47,6 +47,9 @@ directory, the sightings and reports kept for late joiners tell it everything, a
 devices, goes on trying, answers commands with ``unreachable``, and never ends because of it; the directory has its
 devices as unreachable, but for those that it still reports as reachable, by links of their own. It is ready
 (``task_status.started()``) when its first try has ended, successful or not.
+
+*Unreachable* says that nothing was sent. A command that was sent, and that the network did not acknowledge, is
+``unanswered``: it may still have its effect. Nothing that waits in the gateway is sent after ``expires_after``.
 """
 
 from __future__ import annotations

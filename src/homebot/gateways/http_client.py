@@ -31,6 +31,7 @@ from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_errors import check_status, translated_errors
 from homebot.gateways.http_middlewares import HttpLogin, authentication, follow_own_redirects, staying_at
 from homebot.gateways.http_streams import EventStream, WebSocket
+from homebot.support.unanswered import answered, sent
 
 __all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]
 
@@ -114,6 +115,7 @@ class HttpClient:
             headers={"Accept-Encoding": "identity", "User-Agent": "homebot"},
             middlewares=(follow_own_redirects, *(() if self._login is None else (authentication(self._login),))),
             timeout=aiohttp.ClientTimeout(total=None, sock_connect=None),
+            trace_configs=[_marking_sent()],
         )
         return self
 
@@ -189,6 +191,7 @@ class HttpClient:
             response = await self._opened().request(
                 method, where, data=body, headers=headers, allow_redirects=method == "GET", max_redirects=_REDIRECTS
             )
+            answered()
             async with response:
                 if etag and response.status == 304:
                     return HttpAnswer(304, "", b"", _fields(response))
@@ -272,6 +275,18 @@ class HttpClient:
                 yield
         except TimeoutError:
             raise LinkError(f"{shown_url(where)} did not answer within {time_limit:g} s") from None
+
+
+def _marking_sent() -> aiohttp.TraceConfig:
+    """Return a configuration that marks each request that may change something once its head was written."""
+
+    async def mark(_: object, __: object, request: aiohttp.TraceRequestHeadersSentParams) -> None:
+        if request.method != "GET":
+            sent()
+
+    tracing = aiohttp.TraceConfig()
+    tracing.on_request_headers_sent.append(mark)
+    return tracing
 
 
 def _headers(accept: str, content_type: str, etag: str = "") -> dict[str, str]:

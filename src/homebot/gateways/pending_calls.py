@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from itertools import count
-from typing import Final, Generic, TypeVar
+from typing import Final, Generic, NoReturn, TypeVar
 
 import anyio
 import anyio.lowlevel
 
 from homebot.errors import LinkError
+from homebot.support.unanswered import awaiting_answer
 
 __all__ = ["PendingCalls"]
 
@@ -61,21 +62,19 @@ class PendingCalls(Generic[Answer]):
         """
         if len(self) >= MOST_CALLS:
             raise LinkError(f"{what}: {MOST_CALLS} commands are waiting for {self._peer} already")
-        if not self._is_lost:
-            call_id = self.new_id()
-            call = self._pending[call_id] = _PendingCall[Answer](on_answer)
-            try:
-                with anyio.fail_after(within):
-                    await send(call_id)
-                    await call.answered.wait()
-            except TimeoutError:
-                raise LinkError(f"{self._peer} did not answer {what} within {within:g} s") from None
-            finally:
-                del self._pending[call_id]
-            if call.answer is not None:
-                return call.answer
-        await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
-        raise LinkError(f"the connection to {self._peer} was lost")
+        if self._is_lost:
+            await self._fail()
+        call_id = self.new_id()
+        call = self._pending[call_id] = _PendingCall[Answer](on_answer)
+        try:
+            with awaiting_answer(), anyio.fail_after(within):
+                await send(call_id)
+                await call.answered.wait()
+                return call.answer if call.answer is not None else await self._fail()
+        except TimeoutError:
+            raise LinkError(f"{self._peer} did not answer {what} within {within:g} s") from None
+        finally:
+            del self._pending[call_id]
 
     async def resolve(self, call_id: str, answer: Answer) -> bool:
         """Complete a call with its answer; return False if no call of that id waits."""
@@ -95,3 +94,7 @@ class PendingCalls(Generic[Answer]):
         self._is_lost = True
         for call in self._pending.values():
             call.answered.set()
+
+    async def _fail(self) -> NoReturn:
+        await anyio.lowlevel.checkpoint()  # where the caller is cancelled together with the link, it was not lost
+        raise LinkError(f"the connection to {self._peer} was lost")

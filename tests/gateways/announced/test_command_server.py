@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -13,10 +14,11 @@ from homebot.devices import RawCommand
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import text_address
 from homebot.devices.value import Value
-from homebot.errors import ServiceFailedError
+from homebot.errors import LinkError, ServiceFailedError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
 from homebot.graph import Graph, Node, Publisher
+from homebot.support.unanswered import awaiting_answer
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
@@ -31,9 +33,14 @@ class SlowGateway(MemoryGateway):
         self.begun: list[str] = []
         self.ended: list[str] = []
         self.patience = 100.0
+        self.answer_limit = math.inf
 
     async def _perform(self, command: Command) -> None:
         self.begun.append(command.id)
+        if self.answer_limit < math.inf:
+            with awaiting_answer():
+                await anyio.sleep(self.answer_limit)
+                raise LinkError("no answer")
         with anyio.fail_after(self.patience):
             await anyio.sleep(10)
         self.ended.append(command.id)
@@ -136,6 +143,14 @@ async def test_a_command_that_expires_at_work_is_given_up() -> None:
         await anyio.sleep(30)
         assert (home.gateway.begun, home.gateway.ended) == (["command"], [])
         assert (await home.command(expires_after=10.5)).success
+
+
+@pytest.mark.parametrize("answer_limit", [1.0, 10.0])
+async def test_a_command_that_was_sent_and_not_acknowledged_is_unanswered(answer_limit: float) -> None:
+    """It may arrive later: it was given up by the limit of the port, or by its own."""
+    async with house() as home:
+        home.gateway.answer_limit = answer_limit
+        assert (await home.command(expires_after=5.0)).problem == "unanswered"
 
 
 async def test_a_time_limit_of_the_gateway_itself_is_no_expiry() -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -89,6 +91,17 @@ class MosquittoBroker:
                     await anyio.to_thread.run_sync(process.wait, abandon_on_cancel=True)
             finally:
                 process.kill()
+
+    @contextmanager
+    def frozen(self) -> Iterator[None]:
+        """Keep the broker from running inside the block; its connections stand, and what comes waits."""
+        process = self._process
+        assert process is not None
+        process.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            process.send_signal(signal.SIGCONT)
 
     async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
         """Start it anew with its sessions, which it writes down only where it is stopped in order."""

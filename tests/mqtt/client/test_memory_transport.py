@@ -28,6 +28,7 @@ from homebot.mqtt.packets import (
     ReasonCode,
     encode,
 )
+from homebot.support.unanswered import watched_requests
 
 pytestmark = pytest.mark.virtual_time
 
@@ -102,6 +103,42 @@ async def test_a_thawed_link_carries_what_waited(broker: MemoryBroker, options: 
         assert broker.stats.messages_received == 0
         link.thaw()
         assert [message.payload for message in await client.receive()] == [b"x"]
+
+
+@pytest.mark.parametrize(("pause", "expiries"), [(4.0, [6]), (11.0, [])])
+async def test_a_publish_of_qos_2_goes_on_on_the_next_link_until_it_expires(
+    broker: MemoryBroker, options: MqttOptions, pause: float, expiries: list[int]
+) -> None:
+    """A command that its issuer has given up must not be carried out when the broker is back."""
+    listener = broker.make_client(replace(options, client_id="listener"))
+    client = broker.make_client(replace(options, session_expiry=3_600, timeout=1.0))
+    async with listener.connected():
+        await listener.subscribe(MqttSubscription("+", 2))
+        async with client.connected():
+            broker.link_of("hub").freeze()
+            with pytest.raises(LinkError):
+                await client.publish("lamp", b"on", qos=2, properties=MessageProperties(expiry=10))
+            broker.link_of("hub").abort()
+        await anyio.sleep(pause - now())
+        async with client.connected():
+            await client.publish("end", qos=2)
+            received = await listener.receive()
+    assert [one.properties.expiry for one in received] == [*expiries, None]
+
+
+async def test_a_request_that_left_is_told_from_one_that_did_not(broker: MemoryBroker, options: MqttOptions) -> None:
+    client = broker.make_client(options)
+    with watched_requests() as requests:
+        async with client.connected():
+            await client.publish("t", b"x", qos=1)
+            assert not requests.is_unanswered
+            broker.link_of("hub").freeze()
+            with anyio.move_on_after(5):
+                await client.publish("t", b"x", qos=1)
+            assert requests.is_unanswered
+    with watched_requests() as requests, pytest.raises(LinkError):
+        await client.publish("t", b"x", qos=1)
+    assert not requests.is_unanswered
 
 
 async def test_who_breaks_the_protocol_is_told_why(broker: MemoryBroker) -> None:

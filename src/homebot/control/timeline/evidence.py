@@ -44,7 +44,7 @@ class SendingPlan:
         attempts: How often it was sent, or was to be.
         asked_at: When the last sending ended.
         began: When the first sending ended: a gateway may have had to connect before.
-        lost_at: When the connection was last lost; -inf for never.
+        lost_at: When the connection was last lost, or gave no answer; -inf for never.
     """
 
     tries: int
@@ -87,7 +87,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
         return Confirmed(latency, Evidence.REPORTED, command_id=name, reported=progress.reported)
     if others := progress.others:
         if not progress.has_faded and all(map(progress.is_stale, others)):
-            return NoAnswer(waited, command_id=name)
+            return _no_answer(progress, waited)
         saw = ", ".join(f"{capability} is {value_text(value)}" for capability, value in others.items())
         return Contradicted(saw, command_id=name)
     return _silent_outcome(progress, waited)
@@ -110,14 +110,20 @@ def weakly_met_at(progress: CommandProgress) -> float:
 def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
     """Return the outcome of a command of which the device reported nothing."""
     name = progress.order.id
+    if progress.is_unacknowledged and not progress.is_accepted:
+        return _no_answer(progress, waited)
     at = max(progress.accepted.values()) if progress.is_accepted else weakly_met_at(progress)
     if at < math.inf:
         return Confirmed(at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
     if not progress.was_so:
-        return NoAnswer(waited, command_id=name)
+        return _no_answer(progress, waited)
     if progress.has_echo:  # the report before may have been an echo
         return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
     return AlreadySo(command_id=name)
+
+
+def _no_answer(progress: CommandProgress, waited: float) -> NoAnswer:
+    return NoAnswer(waited, command_id=progress.order.id, is_unacknowledged=progress.is_unacknowledged)
 
 
 def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: float) -> float:

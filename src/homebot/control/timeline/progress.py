@@ -50,6 +50,7 @@ class CommandProgress:
         superseded_by: The id of the newer command that replaced it; empty if none did.
         refusal: The reason why the device refuses it; empty if it does not.
         must_answer: Whether the device answers commands and reports no values, so that its answer is waited for.
+        is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         ended_at: When its outcome was decided, or it was superseded; inf before.
         learns_late: Whether an answer after its failure teaches how long the device takes.
         is_witnessed: Whether a second device observed the effect.
@@ -82,7 +83,7 @@ class CommandProgress:
         self.moved_at: float | None = None
         self.stopped_at = self.told_otherwise_at = -math.inf
         self.superseded_by = self.refusal = ""
-        self.must_answer = self.learns_late = self.is_witnessed = self.is_learnt = False
+        self.is_unacknowledged = self.must_answer = self.learns_late = self.is_witnessed = self.is_learnt = False
         self.ended_at = math.inf
         self.outcome: Outcome | None = None
         self.settling: Settling | None = None
@@ -189,9 +190,15 @@ class CommandProgress:
         self.sent_at = now
         self.first_sent_at = now if self.sendings == 0 else self.first_sent_at
         self.sendings += 1
+        self.is_unacknowledged = False
         for one in self.wanted.values():
             one.is_from_before = one.seen is not NOTHING
             one.sending_echoed_at = None
+
+    def miss_acknowledgement(self) -> None:
+        """Record that the network did not acknowledge the last sending; one without reports may still answer."""
+        self.is_unacknowledged = True
+        self.must_answer = self.must_answer or not self.wanted
 
     def decide(self, outcome: Outcome, now: float, settle: float) -> None:
         """Record the outcome; a confirmed one has to hold for *settle* seconds."""

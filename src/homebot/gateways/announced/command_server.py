@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Mapping
-from typing import Protocol, TypeAlias
+from typing import Literal, Protocol, TypeAlias
 
 import anyio.lowlevel
 
@@ -20,6 +20,7 @@ from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnounc
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
+from homebot.support.unanswered import SentRequests, watched_requests
 
 __all__ = ["CommandServer", "Perform", "RawMessages"]
 
@@ -34,7 +35,7 @@ Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
 
 It raises :class:`UnableError` where the part cannot do that as it is described and nothing was sent,
 :class:`LinkError` where the device or its network cannot be reached now, and :class:`RefusedError` where one of them
-says no.
+says no. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
 """
 
 
@@ -110,23 +111,25 @@ class CommandServer:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         limit = asyncio.timeout(command.expires_after or None)
-        try:
-            if command.approved:
-                self._check_approved(command)
-            waits = self._out.mailbox.queue or self._out.unbegun
-            perform = self._perform_after_raw if waits else self._perform
-            async with limit:  # as while a radio connects: nothing happens late
-                await perform(command)
-        except LinkError as exc:
-            return self._failed(str(exc))
-        except HomebotError as exc:
-            self._counters.commands_refused += 1
-            is_unable = isinstance(exc, UnableError)
-            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
-        except TimeoutError:
-            if not limit.expired():
-                raise
-            return self._failed(f"{command.key[:100]} was not reached within {command.expires_after:.2g} s")
+        with watched_requests() as requests:
+            try:
+                if command.approved:
+                    self._check_approved(command)
+                waits = self._out.mailbox.queue or self._out.unbegun
+                perform = self._perform_after_raw if waits else self._perform
+                async with limit:  # as while a radio connects: nothing happens late
+                    await perform(command)
+            except LinkError as exc:
+                return self._failed(str(exc), requests)
+            except HomebotError as exc:
+                self._counters.commands_refused += 1
+                is_unable = isinstance(exc, UnableError)
+                return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
+            except TimeoutError:
+                if not limit.expired():
+                    raise
+                what = "did not answer" if requests.is_unanswered else "was not reached"
+                return self._failed(f"{command.key[:100]} {what} within {command.expires_after:.2g} s", requests)
         self._counters.commands += 1
         return _CARRIED_OUT
 
@@ -156,9 +159,10 @@ class CommandServer:
         if part is None or CommandDescription.of(part, template.identifiers).digest != command.approved:
             raise RefusedError(f"a command to {command.key[:100]}", "it changed since the owner approved it")
 
-    def _failed(self, problem: str) -> SendCommandResponse:
+    def _failed(self, message: str, requests: SentRequests) -> SendCommandResponse:
         self._counters.commands_failed += 1
-        return SendCommandResponse(success=False, message=problem, problem="unreachable")
+        problem: Literal["unanswered", "unreachable"] = "unanswered" if requests.is_unanswered else "unreachable"
+        return SendCommandResponse(success=False, message=message, problem=problem)
 
     async def _send(self, command: RawCommand) -> None:
         address = command.address

@@ -19,6 +19,7 @@ from homebot.conventions.bluetooth.broadcast import Advertisement
 from homebot.errors import LinkError, RefusedError
 from homebot.gateways.ble.intake import BluetoothUnavailableError
 from homebot.support.ble_backend import BleBackend
+from homebot.support.unanswered import awaiting_answer
 
 if TYPE_CHECKING:
     from bleak.args.bluez import BlueZScannerArgs, OrPatternLike
@@ -141,7 +142,7 @@ class BleLink:
 
     async def write(self, characteristic: str, data: bytes, *, response: bool) -> None:
         """Set the value of a characteristic; with *response*, wait until the device has acknowledged it."""
-        with _link_errors(self._address), anyio.fail_after(ANSWER_WITHIN):
+        with awaiting_answer(), _link_errors(self._address), anyio.fail_after(ANSWER_WITHIN):
             await self._client.write_gatt_char(characteristic, data, response=response)
 
     async def subscribe(self, characteristic: str, on_value: Callable[[bytes], None]) -> None:

@@ -27,6 +27,7 @@ from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.address_guard import AddressGuard, OwnAddressError
 from homebot.gateways.coap.settings import CoapCredentials
 from homebot.support.connect_errors import connect_problem
+from homebot.support.unanswered import answered, awaiting_answer
 
 __all__ = ["CoapAnswer", "CoapClient", "GroupAnswer"]
 
@@ -237,7 +238,7 @@ class CoapClient:
         return self._context.request(message, handle_blockwise=False)
 
     async def _answered(self, request: aiocoap.interfaces.Request) -> aiocoap.Message:
-        with anyio.fail_after(self._patience):
+        with awaiting_answer(), anyio.fail_after(self._patience):
             return cast("aiocoap.Message", await request.response)
 
     async def _next(
@@ -321,6 +322,7 @@ def _translated(uri: str) -> Iterator[None]:
     except OwnAddressError as exc:
         raise exc.refusal_of(uri) from None
     except (aiocoap.error.NetworkError, aiocoap.error.LibraryShutdown, OSError) as exc:
+        answered()  # by the network, which did not take it
         cause = exc if isinstance(exc, OSError) else exc.__cause__  # which the library's text does not tell
         reason = connect_problem(cause) if isinstance(cause, OSError) else str(exc)
         raise LinkError(f"{uri} cannot be reached: {reason}") from exc

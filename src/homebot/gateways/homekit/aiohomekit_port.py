@@ -43,6 +43,7 @@ from homebot.gateways.homekit.port import (
     StatusCodes,
 )
 from homebot.support.numbers import whole_number
+from homebot.support.unanswered import awaiting_answer
 
 __all__ = ["AiohomekitPort"]
 
@@ -105,7 +106,7 @@ class _PairedLink(HomekitLink):
         if self.lost.is_set():  # the library would make a new one
             raise LinkError(f"{self._name} cannot be reached: the connection was lost")
         try:
-            with _translated(self._name), anyio.fail_after(self.answers_within):
+            with awaiting_answer(), _translated(self._name), anyio.fail_after(self.answers_within):
                 yield
         except (LinkError, anyio.get_cancelled_exc_class()):
             with anyio.CancelScope(shield=True):

@@ -33,11 +33,11 @@ from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 
-from homebot.errors import LinkError, RefusedError
+from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.mqtt.client import paho_values as values
 from homebot.mqtt.client.base import UNREADABLE, BaseClient, ClientLink
 from homebot.mqtt.client.incoming import Frame
-from homebot.mqtt.client.login import MqttVersion, UnansweredError, disconnect_error, early_end, login_error
+from homebot.mqtt.client.login import MqttVersion, disconnect_error, early_end, login_error
 from homebot.mqtt.client.native import answer_in
 from homebot.mqtt.client.paho_socket import PahoSocket
 from homebot.mqtt.client.port import MqttSubscription

@@ -26,6 +26,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketType, ReasonCode
 from homebot.mqtt.topics import validate_filter, validate_topic
 from homebot.support.logger import get_logger
+from homebot.support.unanswered import awaiting_answer
 
 __all__ = ["UNREADABLE", "BaseClient", "ClientLink"]
 
@@ -381,7 +382,8 @@ class ClientLink(ABC):
             self._put(request)
         answer = self._requests.expect(packet_id)
         try:
-            return await answer
+            with awaiting_answer():
+                return await answer
         except TimeoutError:
             raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
         except LinkError as error:

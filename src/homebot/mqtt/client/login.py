@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from typing import Final, Literal, TypeAlias, TypeVar, final
 
-from homebot.errors import LinkError, RefusedError
+from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.reason import ReasonCode
 from homebot.support.logger import get_logger
@@ -13,7 +13,6 @@ from homebot.support.logger import get_logger
 __all__ = [
     "ClosedEarlyError",
     "MqttVersion",
-    "UnansweredError",
     "VersionChoice",
     "disconnect_error",
     "early_end",
@@ -28,10 +27,6 @@ _log = get_logger()
 
 class ClosedEarlyError(LinkError):
     """The broker closed the connection, or said something else, where it should have answered CONNECT."""
-
-
-class UnansweredError(LinkError):
-    """The broker did not answer CONNECT in time."""
 
 
 @final

@@ -12,10 +12,10 @@ from typing import Final, final
 import anyio
 
 from homebot.clock import Clock
-from homebot.errors import LinkError, RefusedError, WireError
+from homebot.errors import LinkError, RefusedError, UnansweredError, WireError
 from homebot.mqtt.client.base import BaseClient, ClientLink
 from homebot.mqtt.client.incoming import Frame
-from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, UnansweredError, disconnect_error, login_error
+from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, disconnect_error, login_error
 from homebot.mqtt.client.packet_values import (
     connect_packet,
     disconnect_packet,
@@ -133,7 +133,8 @@ class ClientProtocol(ClientLink):
             packet_id = self._requests.new_id()
             if qos == 2:
                 extra = publish_properties(properties) if self._is_v5 else NOTHING
-                self._requests.hold(Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))
+                publish = Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra)
+                self._requests.hold(packet_id, publish, properties.expiry)
             (reason,) = await self._answer(packet_id, "publish", head + packet_id.to_bytes(2, "big") + tail)
         finally:
             window.release()

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from collections import deque
 from contextvars import Context
+from dataclasses import replace
 from random import Random
-from typing import TypeAlias, final
+from typing import NamedTuple, TypeAlias, final
 
 from homebot.errors import LinkError
 from homebot.mqtt.packets import Publish, Pubrel
@@ -34,7 +36,7 @@ class Requests:
         self._timeout = timeout
         self._answers: dict[int, tuple[asyncio.Future[Answer], float]] = {}  # and when each is overdue
         self._check: asyncio.TimerHandle | None = None  # one for all: nearly every answer comes long before
-        self._open: dict[int, Publish | None] = {}  # QoS 2; None once PUBREC has come
+        self._open: dict[int, _Handshake] = {}  # QoS 2
 
     def new_id(self) -> int:
         """Return an identifier that nothing open has."""
@@ -44,13 +46,15 @@ class Requests:
                 return self._last
 
     def begin_link(self, *, resumed: bool) -> tuple[Publish | Pubrel, ...]:
-        """Return the packets to send again on a new link: handshakes of QoS 2 that the broker still has."""
+        """Return the packets to send again on a new link: handshakes of QoS 2 that the broker may still have.
+
+        One that expired meanwhile is not brought to an end, as many brokers deliver at its end; its identifier is not
+        used again in the session.
+        """
         if not resumed:
             self._open.clear()
-        return tuple(
-            Pubrel(packet_id) if publish is None else publish._replace(dup=True)
-            for packet_id, publish in self._open.items()
-        )
+        now = asyncio.get_running_loop().time()
+        return tuple(one.packet(packet_id, now) for packet_id, one in self._open.items() if one.ends_at > now)
 
     def expect(self, packet_id: int) -> asyncio.Future[Answer]:
         """Wait for the answer to the request *packet_id*, or a TimeoutError; :meth:`forget` it afterwards."""
@@ -66,15 +70,15 @@ class Requests:
         """Forget an answer without waiting callers."""
         self._answers.pop(packet_id, None)
 
-    def hold(self, publish: Publish) -> None:
-        """Hold a handshake of QoS 2: it must be brought to an end, also on a later link."""
-        if publish.packet_id is not None:
-            self._open[publish.packet_id] = publish
+    def hold(self, packet_id: int, publish: Publish, expiry: int | None) -> None:
+        """Hold a handshake of QoS 2, which goes on on a later link; None *expiry*, in seconds, is without end."""
+        lasts = math.inf if expiry is None else expiry
+        self._open[packet_id] = _Handshake(publish, asyncio.get_running_loop().time() + lasts)
 
     def taken(self, packet_id: int) -> Pubrel:
         """Handle a PUBREC that accepts; return the answer."""
         if packet_id in self._open:
-            self._open[packet_id] = None
+            self._open[packet_id] = self._open[packet_id]._replace(publish=None)
         return Pubrel(packet_id)
 
     def answered(self, packet_id: int, reasons: Answer) -> None:
@@ -97,6 +101,22 @@ class Requests:
                 answer.set_exception(TimeoutError())
         later = [overdue for _, overdue in self._answers.values() if overdue > now]
         self._check = loop.call_at(min(later), self._expire, loop, context=Context()) if later else None
+
+
+class _Handshake(NamedTuple):
+    """A publish of QoS 2 without its last answer; None once PUBREC has come."""
+
+    publish: Publish | None
+    ends_at: float
+
+    def packet(self, packet_id: int, now: float) -> Publish | Pubrel:
+        """Return the packet that continues it, with the remaining time."""
+        if self.publish is None:
+            return Pubrel(packet_id)
+        properties = self.publish.properties
+        if properties.message_expiry_interval is not None:
+            properties = replace(properties, message_expiry_interval=math.ceil(self.ends_at - now))
+        return self.publish._replace(dup=True, properties=properties)
 
 
 @final
