@@ -200,6 +200,18 @@ def test_an_old_report_of_a_part_that_vanished_changes_nothing(index: DeviceInde
     assert not index.find(parse_query("level > 1"))
 
 
+def test_a_part_that_left_an_address_has_no_value_until_it_reports_on_the_present_ones(index: DeviceIndex) -> None:
+    """What was said there is of another source: nobody may call it recent."""
+    part = part_of("light", "on_off", id="l")
+    found = []
+    for reads in (("a",), ("a", "b"), ("b",), ("b",)):
+        lamp = announce("l", part.model_copy(update={"reads": reads}), ids=("id:lamp",))
+        index.observe(lamp)
+        found.append([one.value.plain() for one in index.devices()[0].states])
+        index.report(tell(lamp, "on_off", True, part="l"))
+    assert found == [[], [True], [], [True]]
+
+
 def test_what_a_part_told_goes_with_it(index: DeviceIndex) -> None:
     """However often a device changes its parts, it is no bigger than they are."""
     for number in range(5):

@@ -161,13 +161,18 @@ def is_described_anew(before: Sighting, now: Sighting) -> bool:
 
 
 def record_description(source: SourceRecord, before: Sighting) -> None:
-    """Record when *source* first reported each capability; drop capabilities that it no longer has."""
+    """Record when *source* first reported each capability; drop the values of those that it no longer has.
+
+    A part that left an address on which it reported has no value either, until it reports on its present ones.
+    """
     now = source.sighting
     known, described = _facts_of(before), _facts_of(now)
     changed = {name: (value, now.seen_at) for name, value in described.items() if known.get(name) != value}
     source.facts = {**_only(source.facts, described), **changed} or _NOTHING
     places = {(part.id, capability.name) for part in now.parts for capability in part.capabilities}
-    source.values = _only(source.values, places)
+    reads = {part.id: part.reads for part in now.parts}
+    left = {part.id for part in before.parts if not set(part.reads).issubset(reads.get(part.id, ()))}
+    source.values = _only(source.values, {place for place in places if place[0] not in left} if left else places)
     source.events = _only(source.events, places) or _NOTHING
     source.set_reach(_only(source.reach, {"", *(part.id for part in now.parts)}))
 

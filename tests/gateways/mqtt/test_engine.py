@@ -263,7 +263,7 @@ async def test_a_value_that_ended_before_its_time_does_not_fade() -> None:
         assert len(house.told()) == 2
 
 
-async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_removed_devices() -> None:
+async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_what_was_removed_or_left() -> None:
     async with simple_house() as house:
         await house.announce("lamp1", parts="a b", state="lamp1/a lamp1/b")
         await house.announce("lamp2")
@@ -272,6 +272,9 @@ async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_re
         await house.say("lamp1/b", "on_off=on")
         await house.say("lamp2/state", "on_off=on")
         await house.say("hello/lamp2", "bye")
+        await house.announce("lamp3")
+        await house.say("lamp3/state", "on_off=on")
+        await house.announce("lamp3", state="lamp3/moved")
 
         qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=qos)

@@ -136,6 +136,14 @@ class DeviceReporter:
             self.dispose(stream)
         device.report_streams.clear()
 
+    def dispose_left(self, device: StoredAnnouncement, before: StoredAnnouncement) -> None:
+        """Keep no report on an address that *device* left since *before*: its value is of no source any more."""
+        reads = {address for one in device.parts.values() for address in one.described.part.reads}
+        for part in before.parts.values():
+            for address in part.described.part.reads:
+                if address not in reads and (stream := device.report_streams.pop(address, "")):
+                    self.dispose(stream)
+
     def dispose(self, stream: str) -> None:
         """Keep no report of *stream* for late joiners any more."""
         self._reports.dispose(stream)

@@ -212,6 +212,7 @@ class AnnouncementHandler:
             self._scheduler.drop(("gone", stored.key))
             for part in before.reachable.keys() - stored.reachability.keys():
                 self._reporter.report_reachable(stored, part, "", reachable=None, retained=False)
+            self._reporter.dispose_left(stored, before)
             before.detach()
         if stored.reachability:
             self._states.report_reachability(stored)
