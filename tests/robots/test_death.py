@@ -14,12 +14,9 @@ from tests.control.conftest import Home, OpenHome
 from tests.control.test_leases import leases
 from tests.robots.test_tracker import HOUSE
 
-from homebot.bridges.client_error_log import ClientErrorLog
-from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.session import ClientSession, DoorLink
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import read_scope
 from homebot.devices.names import HOLD_PART, WHERE_IS_ROBOT
 from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
@@ -38,11 +35,7 @@ class Client:
     """The program of the robot rosie at the door, without a socket."""
 
     def __init__(self, door: Node) -> None:
-        log = ClientErrorLog(door)
-        self.shared = SharedState(
-            door, DoorSettings(), ServerTurns(), DoorBacklog(2**24), ExpectedTopics(door.graph), DoorCounters(), log,
-            lambda: OWNERS,
-        )  # fmt: skip
+        self.shared = SharedState(door, DoorSettings(), lambda: OWNERS)
         self._frames, self._received = anyio.create_memory_object_stream[str](100)
         self._is_there = True
         self._is_cut = anyio.Event()

@@ -84,11 +84,10 @@ class Publications:
         self._recent: deque[_KeptMessage] = deque()
         self._recent_size = 0
         self._topics: dict[str, _Publication] = {}
-        self._ids = 0
 
     def __len__(self) -> int:
         """Return the number of topics and ids: each id of each topic counts."""
-        return len(self._topics) + self._ids
+        return sum(1 + len(one.ids - {None}) for one in self._topics.values())
 
     def __contains__(self, topic: object) -> bool:
         return topic in self._topics
@@ -101,9 +100,7 @@ class Publications:
             TypeMismatchError: The topic carries another type.
             PeerError: The type is unknown.
         """
-        publication = self._open(op.topic, op.type, latched=op.latch)
-        self._ids += op.id is not None and op.id not in publication.ids
-        publication.ids.add(op.id)
+        self._open(op.topic, op.type, latched=op.latch).ids.add(op.id)
 
     def unadvertise(self, op: Unadvertise) -> None:
         """Give a topic up.
@@ -114,7 +111,6 @@ class Publications:
         publication = self._topics.get(op.topic)
         if publication is None:
             raise PeerError(f"topic {op.topic} was not advertised by this client")
-        self._ids -= op.id is not None and op.id in publication.ids
         publication.ids.discard(op.id)
         if op.id is None or not publication.ids:
             self._close(op.topic)
@@ -173,9 +169,7 @@ class Publications:
         return message, missing
 
     def _close(self, topic: str) -> None:
-        publication = self._topics.pop(topic)
-        self._ids -= len(publication.ids - {None})
-        publication.publisher.close()
+        self._topics.pop(topic).publisher.close()
 
     def _is_unread(self, publication: _Publication) -> bool:
         """Return whether nobody reads the messages of *publication*, and one was checked within the last second."""

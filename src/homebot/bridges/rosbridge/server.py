@@ -20,13 +20,11 @@ from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.frames import CloseCode
 from websockets.http11 import Request, Response
 
-from homebot.bridges.client_error_log import ClientErrorLog, LibraryLog
-from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.client_error_log import LibraryLog
 from homebot.bridges.rosbridge.connection import DoorConnection, client_frames, http_response, is_roslibpy
 from homebot.bridges.rosbridge.entrance import LOG_IN, Entrance, Site, address_of, is_for_api, is_for_websocket
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.shared_state import DoorCounters, ExpectedTopics, SharedState
-from homebot.bridges.turns import ServerTurns
+from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights
 from homebot.devices.health import Count, HealthRequest, HealthResponse
 from homebot.devices.names import HOME_HEADER
@@ -92,23 +90,9 @@ class Door:
         site: Site | None = None,
     ) -> None:
         self._settings = settings
-        self._error_log = ClientErrorLog(node)
-        self._counters = DoorCounters()
-        self._backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
-        self._turns = ServerTurns()
-        self._expected = ExpectedTopics(node.graph)
+        self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
         self._entrance = Entrance(
-            settings, local_rights, node.graph.clock, self._counters, self._error_log, site, open_timeout
-        )
-        self._shared = SharedState(
-            node,
-            settings,
-            self._turns,
-            self._backlog,
-            self._expected,
-            self._counters,
-            self._error_log,
-            owners or settings.robot_owners,
+            settings, local_rights, node.graph.clock, shared.counters, shared.error_log, site, open_timeout
         )
         self._sessions: dict[DoorConnection, ClientSession] = {}
         self._arriving: dict[DoorConnection, None] = {}
@@ -136,9 +120,9 @@ class Door:
     def health(self, _request: HealthRequest) -> HealthResponse:
         """Return the counters and guessing addresses; the answer of the service ``health``."""
         counts = {
-            **asdict(self._counters),
+            **asdict(self._shared.counters),
             "wrong_tokens": self._entrance.tokens.wrong,
-            "messages_lost": self._backlog.lost,
+            "messages_lost": self._shared.backlog.lost,
             "clients_now": self.client_count,
         }
         return HealthResponse(counts=Count.each(counts), troubles=self._entrance.tokens.problems())
@@ -168,7 +152,7 @@ class Door:
         self._announce(self._service(server))
         try:
             async with anyio.create_task_group() as tasks:
-                await tasks.start(self._expected.run)
+                await tasks.start(self._shared.expected.run)
                 task_status.started()
                 await anyio.sleep_forever()
         finally:
@@ -205,9 +189,9 @@ class Door:
             port += 1
 
     async def _listen_on(self, port: int) -> Server:
-        settings = self._settings
+        settings, shared = self._settings, self._shared
         log = logging.Logger("door", logging.ERROR)  # noqa: LOG001  # of this door alone; it leads into our own log
-        log.addHandler(LibraryLog(self._error_log, "door", _MISTAKE, lambda line: _CRASHES.get(str(line.msg), "")))
+        log.addHandler(LibraryLog(shared.error_log, "door", _MISTAKE, lambda line: _CRASHES.get(str(line.msg), "")))
         return await serve(
             self._serve,
             settings.host,
@@ -222,7 +206,7 @@ class Door:
             close_timeout=_CLOSE_TIMEOUT,
             max_queue=1,  # frames; a frame may be large
             create_connection=cast(
-                "type[ServerConnection]", partial(DoorConnection, self._turns, self._arriving, self._open_timeout)
+                "type[ServerConnection]", partial(DoorConnection, shared.turns, self._arriving, self._open_timeout)
             ),
             logger=log,
         )
@@ -254,7 +238,7 @@ class Door:
         if self._api is None:
             self._api = HttpRequests(self._shared, self._home)
         name, is_page = self._entrance.name_of(connection), self._entrance.is_unnamed_page(connection, request)
-        self._counters.clients += 1
+        self._shared.counters.clients += 1
         rights = self._entrance.rights[name]
         call = self._api.answer(connection, name, rights, address_of(connection), is_page=is_page)
         return http_response(*await call)
@@ -267,13 +251,13 @@ class Door:
         from homebot.bridges.rosbridge import session as sessions  # noqa: PLC0415 - loaded with the first client
 
         def cut() -> None:
-            self._counters.clients_cut += 1
+            self._shared.counters.clients_cut += 1
             connection.transport.abort()
 
         texts = client_frames(connection)
         if not await entrance.log_in(connection, texts):
             return
-        self._counters.clients += 1
+        self._shared.counters.clients += 1
         connection.has_arrived()
         name, is_page = entrance.name_of(connection), entrance.is_unnamed_page(connection, connection.request)
         send = partial(connection.send_in_time, self._settings.stall_timeout, cut)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, final
 
@@ -85,25 +85,28 @@ class ExpectedTopics:
                         callback(change.entity.name)
 
 
-@dataclass(frozen=True, eq=False)
+@final
 class SharedState:
     """The state that all clients of a door share.
 
+    Args:
+        owners: Returns the robots of the house, with their topics and frames.
+
     Attributes:
         expected: Topics to come.
-        owners: Returns the robots of the house, with their topics and frames.
         providers: The connection that provides each service and action, by its full name.
     """
 
-    node: Node
-    settings: DoorSettings
-    turns: ServerTurns
-    backlog: DoorBacklog
-    expected: ExpectedTopics
-    counters: DoorCounters
-    error_log: ClientErrorLog
-    owners: Callable[[], RobotOwners]
-    providers: dict[str, Provisions] = field(default_factory=dict)
+    def __init__(self, node: Node, settings: DoorSettings, owners: Callable[[], RobotOwners]) -> None:
+        self.node = node
+        self.settings = settings
+        self.owners = owners
+        self.turns = ServerTurns()
+        self.backlog = DoorBacklog(settings.max_waiting_bytes_of_all)
+        self.expected = ExpectedTopics(node.graph)
+        self.counters = DoorCounters()
+        self.error_log = ClientErrorLog(node)
+        self.providers: dict[str, Provisions] = {}
 
     def record_refusal(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
         """Count, log and publish that *op* of a client was refused for want of a right."""

@@ -44,18 +44,11 @@ class Subscriptions:
         self._expected = expected
         self._on_unfit = on_unfit
         self._feeds: dict[str, Feed] = {}
-        self._early: dict[str, dict[Identifier, SubscribeOperation]] = {}
-        self._spellings: dict[str, dict[str, None]] = {}
-        self._requests = 0
+        self._early: dict[str, dict[tuple[str, Identifier], SubscribeOperation]] = {}  # by full name
 
     def __len__(self) -> int:
         """Return the number of requests: each id of each topic counts."""
-        return self._requests
-
-    @property
-    def lost(self) -> int:
-        """Messages dropped because the client was too slow, on the topics it reads now."""
-        return sum(feed.lost for feed in self._feeds.values())
+        return sum(map(len, self._early.values())) + sum(len(feed.requests) for feed in self._feeds.values())
 
     def subscribe(self, op: SubscribeOperation) -> tuple[Literal["warning", "error"], str] | None:
         """Begin to send a topic; where its type is not known yet, return how bad that is and why.
@@ -74,10 +67,7 @@ class Subscriptions:
         except PeerError as exc:
             if not is_absent:
                 raise
-            early = self._early.setdefault(op.topic, {})
-            self._requests += op.id not in early
-            early[op.id] = op
-            self._spellings.setdefault(full_name, {})[op.topic] = None
+            self._early.setdefault(full_name, {})[op.topic, op.id] = op
             self._expected.expect(full_name, self._topic_came)
             return "error" if op.type else "warning", f"{exc}; messages will come once somebody uses {full_name}"
         return None
@@ -86,29 +76,32 @@ class Subscriptions:
         """Stop sending a topic.
 
         Raises:
+            InvalidNameError: The name is illegal.
             PeerError: The client did not subscribe to it.
         """
-        early, feed = self._early.get(op.topic), self._feeds.get(op.topic)
-        if early is None and feed is None:
+        full_name, feed = self._node.resolve_name(op.topic), self._feeds.get(op.topic)
+        early = [key for key in self._early.get(full_name, ()) if key[0] == op.topic]
+        if not early and feed is None:
             raise PeerError(f"topic {op.topic} was not subscribed to by this client")
-        if early is not None:
-            self._requests -= early.pop(op.id, None) is not None
-            if op.id is None or not early:
-                self._forget_early(op.topic)
+        for key in early:
+            if op.id in {None, key[1]}:
+                del self._early[full_name][key]
+        if early and not self._early[full_name]:
+            self._forget_early(full_name)
         if feed is not None:
-            self._requests -= feed.requests.pop(op.id, None) is not None
+            feed.requests.pop(op.id, None)
             if op.id is None or not feed.requests:
-                self._close_feed(op.topic)
+                self._feeds.pop(op.topic).close()
 
     def close_one(self) -> bool:
         """Stop sending one topic; return whether there was one."""
         if self._early:
             self._forget_early(next(iter(self._early)))
-            return True
-        if self._feeds:
-            self._close_feed(next(reversed(self._feeds)))
-            return True
-        return False
+        elif self._feeds:
+            self._feeds.popitem()[1].close()
+        else:
+            return False
+        return True
 
     def _serve(self, op: SubscribeOperation) -> None:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type)
@@ -116,29 +109,15 @@ class Subscriptions:
         if feed is None:
             feed = Feed(self._node, op.topic, message_type, self._depth, self._backlog, self._outbox)
             self._feeds[op.topic] = feed
-        self._requests += op.id not in feed.requests
         feed.add(op)
 
-    def _close_feed(self, topic: str) -> None:
-        feed = self._feeds.pop(topic)
-        self._requests -= len(feed.requests)
-        feed.close()
-
-    def _forget_early(self, topic: str) -> None:
-        self._requests -= len(self._early.pop(topic))
-        full_name = self._node.resolve_name(topic)
-        spellings = self._spellings[full_name]
-        spellings.pop(topic, None)
-        if not spellings:
-            del self._spellings[full_name]
-            self._expected.forget(full_name, self._topic_came)
+    def _forget_early(self, full_name: str) -> None:
+        del self._early[full_name]
+        self._expected.forget(full_name, self._topic_came)
 
     def _topic_came(self, full_name: str) -> None:
-        for topic in self._spellings.pop(full_name, {}):
-            requests = self._early.pop(topic, {})
-            self._requests -= len(requests)
-            for op in requests.values():
-                try:
-                    self._serve(op)
-                except HomebotError as exc:
-                    self._on_unfit(op.op, op.topic, str(exc), op.id)
+        for op in self._early.pop(full_name, {}).values():
+            try:
+                self._serve(op)
+            except HomebotError as exc:
+                self._on_unfit(op.op, op.topic, str(exc), op.id)
