@@ -75,16 +75,11 @@ _SHORT = 4000
 
 
 class PlacesServices:
-    """The services of the directory for the owner's statements.
+    """The services of the directory for the owner's statements."""
 
-    Args:
-        publish_all: Publishes the changes that wait, so that a caller with an answer finds its statement.
-    """
-
-    def __init__(self, clock: Clock, index: DeviceIndex, publish_all: Callable[[], None]) -> None:
+    def __init__(self, clock: Clock, index: DeviceIndex) -> None:
         self._clock = clock
         self._index = index
-        self._publish_all = publish_all
 
     def register(self, node: Node, owner: OwnerRequests) -> None:
         """Begin to answer, as *node*; requests of the owner pass *owner*."""
@@ -96,60 +91,49 @@ class PlacesServices:
         owner.serve(TeachPlace, names.TEACH_PLACE, self._teach)
         owner.serve(ChangeRoom, names.CHANGE_ROOM, self._change_room)
         node.create_service(ExportPlaces, names.EXPORT_PLACES, self._export)
-        node.create_service(ImportPlaces, names.IMPORT_PLACES, partial(self._import, owner))
+        node.create_service(
+            ImportPlaces,
+            names.IMPORT_PLACES,
+            lambda request: owner.carry_out(ImportPlacesResponse, partial(self._import, owner, request)),
+        )
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
         places, now, device = self._index.places, self._clock.now(), request.device
         is_absent = request.may_be_absent and not places.has(device)
         absent = room = ""
-        try:
-            if not (request.room or request.at) and is_absent:
-                absent = places.unplace_absent(device)
-            elif not (request.room or request.at):
-                room = places.unplace(device)
-            elif is_absent:
-                absent, room = places.place_absent(device, request.room, now, at=request.at, is_new=request.is_new)
-            else:
-                room = places.place(device, request.room, now, at=request.at, is_new=request.is_new)
-        except (RefusedError, UsageError) as exc:
-            return PlaceDeviceResponse(success=False, message=str(exc))
-        self._publish_all()
+        if not (request.room or request.at) and is_absent:
+            absent = places.unplace_absent(device)
+        elif not (request.room or request.at):
+            room = places.unplace(device)
+        elif is_absent:
+            absent, room = places.place_absent(device, request.room, now, at=request.at, is_new=request.is_new)
+        else:
+            room = places.place(device, request.room, now, at=request.at, is_new=request.is_new)
         return PlaceDeviceResponse(success=True, room=room, absent=absent)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
-        try:
-            if not request.remove:
-                self._check_free(request.alias, request.device)
-            aliases = self._change(request.device, "name", request.alias, remove=request.remove)
-        except (RefusedError, UsageError) as exc:
-            return AliasDeviceResponse(success=False, message=str(exc))
+        if not request.remove:
+            self._check_free(request.alias, request.device)
+        aliases = self._change(request.device, "name", request.alias, remove=request.remove)
         return AliasDeviceResponse(success=True, aliases=aliases)
 
     def _add_tag(self, request: TagDeviceRequest) -> TagDeviceResponse:
-        try:
-            tags = self._change(request.device, "tag", request.tag, remove=request.remove)
-        except (RefusedError, UsageError) as exc:
-            return TagDeviceResponse(success=False, message=str(exc))
-        return TagDeviceResponse(success=True, tags=tags)
+        return TagDeviceResponse(
+            success=True, tags=self._change(request.device, "tag", request.tag, remove=request.remove)
+        )
 
     async def _approve(self, node: Node, request: ApproveDeviceRequest) -> ApproveDeviceResponse:
-        places = self._index.places
-        changes: tuple[str, ...] = ()
-        try:
-            if request.is_preview:
-                digest = places.approval_digest(request.device)
-                commands = await self._commands(node, request.device)
-                places.check_shown(request.device, digest)
-                return ApproveDeviceResponse(success=True, commands=commands, digest=digest)
-            if request.remove:
-                places.disapprove(request.device)
-            else:
-                changes = places.approve(request.device, self._clock.now(), request.digest)
-        except RefusedError as exc:
-            return ApproveDeviceResponse(success=False, message=str(exc))
-        self._publish_all()
-        commands = () if request.remove else await self._commands(node, request.device)
-        return ApproveDeviceResponse(success=True, commands=commands, changes=changes)
+        places, device = self._index.places, request.device
+        if request.is_preview:
+            digest = places.approval_digest(device)
+            commands = await self._commands(node, device)
+            places.check_shown(device, digest)
+            return ApproveDeviceResponse(success=True, commands=commands, digest=digest)
+        if request.remove:
+            places.disapprove(device)
+            return ApproveDeviceResponse(success=True)
+        changes = places.approve(device, self._clock.now(), request.digest)
+        return ApproveDeviceResponse(success=True, commands=await self._commands(node, device), changes=changes)
 
     async def _commands(self, node: Node, device: str) -> tuple[str, ...]:
         """Return the payloads that the gateways of *device* send for commands, or those announced if one is silent."""
@@ -174,43 +158,32 @@ class PlacesServices:
         )
 
     def _teach(self, request: TeachPlaceRequest) -> TeachPlaceResponse:
-        places = self._index.places
-        try:
-            room, is_new = places.teach(request.device, request.gateway, request.tag, request.room, self._clock.now())
-        except (RefusedError, UsageError) as exc:
-            return TeachPlaceResponse(success=False, message=str(exc))
-        self._publish_all()
+        teach, now = self._index.places.teach, self._clock.now()
+        room, is_new = teach(request.device, request.gateway, request.tag, request.room, now)
         return TeachPlaceResponse(success=True, room=room, is_new=is_new)
 
     async def _change_room(self, request: ChangeRoomRequest) -> ChangeRoomResponse:
         exchange, name = self._index.places_exchange, ""
-        try:
-            if request.name:
-                name = await TimeSlice(self._clock).do(exchange.rename_room(request.room, request.name))
-            else:
-                await TimeSlice(self._clock).do(exchange.remove_room(request.room))
-        except (ConfigError, RefusedError, UsageError) as exc:
-            return ChangeRoomResponse(success=False, message=str(exc))
-        self._publish_all()
+        if request.name:
+            name = await TimeSlice(self._clock).do(exchange.rename_room(request.room, request.name))
+        else:
+            await TimeSlice(self._clock).do(exchange.remove_room(request.room))
         return ChangeRoomResponse(success=True, name=name)
 
     async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
         return ExportPlacesResponse(text=await TimeSlice(self._clock).do(self._index.places_exchange.export_text()))
 
     async def _import(self, owner: OwnerRequests, request: ImportPlacesRequest) -> ImportPlacesResponse:
-        index = self._index
+        exchange = self._index.places_exchange
         try:
-            parse = partial(index.places_exchange.parse, request.text, self._clock.now())
+            parse = partial(exchange.parse, request.text, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
             places = replace(places, rooms=tuple(one._replace(source=request.source) for one in places.rooms))
             owner.publish(names.IMPORT_PLACES, request)  # no other file, which may hold passwords
-            imported = await TimeSlice(self._clock).do(index.places_exchange.apply(places, replaces=request.replaces))
+            imported = await TimeSlice(self._clock).do(exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:
-            return ImportPlacesResponse(success=False, message=f"{exc.key}: {exc.reason}" if exc.key else exc.reason)
-        except RefusedError as exc:
-            return ImportPlacesResponse(success=False, message=str(exc))
-        self._publish_all()
-        return await owner.kept(ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept))
+            raise UsageError(f"{exc.key}: {exc.reason}" if exc.key else exc.reason) from exc
+        return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
 
     def _check_free(self, alias: str, device_id: str) -> None:
         """Check that no device but that is called *alias*.
@@ -230,10 +203,10 @@ class PlacesServices:
         Raises:
             RefusedError, UsageError: It cannot be stated; the message says why.
         """
-        places, now = self._index.places, self._clock.now()
-        words = places.withdraw(device, fact, word) if remove else places.add(device, fact, word, now)
-        self._publish_all()
-        return words
+        places = self._index.places
+        if remove:
+            return places.withdraw(device, fact, word)
+        return places.add(device, fact, word, self._clock.now())
 
 
 @final
@@ -242,11 +215,13 @@ class OwnerRequests:
 
     Args:
         keep: Writes the owner's decisions; returns why it could not, as text.
+        publish_all: Publishes the changes that wait, so that a caller with an answer finds its statement.
     """
 
-    def __init__(self, node: Node, keep: Callable[[], Awaitable[str]]) -> None:
+    def __init__(self, node: Node, keep: Callable[[], Awaitable[str]], publish_all: Callable[[], None]) -> None:
         self._node = node
         self._keep = keep
+        self._publish_all = publish_all
         self._publisher = node.create_publisher(OwnerRequest, names.OWNER_REQUESTS, _DEPTH)
 
     def serve(
@@ -255,18 +230,26 @@ class OwnerRequests:
         name: str,
         handler: Callable[[RequestT], AnswerT | Awaitable[AnswerT]],
     ) -> None:
-        """Offer a service; where what was carried out is in memory alone, the message of the answer says so."""
+        """Offer a service, answered as by :meth:`carry_out`."""
 
-        async def carry_out(request: RequestT) -> AnswerT:
+        async def answer(request: RequestT) -> AnswerT:
             self.publish(name, request)
-            found = handler(request)
-            return await self.kept(found if isinstance(found, ServiceAnswer) else await found)
+            return await self.carry_out(service.Response, partial(handler, request))
 
-        self._node.create_service(service, name, carry_out)
+        self._node.create_service(service, name, answer)
 
-    async def kept(self, answer: AnswerT) -> AnswerT:
-        """Write what was carried out, and return *answer*; its message says if that is in memory alone."""
-        if not answer.success or not (problem := await self._keep()):
+    async def carry_out(self, response: type[AnswerT], handle: Callable[[], AnswerT | Awaitable[AnswerT]]) -> AnswerT:
+        """Return the answer of *handle*, or a *response* with the reason of its refusal.
+
+        If what it did is in memory alone, the message of the answer says so.
+        """
+        try:
+            found = handle()
+            answer = found if isinstance(found, ServiceAnswer) else await found
+        except (ConfigError, RefusedError, UsageError) as exc:
+            return response(success=False, message=str(exc))
+        self._publish_all()
+        if not (problem := await self._keep()):
             return answer
         return answer.model_copy(update={"message": f"a restart would lose this, as it was not written: {problem}"})
 

@@ -100,7 +100,7 @@ class DirectoryServices:
 
     def register(self) -> None:
         """Begin to answer."""
-        node, owner = self._node, OwnerRequests(self._node, self._persistence.keep)
+        node, owner = self._node, OwnerRequests(self._node, self._persistence.keep, self._publish_all)
         node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
         node.create_service(QueryDevices, QUERY_DEVICES, self._query)
@@ -111,7 +111,7 @@ class DirectoryServices:
         owner.serve(MergeDevices, names.MERGE_DEVICES, self._merge)
         node.create_service(ExportIndex, names.EXPORT_INDEX, self._export_index)
         node.create_service(GetHealth, names.DISCOVERY_HEALTH, self._get_health)
-        PlacesServices(self._clock, self._index, self._publish_all).register(node, owner)
+        PlacesServices(self._clock, self._index).register(node, owner)
 
     async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
         await self._catch_up()
@@ -235,9 +235,8 @@ class DirectoryServices:
 
     def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
         announced = self._index.forget(request.device, self._clock.now())
-        self._publish_all()
         if announced is None:
-            return ForgetDeviceResponse(success=False, message=f"there is no device {request.device!r}")
+            raise UsageError(f"there is no device {request.device!r}")
         return ForgetDeviceResponse(
             success=True,
             announced_on=tuple(AnnouncedOn(gateway=gateway, topic=topic) for gateway, topic in announced),
@@ -274,19 +273,11 @@ class DirectoryServices:
 
     def _split(self, request: SplitDeviceRequest) -> SplitDeviceResponse:
         key = (request.gateway, request.key) if request.gateway or request.key else None
-        try:
-            devices = self._index.split(request.device, key, self._clock.monotonic())
-        except RefusedError as exc:
-            return SplitDeviceResponse(success=False, message=str(exc))
-        self._publish_all()
+        devices = self._index.split(request.device, key, self._clock.monotonic())
         return SplitDeviceResponse(success=True, devices=devices)
 
     def _merge(self, request: MergeDevicesRequest) -> MergeDevicesResponse:
-        try:
-            device = self._index.merge(request.devices, self._clock.monotonic())
-        except RefusedError as exc:
-            return MergeDevicesResponse(success=False, message=str(exc))
-        self._publish_all()
+        device = self._index.merge(request.devices, self._clock.monotonic())
         return MergeDevicesResponse(success=True, device=device)
 
     async def _export_index(self, _: ExportIndexRequest) -> ExportIndexResponse:
