@@ -35,8 +35,12 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
         page = mutate.damaged({"components": model.components, "offset": 0, "total": len(model.components)})
         device.add_page(as_fields(page))
         described = device.describe()
-        assert described is not None
-        names = {one.part.id: {able.name for able in one.part.capabilities} for one in described.parts}
+        assert described
+        names = {
+            (about.key, one.part.id): {able.name for able in one.part.capabilities}
+            for about in described
+            for one in about.parts
+        }
         assert math.isfinite(device.stale_after)
         news = mutate.damaged_json(json.dumps({"method": "NotifyStatus", "params": model.status}))
         for one in (frame, news, mutate.damaged_json(EVENTS), device.components_status()):
@@ -45,7 +49,7 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
                     assert readings.keys() <= names[part]
                     assert all(math.isfinite(value) for value in readings.values() if isinstance(value, float))
         is_setup_change(as_fields(mutate.value()))
-        for part in [*names, mutate.word()][:3]:
+        for part in [*names, (device.id, mutate.word())][:3]:
             try:
                 calls = device.calls(part, rng.choice(("on_off", "level", "position", "state")), mutate.plain(), 0.0)
             except RefusedError:

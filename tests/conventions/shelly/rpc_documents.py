@@ -303,17 +303,16 @@ MODELS = {
         config("Gateway"),
         status(),
         {
-            "bthomesensor:200": "contact_sensor",
-            "bthomesensor:201": "light_sensor",
-            "bthomedevice:200": "generic_switch",
-            "bthomedevice:200/battery": "x_battery",
-            "bthomedevice:200/rssi": "x_sensor",
             "boolean:200": "x_setting",
+            "window": "contact_sensor",
+            "illuminance": "light_sensor",
+            "battery": "x_battery",
+            "rssi": "x_sensor",
         },
         {
-            ("bthomesensor:200", "contact"): True,
-            ("bthomesensor:201", "illuminance"): 120,
-            ("bthomedevice:200/battery", "battery"): 100,
+            ("window", "contact"): True,
+            ("illuminance", "illuminance"): 120,
+            ("battery", "battery"): 100,
             ("boolean:200", "state"): False,
         },
         [
@@ -321,6 +320,7 @@ MODELS = {
                 "key": "bthomedevice:200",
                 "status": {"id": 200, "rssi": -66, "battery": 100, "packet_id": 12, "last_updated_ts": 1732197700},
                 "config": {"id": 200, "addr": "3c:2e:f5:71:d5:2a", "name": "Front door", "key": None, "meta": None},
+                "attrs": {"flags": 0, "model_id": 2},
             },
             {
                 "key": "bthomesensor:200",

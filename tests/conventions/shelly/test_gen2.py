@@ -331,31 +331,6 @@ def test_a_value_of_the_users_is_a_setting(say: Say) -> None:
         setting.codec.write("number", 11.0)
 
 
-def test_a_bluetooth_sensor_has_the_meaning_of_its_object_id(say: Say) -> None:
-    heard = introduce(say, {"bthomesensor:200": {"value": True}}, config={"bthomesensor:200": {"obj_id": 45}})
-    sensor = part_in(heard, "bthomesensor:200")
-    assert sensor.part.service_type == "contact_sensor"
-    assert sensor.codec.read(f"{ID}/status/bthomesensor:200", b'{"value":true}', retained=False) == {"contact": True}
-
-
-@pytest.mark.parametrize(
-    ("config", "expected"),
-    [
-        ({"name": None, "addr": "38:39:8f:aa:bb:cc"}, "Kitchen window"),
-        ({"name": "Frame", "addr": "38:39:8f:aa:bb:cc"}, "Frame"),
-        ({"name": None, "addr": "38:39:8f:aa:bb:dd"}, ""),
-        ({"name": None}, ""),
-    ],
-)
-def test_a_bluetooth_sensor_without_a_name_has_that_of_its_device(
-    say: Say, config: dict[str, object], expected: str
-) -> None:
-    components: dict[str, object] = {"bthomedevice:201": {"rssi": -55}, "bthomesensor:200": {"value": True}}
-    device = {"name": "Kitchen window", "addr": "38:39:8f:aa:bb:cc"}
-    own = {"bthomedevice:201": device, "bthomesensor:200": {"obj_id": 45, **config}}
-    assert part_in(introduce(say, components, config=own), "bthomesensor:200").part.name == expected
-
-
 def test_commands_of_a_thermostat_are_degrees_and_mode(say: Say) -> None:
     thermostat = part_in(introduce(say, {"thermostat:0": {"target_C": 21, "current_C": 20.5}}), "thermostat:0").codec
     assert called(thermostat.write("heating_setpoint", 21.5)) == (

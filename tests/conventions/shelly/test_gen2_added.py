@@ -16,8 +16,8 @@ Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 def sensor(number: int, value: float) -> dict[str, object]:
-    config = {"id": number, "name": f"Shelf {number}", "obj_id": 69, "addr": "7c:c6:b6:00:00:01"}
-    return {"key": f"bthomesensor:{number}", "status": {"id": number, "value": value}, "config": config}
+    config = {"id": number, "name": f"Shelf {number}", "access": "cr"}
+    return {"key": f"number:{number}", "status": {"id": number, "value": value}, "config": config}
 
 
 def page(offset: int, total: int, *components: object) -> dict[str, object]:
@@ -44,8 +44,8 @@ def gateway(say: Say) -> Say:
 
 
 def test_an_added_component_is_a_part_with_its_given_name(gateway: Say) -> None:
-    found = part_in(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
-    assert (found.part.service_type, found.part.name) == ("temperature_sensor", "Shelf 200")
+    found = part_in(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "number:200")
+    assert (found.part.service_type, found.part.name) == ("x_sensor", "Shelf 200")
 
 
 def test_a_water_valve_has_its_role_in_the_attributes_beside_its_configuration(gateway: Say) -> None:
@@ -63,7 +63,7 @@ def test_the_pages_are_asked_for_one_after_the_other_and_count_together(gateway:
     assert asked(more) == [("Shelly.GetComponents", params)]
     (device,) = gateway(ANSWERS, page(2, 3, sensor(202, -18.0)))
     assert isinstance(device, DeviceAnnounced)
-    assert [one.part.id for one in device.parts] == [f"bthomesensor:{number}" for number in (200, 201, 202)]
+    assert [one.part.id for one in device.parts] == [f"number:{number}" for number in (200, 201, 202)]
     methods = [json.loads(one.payload) for one in device.parts[0].state_requests]
     assert [(one["method"], one.get("params", {}).get("offset")) for one in methods] == [
         ("Shelly.GetStatus", None),
@@ -83,9 +83,9 @@ def test_the_request_of_the_next_page_replaces_no_other(gateway: Say) -> None:
 
 
 def test_the_same_pages_report_the_status(gateway: Say) -> None:
-    found = part_in(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "bthomesensor:200")
+    found = part_in(gateway(ANSWERS, page(0, 1, sensor(200, 21.5))), "number:200")
     message = json.dumps(page(0, 1, sensor(200, 22.0))).encode()
-    assert found.codec.read(ANSWERS, message, retained=False) == {"temperature": 22.0}
+    assert found.codec.read(ANSWERS, message, retained=False) == {"measurement": 22.0}
     other = json.dumps(page(0, 1, sensor(201, 22.0))).encode()
     assert found.codec.read(ANSWERS, other, retained=False) == {}
     assert gateway(ANSWERS, page(0, 1, sensor(200, 22.0))) == ()
@@ -95,7 +95,7 @@ def test_a_removed_component_is_gone_with_the_next_list(gateway: Say) -> None:
     gateway(ANSWERS, page(0, 2, sensor(200, 1.0), sensor(201, 2.0)))
     (device,) = gateway(ANSWERS, page(0, 1, sensor(201, 2.0)))
     assert isinstance(device, DeviceAnnounced)
-    assert [one.part.id for one in device.parts] == ["bthomesensor:201"]
+    assert [one.part.id for one in device.parts] == ["number:201"]
 
 
 @pytest.mark.parametrize("offset", [0, 1, 7, "x", None, -1])

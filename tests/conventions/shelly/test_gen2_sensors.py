@@ -81,22 +81,7 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
         ),
         ({"access": "cr"}, "number:200", "x_sensor", {"value": 3}, {"measurement": 3.0}),
         ({"access": "cr"}, "boolean:200", "x_binary_sensor", {"value": True}, {"state": True}),
-        ({}, "bthomedevice:200/battery", "x_battery", {"battery": 88}, {"battery": 88.0}),
-        ({}, "bthomedevice:200/rssi", "x_sensor", {"rssi": -60}, {"signal_strength": -60.0}),
-        ({"obj_id": 11}, "bthomesensor:200", "electrical_meter", {"value": 60}, {"power": 60.0}),
-        ({"obj_id": 17}, "bthomesensor:200", "contact_sensor", {"value": True}, {"contact": True}),
-        ({"obj_id": 31}, "bthomesensor:200", "x_binary_sensor", {"value": True}, {"unlocked": True}),
-        ({"obj_id": 63}, "bthomesensor:200", "x_sensor", {"value": -12.5}, {"measurement": -12.5}),
-        ({"obj_id": 40}, "bthomesensor:200", "x_binary_sensor", {"value": True}, {"safety": False}),
         ({}, "switch:0/temperature", "temperature_sensor", {"temperature": {"tC": 40.1}}, {"temperature": 40.1}),
-        (
-            {},
-            "blutrv:200",
-            "thermostat",
-            {"target_C": 21, "current_C": 20, "pos": 40},
-            {"heating_setpoint": 21.0, "local_temperature": 20.0, "position": 40.0},
-        ),
-        ({"obj_id": 69}, "bthomesensor:200", "temperature_sensor", {"value": 21}, {"temperature": 21.0}),
     ],
 )
 def test_a_component_reports(
@@ -116,15 +101,6 @@ def test_a_component_reports(
 )
 def test_disabled_and_unknown_inputs_are_no_parts(say: Say, key: str, config: object) -> None:
     assert introduce(say, key, {"state": True, "value": 1}, config) == ()
-
-
-@pytest.mark.parametrize(("key", "config"), [("bthomedevice:200", {}), ("bthomesensor:200", {"obj_id": 58})])
-def test_a_bluetooth_button_reports_each_press(say: Say, key: str, config: object) -> None:
-    button = part_in(introduce(say, key, {"rssi": -60}, config), key)
-    event = {"method": "NotifyEvent", "params": {"events": [{"component": key, "event": "double_push"}]}}
-    assert button.part.service_type == "generic_switch"
-    heard = button.codec.read("x/events/rpc", json.dumps(event).encode(), retained=False)
-    assert heard == {"press": "double"}
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
 
 import anyio
@@ -26,6 +26,7 @@ class KeepingHost:
         self.clock: Clock = LoopClock()
         self.log = get_logger()
         self.devices: list[GatewayDevice] = []
+        self.behind: dict[str, GatewayDevice] = {}
         self.values: dict[tuple[str, str], PlainValue] = {}
         self.events: list[tuple[str, str, PlainValue]] = []
         self.refused: list[tuple[str, str, PlainValue]] = []
@@ -41,8 +42,13 @@ class KeepingHost:
         self.devices.append(device)
         self._change()
 
-    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
-        (described,) = (one for one in self.device.parts if one.id == part)
+    def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
+        self.behind = {one.key: one for one in devices}
+        self._change()
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
+        device = self.behind[key] if key else self.device
+        (described,) = (one for one in device.parts if one.id == part)
         for name, value in values.items():
             if not can_report(described, name, value):
                 self.refused.append((part, name, value))
@@ -79,8 +85,10 @@ def found(service_type: str, port: int, **properties: str) -> FoundService:
     return FoundService(f"Hall.{service_type}", "Hall", service_type, "hall.local.", port, ("127.0.0.1",), properties)
 
 
-def command(part: str, capability: str, value: PlainValue, transition: float = 0.0) -> Command:
-    return Command(key="Hall", part=part, capability=capability, value=Value.of(value), transition=transition)
+def command(
+    part: str, capability: str, value: PlainValue, transition: float = 0.0, key: str = "Hall._shelly._tcp.local."
+) -> Command:
+    return Command(key=key, part=part, capability=capability, value=Value.of(value), transition=transition)
 
 
 @asynccontextmanager

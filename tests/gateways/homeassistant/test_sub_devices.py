@@ -103,7 +103,8 @@ def shelly(components: dict[str, Any], channels: Mapping[str, str]) -> tuple[Sig
     known.record_answer("status", {"sys": {"mac": MAC}, **components}, 100)
     subs = [SubDevice(("shelly", f"{MAC}-{key}"), {entity: f"{MAC}-{key}"}) for key, entity in channels.items()]
     main = SubDevice(("shelly", MAC), {"sensor.rssi": f"{MAC}-rssi"}, (("mac", PAIRS),))
-    return sighting(known.describe("homebot", "", ""), "mqtt"), tuple(in_home_assistant(main, *subs))
+    ((described,), _) = known.describe("homebot", "", "")
+    return sighting(described, "mqtt"), tuple(in_home_assistant(main, *subs))
 
 
 def test_the_channels_of_a_shelly_are_parts_of_it() -> None:

@@ -1,10 +1,12 @@
 """A Shelly of the second generation at a gateway: asked who it is, described, heard and switched."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 import anyio
 import pytest
+from tests.conventions.shelly.test_gen2_bluetooth import TRV, valve
 from tests.gateways.mqtt.simple_house import simple_house
 
 pytestmark = pytest.mark.virtual_time
@@ -17,7 +19,7 @@ ANSWERS: dict[str, object] = {
 }
 
 
-async def calls(house: Any) -> list[tuple[str, object]]:
+async def calls(house: Any, answers: Mapping[str, object] = ANSWERS) -> list[tuple[str, object]]:
     """Answer every call that came; return the methods and their parameters."""
     found = []
     for _ in range(20):
@@ -25,8 +27,8 @@ async def calls(house: Any) -> list[tuple[str, object]]:
         for message in await house.heard():
             frame = json.loads(message.payload)
             found.append((frame["method"], frame.get("params")))
-            if frame["method"] in ANSWERS:
-                answer = {"id": frame["id"], "src": ID, "dst": frame["src"], "result": ANSWERS[frame["method"]]}
+            if frame["method"] in answers:
+                answer = {"id": frame["id"], "src": ID, "dst": frame["src"], "result": answers[frame["method"]]}
                 await house.say(f"{frame['src']}/rpc", answer)
     return found
 
@@ -59,3 +61,19 @@ async def test_the_word_that_makes_an_old_one_known_is_heard() -> None:
         await house.say("shellies/shellyplug-s-6A6375/relay/0", "on")
         assert [one.kind for one in house.sighted()][:1] == ["appeared"]
         assert any(value is True for _, readings, _ in house.told() for value in readings.values())
+
+
+async def test_a_valve_behind_it_is_a_device_that_is_unreachable_with_it() -> None:
+    listed = {"components": [valve(name="Bath")], "offset": 0, "total": 1}
+    async with simple_house(conventions=("homebot.conventions.shelly:Shelly",)) as house:
+        await house.listen(f"{ID}/rpc")
+        await house.say(f"{ID}/online", "true", retain=True)
+        await calls(house, {**ANSWERS, "Shelly.GetComponents": listed})
+        key = f"shelly:{ID}/{TRV}"
+        assert {one.key: one.name for one in house.sighted()}[key] == "Bath"
+        told = [readings for device, readings, _ in house.told() if device == key]
+        assert {"thermostat.heating_setpoint": 17.8}.items() <= {k: v for one in told for k, v in one.items()}.items()
+        assert (await house.command(key, "thermostat", "heating_setpoint", 21.0)).success
+        assert [method for method, _ in await calls(house)] == ["BluTRV.Call"]
+        await house.say(f"{ID}/online", "false", retain=True)
+        assert (key, {".reachable": False}, False) in house.told()

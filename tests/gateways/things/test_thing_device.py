@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -117,7 +117,11 @@ class RecordingHost:
     def describe(self, device: GatewayDevice) -> None:
         self.described.append(device)
 
-    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
+    def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
+        assert not tuple(devices)
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
+        assert key == ""
         self.values |= {(part, name): value for name, value in values.items()}
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:

@@ -21,7 +21,7 @@ from homebot.errors import WireError
 if TYPE_CHECKING:
     from homebot.conventions.bthome.encryption import BindKey
 
-__all__ = ["BTHomeParser"]
+__all__ = ["TAGS", "BTHomeParser"]
 
 REPEATS_WITHIN = 4.0
 """Seconds."""
@@ -42,7 +42,8 @@ MAX_DEVICES = 10_000
 KEY_SIZE = 16
 """Bytes of a bind key."""
 
-_TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "garage_door"}
+TAGS: Mapping[str, str] = {"door": "door", "window": "window", "garage_door": "garage_door"}
+"""Tags of parts, by the name of their object."""
 
 
 class _BTHomeSender:
@@ -168,7 +169,7 @@ def _part(part_id: str, kind: BTHomeObject) -> Part:
     return Part(
         id=part_id,
         service_type=sensor_type(kind.capability),
-        tag=_TAGS.get(kind.name, ""),
+        tag=TAGS.get(kind.name, ""),
         category="diagnostic" if kind.is_diagnostic else "",
         capabilities=(Capability(name=kind.capability, unit=kind.unit),),
     )

@@ -16,7 +16,6 @@ from homebot.conventions.payload import as_fields, parse_object, shown, text_of,
 from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, call, components_from
 from homebot.conventions.shelly.gen2_device import (
     Gen2Device,
-    fingerprint,
     is_config_change,
     is_prefix,
     kind_of,
@@ -84,7 +83,7 @@ class Gen2:
         device = self._device(prefix)
         if device is None:
             return ()
-        if device.described is not None:
+        if device.described:
             return () if retained else (self._request(device),)
         return (self._request(device),) if retained else self._requests(device)
 
@@ -110,7 +109,7 @@ class Gen2:
         if device is None:
             return ()
         self._release(device)
-        return (DeviceWithdrawn(prefix, "its online topic was removed"),) if device.described is not None else ()
+        return tuple(DeviceWithdrawn(key, "its online topic was removed") for key in device.described)
 
     def _release(self, device: Gen2Device) -> None:
         self._kept -= sum(device.sizes.values())
@@ -121,7 +120,7 @@ class Gen2:
         method, params = frame.get("method"), frame.get("params")
         if device is None or not isinstance(params, dict):
             return ()
-        if device.has_status and device.described is not None:
+        if device.has_status and device.described:
             return (self._request(device),) if method == "NotifyEvent" and is_config_change(params) else ()
         if method == "NotifyStatus" and mac_in(prefix):
             return self._add_components(device, params, f"{prefix}/events/rpc", len(payload))
@@ -196,17 +195,7 @@ class Gen2:
     def _described(self, device: Gen2Device, topic: str, device_id: str) -> tuple[AnnouncementEvent, ...]:
         if not device.status or not device.mac:
             return ()
-        described = device.describe(self._client, topic, device_id)
-        if not described.parts:
-            return self._emptied(device)
-        self._devices.pin(device.prefix)
-        if device.described is not None and fingerprint(device.described) == fingerprint(described):
-            return ()
-        device.described = described
-        return (described,)
-
-    def _emptied(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
-        if device.described is None:
-            return ()
-        device.described = None
-        return (DeviceWithdrawn(device.prefix, "it has no components left"),)
+        described, gone = device.describe(self._client, topic, device_id, needs_parts=True)
+        if device.described:
+            self._devices.pin(device.prefix)
+        return (*described, *(DeviceWithdrawn(key, "it has no components left") for key in gone))

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TypeAlias
+from typing import Final, TypeAlias
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
@@ -20,7 +20,9 @@ from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
 __all__ = [
+    "BLUETOOTH",
     "COMPONENTS",
+    "PRESSES",
     "Fields",
     "Gen2Topics",
     "ShellyComponent",
@@ -56,6 +58,17 @@ Fields: TypeAlias = Mapping[str, object]
 StatusDecoder: TypeAlias = Callable[[Fields], Readings]
 """Reads a status, or the changed fields of one. Never raises."""
 
+BLUETOOTH: Final = ("blutrv", "bthomesensor", "bthomedevice")
+"""The components of Bluetooth devices; answers have what the Shelly last received of them."""
+
+PRESSES: Final[Mapping[str, str]] = {
+    "single_push": "single",
+    "double_push": "double",
+    "triple_push": "triple",
+    "long_push": "long",
+}
+"""Events of a button, in the words of the vocabulary."""
+
 _NO_FIELDS: Fields = MappingProxyType({})
 
 
@@ -86,7 +99,6 @@ class ShellyComponent:
         config: Its configuration; empty if unknown.
         load: The load in the user's settings, such as ``light``; empty for none.
         is_inside: Whether it measures the device itself and not its surroundings.
-        sender: Name of the Bluetooth device that sends it to a gateway; empty for none.
     """
 
     topics: Gen2Topics
@@ -95,7 +107,6 @@ class ShellyComponent:
     config: Fields = field(default_factory=dict)
     load: str = ""
     is_inside: bool = False
-    sender: str = ""
 
     @property
     def kind(self) -> str:
@@ -109,8 +120,8 @@ class ShellyComponent:
 
     @property
     def name(self) -> str:
-        """Name in its configuration, or of its sender; empty for none."""
-        return text_of(self.config.get("name")) or self.sender
+        """Name in its configuration; empty for none."""
+        return text_of(self.config.get("name"))
 
     def part(
         self, suffix: str, service_type: str, *, name: str = "", tag: str = "", category: Category = ""
@@ -126,7 +137,8 @@ class ShellyComponent:
         prefix = self.topics.prefix
         part.read_from(f"{prefix}/events/rpc", lambda frame: _read(as_fields(frame.get("params")), key, decode))
         part.read_from(f"{prefix}/status/{key}", decode)
-        part.read_from(self.topics.answers, lambda frame: _read_answer(as_fields(frame.get("result")), key, decode))
+        answered = _unrepeated(decode) if self.kind in BLUETOOTH else decode
+        part.read_from(self.topics.answers, lambda frame: _read_answer(as_fields(frame.get("result")), key, answered))
 
     def add_reading(
         self, part: JsonPart, capability: str, decode: StatusDecoder, *, unit: str = "", key: str = ""
@@ -141,10 +153,16 @@ class ShellyComponent:
         """Add *capability*, the number at *path*; see :meth:`add_reading`."""
         self.add_reading(part, capability, measured(path, capability, factor), unit=unit, key=key)
 
-    def add_presses(self, part: JsonPart, presses: Mapping[str, str]) -> None:
-        """Add ``press``, read from the component's events, which *presses* translates."""
+    def add_presses(self, part: JsonPart, presses: Mapping[str, str], index: int | None = None) -> None:
+        """Add ``press``, read from the component's events, which *presses* translates.
+
+        Args:
+            index: The number of the button; None for the events of all.
+        """
         key = self.key
-        part.read_events_from(f"{self.topics.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses))
+        part.read_events_from(
+            f"{self.topics.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses, index)
+        )
         part.add_capability("press", options=tuple(presses.values()))
 
     def add_command_topic(self, part: JsonPart) -> None:
@@ -194,6 +212,18 @@ def _value_at(status: Fields, path: str) -> object:
     return status.get(field, _NO_FIELDS)
 
 
+def _unrepeated(decode: StatusDecoder) -> StatusDecoder:
+    """Return *decode* without a status that comes again: nothing was received since."""
+    last: Fields = _NO_FIELDS
+
+    def read(status: Fields) -> Readings:
+        nonlocal last
+        before, last = last, status
+        return NO_READINGS if status == before else decode(status)
+
+    return read
+
+
 def _read(components: Fields, key: str, decode: StatusDecoder) -> Readings:
     status = components.get(key)
     return decode(status) if isinstance(status, dict) else NO_READINGS
@@ -210,14 +240,15 @@ def _read_answer(result: Fields, key: str, decode: StatusDecoder) -> Readings:
 _MOST_EVENTS = 32
 
 
-def _read_events(frame: Fields, key: str, presses: Mapping[str, str]) -> Readings:
+def _read_events(frame: Fields, key: str, presses: Mapping[str, str], index: int | None) -> Readings:
     events = as_fields(frame.get("params")).get("events")
     if not isinstance(events, list):
         return NO_READINGS
     found: dict[str, PlainValue] = {}
     for event in events[:_MOST_EVENTS]:
         fields = as_fields(event)
-        name = fields.get("event") if fields.get("component") == key else None
+        is_own = fields.get("component") == key and index in {None, fields.get("idx", 0)}
+        name = fields.get("event") if is_own else None
         if isinstance(name, str) and name in presses:
             found["press"] = presses[name]
     return found

@@ -1,6 +1,6 @@
 """Switches, covers, thermostats and lamps of Shelly's second generation. Pure.
 
-Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, BluTrv, Light, CCT, RGB, RGBW and RGBCCT;
+Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, Light, CCT, RGB, RGBW and RGBCCT;
 ``transition_duration`` is in seconds.
 """
 
@@ -27,14 +27,13 @@ from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, f
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
-__all__ = ["LIGHTS", "build_cover", "build_light", "build_radiator_valve", "build_switch", "build_thermostat"]
+__all__ = ["LIGHTS", "build_cover", "build_light", "build_switch", "build_thermostat"]
 
 
 _MOVEMENTS = ("open", "closed", "opening", "closing", "stopped")
 _COMMANDS = {"open": "Cover.Open", "closed": "Cover.Close", "stopped": "Cover.Stop"}
 _PERCENT = (0.0, 100.0)
 _THERMOSTAT_BOUNDS = (5.0, 35.0)
-_VALVE_BOUNDS = (4.0, 30.0)
 
 
 def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
@@ -89,25 +88,6 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part.add_capability("thermostat_mode", writer=option_writer("thermostat_mode", modes, set_mode), options=modes)
     part.add_capability("thermostat_action", options=(action, "idle"))
     return (part,)
-
-
-def build_radiator_valve(component: ShellyComponent) -> tuple[JsonPart, ...]:
-    """Describe a radiator valve that a gateway reaches by Bluetooth."""
-
-    def set_target(celsius: float) -> Publications:
-        params = {"id": 0, "target_C": round(celsius, 1)}
-        return component.call("BluTRV.Call", method="TRV.SetTarget", params=params)
-
-    part = component.part("", "thermostat", tag="radiator_valve")
-    component.read_status(part, measured("target_C", "heating_setpoint"))
-    component.add_command_topic(part)
-    writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
-    part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
-    component.add_measure(part, "current_C", "local_temperature")
-    component.add_measure(part, "pos", "position")
-    battery = component.part("battery", "x_battery", category="diagnostic")
-    component.add_measure(battery, "battery", "battery")
-    return part, battery
 
 
 def _decode_cover(status: Fields) -> Readings:

@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
-from homebot.conventions.description import Availability, DescribedPart, DeviceAnnounced, LastWillAvailability
+from homebot.conventions.description import (
+    Availability,
+    DescribedPart,
+    DeviceAnnounced,
+    LastWillAvailability,
+    Publication,
+)
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import as_fields, clean_text, text_of
+from homebot.conventions.shelly.gen2_bluetooth import group_by_address
 from homebot.conventions.shelly.gen2_component import (
+    BLUETOOTH,
     COMPONENTS,
     Fields,
     Gen2Topics,
@@ -21,15 +30,12 @@ from homebot.conventions.shelly.gen2_controls import (
     LIGHTS,
     build_cover,
     build_light,
-    build_radiator_valve,
     build_switch,
     build_thermostat,
 )
 from homebot.conventions.shelly.gen2_diffuser import build_diffuser
 from homebot.conventions.shelly.gen2_sensors import (
     SENSORS,
-    build_bluetooth_device,
-    build_bluetooth_sensor,
     build_input,
     build_meters,
     build_own_temperature,
@@ -39,13 +45,11 @@ from homebot.conventions.shelly.gen2_sensors import (
 from homebot.conventions.shelly.gen2_service import OF_THERMOSTAT, TARGET, build_service_thermostat
 from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button, role_of
 from homebot.devices.identity import identifiers, in_pairs
-from homebot.devices.part import Part
 from homebot.support.numbers import to_number
 
 __all__ = [
     "MAX_COMPONENTS",
     "Gen2Device",
-    "fingerprint",
     "is_config_change",
     "is_prefix",
     "kind_of",
@@ -110,37 +114,28 @@ MAX_COMPONENTS = 300
 """Most components of one device; a gateway with all possible sensors has about 150."""
 
 
-def _build_parts(
-    topics: Gen2Topics, status: Fields, config: Fields, pages: tuple[int, ...]
-) -> tuple[DescribedPart, ...]:
-    """Return the parts of a device, the main one first.
-
-    The *status* and the *config*, both by component, include the answers to ``Shelly.GetComponents``; *pages* are the
-    numbers at which its pages begin.
-    """
+def _build_parts(components: Sequence[ShellyComponent]) -> list[JsonPart]:
+    """Return the parts of the device itself, the main one first."""
     parts: list[JsonPart] = []
-    components = _components(topics, status, config)
     roles = {role_of(one.config): one for one in components}
-    valves = {text_of(one.config.get("addr")) for one in components if one.kind == "blutrv"} - {""}
     for component in components:
-        if component.kind in _AS_SENDER and text_of(component.config.get("addr")) in valves:
-            continue  # the valve has a component of its own
         role = role_of(component.config)
         if role == TARGET:
             parts.append(build_service_thermostat(roles))
         if role == TARGET or (role in OF_THERMOSTAT and TARGET in roles):
             continue
-        for build in _BUILDERS[component.kind]:
+        for build in _BUILDERS.get(component.kind, ()):
             parts.extend(build(component))
+    return parts
+
+
+def _built(parts: Sequence[JsonPart], requests: Iterable[Publication]) -> tuple[DescribedPart, ...]:
+    """Return the finished *parts*, of which the first requests the state of all."""
     for part in parts[:1]:
-        source = topics.answers.removesuffix("/rpc")
-        part.add_state_request(call(topics.prefix, source, "Shelly.GetStatus"))
-        for offset in pages:
-            part.add_state_request(call(topics.prefix, source, COMPONENTS, components_from(offset)))
+        part.add_state_request(*requests)
     return tuple(part.build() for part in parts)
 
 
-_AS_SENDER = frozenset({"bthomedevice", "bthomesensor"})
 _KEY = re.compile(r"[a-z0-9]{1,20}:[0-9]{1,5}")
 _OWN_TEMPERATURE = re.compile("temperature:[0-9]{1,2}")
 """The inside of an energy meter; the sensors of an add-on begin at 100."""
@@ -154,9 +149,6 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     **dict.fromkeys(LIGHTS, (build_light, *_LOAD)),
     **dict.fromkeys(("pm1", "em", "em1"), (build_meters,)),
     **dict.fromkeys(SENSORS, (build_sensor, build_own_temperature)),
-    "blutrv": (build_radiator_valve,),
-    "bthomesensor": (build_bluetooth_sensor,),
-    "bthomedevice": (build_bluetooth_device,),
     "input": (build_input,),
     "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
@@ -165,30 +157,20 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
 }
 _CHANNEL = re.compile(rf"(?:switch|cover|em1|{'|'.join(LIGHTS)}):[0-9]{{1,2}}")
 _PHASES = re.compile("em:[0-9]{1,2}")
-_RANKS = {kind: rank for rank, kind in enumerate(_BUILDERS)}
+_RANKS = {kind: rank for rank, kind in enumerate((*_BUILDERS, *BLUETOOTH))}
 
 
 def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
     found: list[ShellyComponent] = []
     is_meter = any(key.startswith(("em:", "em1:")) for key in status)
-    senders = _senders(config)
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
         if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
             load = _load(config, key) if key.startswith("switch:") else ""
             is_inside = is_meter and _OWN_TEMPERATURE.fullmatch(key) is not None
-            own = as_fields(config.get(key))
-            sender = senders.get(text_of(own.get("addr")), "") if key.startswith("bthomesensor:") else ""
-            found.append(ShellyComponent(topics, key, fields, own, load, is_inside, sender))
+            found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load, is_inside))
     return tuple(sorted(found, key=lambda one: (_RANKS[one.kind], one.index)))
-
-
-def _senders(config: Fields) -> dict[str, str]:
-    """Return the names of a gateway's Bluetooth devices, by address."""
-    devices = [as_fields(fields) for key, fields in config.items() if key.startswith("bthomedevice:")]
-    names = {text_of(device.get("addr")): text_of(device.get("name")) for device in devices}
-    return {address: name for address, name in names.items() if address}
 
 
 def _load(config: Fields, key: str) -> str:
@@ -211,7 +193,7 @@ class Gen2Device:
         pages_asked: Requested further pages of that answer.
         sizes: Bytes of each stored answer.
         signs_of_life: Messages before its description.
-        described: Its last description; None before the first.
+        described: Its last description, and those of the devices behind it, by key.
     """
 
     prefix: str
@@ -222,7 +204,7 @@ class Gen2Device:
     pages_asked: int = 0
     sizes: dict[str, int] = field(default_factory=dict)
     signs_of_life: int = 0
-    described: DeviceAnnounced | None = None
+    described: dict[str, DeviceAnnounced] = field(default_factory=dict)
     _staged: dict[str, Fields] = field(default_factory=dict)
     _pages: tuple[int, ...] = ()
     _staged_pages: tuple[int, ...] = ()
@@ -271,7 +253,8 @@ class Gen2Device:
         self._staged, self._staged_pages = {}, ()
         return 0
 
-    def _with_added(self, kind: str, answer: Fields) -> Fields:
+    def _with_added(self, kind: Literal["status", "config"]) -> Fields:
+        answer = self.status if kind == "status" else self.config
         return {**{key: as_fields(one.get(kind)) for key, one in self.added.items()}, **answer}
 
     @property
@@ -301,35 +284,46 @@ class Gen2Device:
         address = text_of(self.info.get("mac")) or text_of(as_fields(self.status.get("sys")).get("mac"))
         return address or mac_in(self.prefix)
 
-    def describe(self, client: str, topic: str, device_id: str) -> DeviceAnnounced:
-        """Return its description, perhaps without parts.
+    def describe(
+        self, client: str, topic: str, device_id: str, *, needs_parts: bool = False
+    ) -> tuple[tuple[DeviceAnnounced, ...], frozenset[str]]:
+        """Describe it, and the Bluetooth devices behind it.
 
         Args:
             client: The client id of homebot.
             topic: The topic of its last message.
             device_id: Its id in that message.
+            needs_parts: Whether it is no device as long as neither it nor a device behind it has parts.
+
+        Returns:
+            The descriptions that are new or changed, and the keys of devices that are gone.
         """
         device_id = text_of(self.info.get("id")) or device_id
+        fresh = {one.key: one for one in self._describe_all(client, topic, device_id)}
+        if needs_parts and not any(one.parts for one in fresh.values()):
+            fresh = {}
+        changed = {key for key, one in fresh.items() if _fingerprint(one) != _fingerprint(self.described.get(key))}
+        gone = frozenset(self.described.keys() - fresh.keys())
+        self.described = {key: one if key in changed else self.described[key] for key, one in fresh.items()}
+        return tuple(self.described[key] for key in fresh if key in changed), gone
+
+    def _describe_all(self, client: str, topic: str, device_id: str) -> Iterator[DeviceAnnounced]:
         models = f"{device_id} {text_of(self.info.get('app'))}".casefold()
-        topics = Gen2Topics(
-            self.prefix,
-            client,
-            f"{client}/{self.prefix}/rpc",
-            is_plug=any(name in models for name in _PLUGS),
-        )
-        return DeviceAnnounced(
+        is_plug = any(name in models for name in _PLUGS)
+        source = f"{client}/{self.prefix}"
+        topics = Gen2Topics(self.prefix, client, f"{source}/rpc", is_plug)
+        components = _components(topics, self._with_added("status"), self._with_added("config"))
+        pages = [call(self.prefix, source, COMPONENTS, components_from(offset)) for offset in self._pages]
+        parts = _build_parts([one for one in components if one.kind not in BLUETOOTH])
+        whole = DeviceAnnounced(
             key=self.prefix,
             convention="shelly",
             native=True,
             whole_device=True,
-            identifiers=identifiers(
-                (in_pairs(self.mac), device_id if device_id.casefold().startswith("shelly") else "", *self._channels())
-            ),
+            identifiers=self._identifiers(device_id),
             name=self._name(),
-            parts=_build_parts(
-                topics, self._with_added("status", self.status), self._with_added("config", self.config), self._pages
-            ),
-            topic=topic if self.described is None else self.described.topic,
+            parts=_built(parts, [call(self.prefix, source, "Shelly.GetStatus"), *pages]),
+            topic=self.described[self.prefix].topic if self.prefix in self.described else topic,
             facts=self._facts(),
             availability=None
             if sleeps(self.status)
@@ -337,6 +331,21 @@ class Gen2Device:
             owns=(self.prefix,),
             implies_alive=True,
         )
+        yield whole
+        for device in group_by_address(one for one in components if one.kind in BLUETOOTH):
+            yield whole._replace(
+                key=f"{self.prefix}/{device.address}",
+                whole_device=False,  # several Shellys may receive it
+                identifiers=identifiers((device.address,)),
+                name=device.name,
+                parts=_built(device.parts(), pages),
+                facts={**device.facts, "via_device": device_id or self.prefix},
+                implies_alive=False,
+            )
+
+    def _identifiers(self, device_id: str) -> tuple[str, ...]:
+        own_id = device_id if device_id.casefold().startswith("shelly") else ""
+        return identifiers((in_pairs(self.mac), own_id, *self._channels()))
 
     def _channels(self) -> list[str]:
         """Return the identifiers of its channels, where another program may have each as a device of its own.
@@ -364,8 +373,10 @@ class Gen2Device:
         return {name: value for name, value in facts.items() if value}
 
 
-def fingerprint(described: DeviceAnnounced) -> tuple[tuple[Part, ...], str, Mapping[str, str], tuple[str, ...]]:
+def _fingerprint(described: DeviceAnnounced | None) -> tuple[object, ...]:
     """Return the fields of a description that are announced after a change."""
+    if described is None:
+        return ()
     return tuple(part.part for part in described.parts), described.name, described.facts, described.identifiers
 
 

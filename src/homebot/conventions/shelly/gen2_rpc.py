@@ -10,17 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, compact_json, parse_object
 from homebot.conventions.shelly.gen2_component import Fields
-from homebot.conventions.shelly.gen2_device import Gen2Device, fingerprint, is_config_change, sleeps
+from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, sleeps
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["ANSWERS", "CLIENT", "AnswerKind", "Gen2RpcDevice", "RpcCall", "is_setup_change"]
+__all__ = ["ANSWERS", "CLIENT", "AnswerKind", "Gen2RpcDevice", "PartKey", "RpcCall", "is_setup_change"]
 
 CLIENT = "homebot"
 """The client id of calls to a device."""
@@ -33,6 +33,9 @@ ANSWERS: Mapping[AnswerKind, str] = {
     "status": "Shelly.GetStatus",
 }
 """Methods of the answers that describe a device, in the order of their calls."""
+
+PartKey: TypeAlias = tuple[str, str]
+"""The key of a device, and the id of a part."""
 
 _DAILY = 24 * 3600.0
 _MOST_SILENT = 7 * _DAILY
@@ -52,9 +55,14 @@ class Gen2RpcDevice:
 
     def __init__(self, device_id: str) -> None:
         self._device = Gen2Device(device_id)
-        self._parts: dict[str, DescribedPart] = {}
+        self._parts: dict[PartKey, DescribedPart] = {}
         self._notifications = f"{device_id}/events/rpc"
         self._answers = f"{CLIENT}/{device_id}/rpc"
+
+    @property
+    def id(self) -> str:
+        """Its id, the key of its own description."""
+        return self._device.prefix
 
     def record_answer(self, kind: AnswerKind, answer: Fields, size: int) -> None:
         """Replace the answer of a *kind*; *size* is in bytes."""
@@ -74,14 +82,13 @@ class Gen2RpcDevice:
         status = {key: component.get("status") for key, component in self._device.added.items()}
         return compact_json({"result": status}).encode(errors="replace")
 
-    def describe(self) -> DeviceAnnounced | None:
-        """Return its description if it changed, otherwise None. The first one may lack parts."""
-        device = self._device
-        described = device.describe(CLIENT, "", device.prefix)
-        if device.described is not None and fingerprint(device.described) == fingerprint(described):
-            return None
-        device.described = described
-        self._parts = {part.part.id: part for part in described.parts}
+    def describe(self) -> tuple[DeviceAnnounced, ...]:
+        """Return its description and those of the Bluetooth devices behind it; none if nothing changed."""
+        changed, gone = self._device.describe(CLIENT, "", self._device.prefix)
+        if not changed and not gone:
+            return ()
+        described = tuple(self._device.described.values())
+        self._parts = {(one.key, part.part.id): part for one in described for part in one.parts}
         return described
 
     @property
@@ -92,15 +99,15 @@ class Gen2RpcDevice:
         period = to_number(as_fields(self._device.status.get("sys")).get("wakeup_period")) or _DAILY
         return _MISSED * min(period, _MOST_SILENT)
 
-    def read_notification(self, frame: bytes) -> Iterator[tuple[str, Readings]]:
-        """Yield part id and readings of each part in the notification *frame*."""
+    def read_notification(self, frame: bytes) -> Iterator[tuple[PartKey, Readings]]:
+        """Yield the readings of each part in the notification *frame*."""
         return self._read(self._notifications, frame)
 
-    def read_status(self, frame: bytes) -> Iterator[tuple[str, Readings]]:
-        """Yield part id and readings of each part in the answer *frame* to ``Shelly.GetStatus``."""
+    def read_status(self, frame: bytes) -> Iterator[tuple[PartKey, Readings]]:
+        """Yield the readings of each part in the answer *frame* to ``Shelly.GetStatus``."""
         return self._read(self._answers, frame)
 
-    def calls(self, part: str, capability: str, value: PlainValue, transition: float) -> tuple[RpcCall, ...]:
+    def calls(self, part: PartKey, capability: str, value: PlainValue, transition: float) -> tuple[RpcCall, ...]:
         """Return the calls that set a capability of a *part*.
 
         Raises:
@@ -108,17 +115,17 @@ class Gen2RpcDevice:
         """
         described = self._parts.get(part)
         if described is None:
-            raise RefusedError(f"a command to {part[:60]!r}", "the device has no such part any more")
+            raise RefusedError(f"a command to {part[1][:60]!r}", "the device has no such part any more")
         return tuple(
             RpcCall(str(frame["method"]), as_fields(frame.get("params")))
             for publication in described.codec.write(capability, value, transition=transition)
             for frame in (parse_object(publication.payload),)
         )
 
-    def _read(self, topic: str, frame: bytes) -> Iterator[tuple[str, Readings]]:
-        for part_id, described in self._parts.items():
+    def _read(self, topic: str, frame: bytes) -> Iterator[tuple[PartKey, Readings]]:
+        for part, described in self._parts.items():
             if readings := described.codec.read(topic, frame, retained=False):
-                yield part_id, readings
+                yield part, readings
 
 
 def is_setup_change(frame: Fields) -> bool:

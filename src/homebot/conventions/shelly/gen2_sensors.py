@@ -1,9 +1,7 @@
-"""Sensors, meters, inputs and Bluetooth devices of Shelly's second generation. Pure.
-
-Bluetooth devices use BTHome; a gateway publishes each of their values as a component.
+"""Sensors, meters and inputs of Shelly's second generation. Pure.
 
 Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DevicePower, Smoke, Flood, Presence, Voltmeter,
-Input, PM1, EM, EM1, EMData, EM1Data, BTHomeDevice, BTHomeSensor, and the measurements of Switch, Cover and Light.
+Input, PM1, EM, EM1, EMData, EM1Data, and the measurements of Switch, Cover and Light.
 """
 
 from __future__ import annotations
@@ -11,18 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 
-from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured, percentage
+from homebot.conventions.shelly.gen2_component import PRESSES, Fields, ShellyComponent, flag, measured, percentage
 from homebot.conventions.units import sensor_type
-from homebot.devices.capabilities import CAPABILITIES
-from homebot.support.numbers import to_number
 
 __all__ = [
     "SENSORS",
-    "build_bluetooth_device",
-    "build_bluetooth_sensor",
     "build_input",
     "build_meters",
     "build_own_temperature",
@@ -45,12 +38,6 @@ SENSORS: Mapping[str, tuple[str, str]] = {
 }
 """Field and capability of the components that are one sensor each."""
 
-_PRESSES: Mapping[str, str] = {
-    "single_push": "single",
-    "double_push": "double",
-    "triple_push": "triple",
-    "long_push": "long",
-}
 _WATT_HOURS = 1 / 1000
 """Factor from Shelly's watt-hours."""
 
@@ -122,7 +109,7 @@ def _build_binary_input(component: ShellyComponent, *, is_button: bool) -> Parts
     if not is_button or component.status.get("state") is not None:
         component.add_reading(part, "state", flag("state", "state"))
     if is_button:
-        component.add_presses(part, _PRESSES)
+        component.add_presses(part, PRESSES)
     return (part,)
 
 
@@ -175,42 +162,4 @@ def build_own_temperature(component: ShellyComponent) -> Parts:
         return ()
     part = component.part("temperature", "temperature_sensor", category="diagnostic")
     component.add_measure(part, "temperature.tC", "temperature")
-    return (part,)
-
-
-def build_bluetooth_device(component: ShellyComponent) -> Parts:
-    """Describe the battery, the signal strength and the buttons of a Bluetooth device."""
-    keys = component.part("", "generic_switch")
-    component.add_presses(keys, _PRESSES)
-    parts = [keys]
-    for field, capability in (("battery", "battery"), ("rssi", "signal_strength")):
-        if field in component.status:
-            part = component.part(field, sensor_type(capability), category="diagnostic")
-            component.add_measure(part, field, capability)
-            parts.append(part)
-    return tuple(parts)
-
-
-def build_bluetooth_sensor(component: ShellyComponent) -> Parts:
-    """Describe one value of a Bluetooth device; nothing if its meaning is unknown."""
-    object_id = component.config.get("obj_id")
-    if object_id == BUTTON:
-        part = component.part("", "generic_switch")
-        component.add_presses(part, _PRESSES)
-        return (part,)
-    known = BTHOME_OBJECTS.get(object_id) if isinstance(object_id, int) else None
-    kind = CAPABILITIES[known.capability].kind if known is not None and known.capability else "text"
-    if known is None or kind == "text":
-        return ()
-    capability, is_number, is_inverted = known.capability, kind == "number", known.is_inverted
-
-    def decode(status: Fields) -> Readings:
-        value = status.get("value")
-        if isinstance(value, bool):
-            return NO_READINGS if is_number else {capability: value is not is_inverted}
-        number = to_number(value)
-        return {capability: number} if number is not None and is_number else NO_READINGS
-
-    part = component.part("", sensor_type(capability), category="diagnostic" if known.is_diagnostic else "")
-    component.add_reading(part, capability, decode, unit=known.unit)
     return (part,)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from itertools import islice
 from typing import Final
 
@@ -35,26 +35,47 @@ MAX_PROBLEMS: Final = 20
 
 
 class PublishedDevice:
-    """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`."""
+    """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`.
 
-    def __init__(self, devices: PublishedDevices, key: str) -> None:
+    Args:
+        behind: The published devices behind it, by key.
+    """
+
+    def __init__(
+        self, devices: PublishedDevices, key: str, behind: MutableMapping[str, GatewayDevice] | None = None
+    ) -> None:
         node = devices.gateway.node
         self.clock = node.graph.clock
         self.log = node.log
         self.key = key
         self._devices = devices
+        self._behind = {} if behind is None else behind
 
     def describe(self, device: GatewayDevice) -> None:
         """Publish the description of the device."""
         self._devices.put(device, "it described itself")
 
-    async def report(self, values: Mapping[str, PlainValue], part: str = "") -> None:
-        """Publish the reported values of a part."""
-        await self._devices.report(self.key, values, part)
+    def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
+        """Publish the descriptions of the devices behind it that are new or changed, and remove the others."""
+        described = {one.key: one for one in devices}
+        for key in self._behind.keys() - described.keys():
+            del self._behind[key]
+            self._devices.remove(key, f"{self.key} has it no more")
+        for key, device in described.items():
+            if self._behind.get(key) != device:
+                self._behind[key] = device
+                self._devices.put(device, f"{self.key} described it")
+            self._devices.report_reachable(key, reachable=True)
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
+        """Publish the reported values of a part, of the device or of the one behind it with that *key*."""
+        await self._devices.report(key or self.key, values, part)
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the device, or one of its parts, can be reached."""
+        """Publish whether the device with all behind it, or one of its parts, can be reached."""
         self._devices.report_reachable(self.key, part, reachable=reachable)
+        for key in () if part else self._behind:
+            self._devices.report_reachable(key, reachable=reachable)
 
     async def deliver_raw(self, payload: bytes) -> None:
         """Deliver a raw message of the device to the listeners of its address."""
@@ -83,8 +104,9 @@ class DeviceRunner(PublishedDevice, ABC):
         key: str,
         devices: PublishedDevices,
         lost_backoff: Backoff,
+        behind: MutableMapping[str, GatewayDevice] | None = None,
     ) -> None:
-        super().__init__(devices, key)
+        super().__init__(devices, key, behind)
         self.name = name
         self.problem = ""
         self.needs_help = False

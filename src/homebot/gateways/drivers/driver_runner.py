@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, MutableMapping
 from dataclasses import replace
 from typing import Final
 
@@ -32,6 +32,7 @@ class DriverRunner(DeviceRunner):
 
     Args:
         publish: Publishes the device, and why: the driver's description, None for the facts of DNS-SD alone.
+        behind: The published devices behind the device, by key.
     """
 
     def __init__(
@@ -40,8 +41,9 @@ class DriverRunner(DeviceRunner):
         service: FoundService,
         devices: PublishedDevices,
         publish: Callable[[GatewayDevice | None, str], None],
+        behind: MutableMapping[str, GatewayDevice] | None = None,
     ) -> None:
-        super().__init__(service.name, service.key, devices, LOST_BACKOFF)
+        super().__init__(service.name, service.key, devices, LOST_BACKOFF, behind)
         self._service = service
         self._kind = driver
         self._publish = publish

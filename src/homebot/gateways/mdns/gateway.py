@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar
@@ -49,11 +49,12 @@ SLACK = 15.0
 
 @dataclass(eq=False, slots=True)
 class _Listed:
-    """A listed service, with its running driver if it has one."""
+    """A listed service, with its running driver if it has one, and the devices behind its device, by key."""
 
     service: FoundService
     stale_after: float
     device: GatewayDevice | None = None
+    behind: dict[str, GatewayDevice] = field(default_factory=dict)
     runner: DriverRunner | None = None
 
 
@@ -207,7 +208,9 @@ class MdnsGateway(Gateway):
         driver = self._drivers.by_type.get(listed.service.service_type)
         if driver is None or self._tasks is None:
             return
-        listed.runner = DriverRunner(driver, listed.service, self.devices, partial(self._publish, listed))
+        listed.runner = DriverRunner(
+            driver, listed.service, self.devices, partial(self._publish, listed), listed.behind
+        )
         self._tasks.start_soon(run_as, self.node.full_name, listed.runner.run)
 
     def _stop(self, listed: _Listed | None) -> None:
@@ -217,8 +220,10 @@ class MdnsGateway(Gateway):
 
     def _remove(self, name: str, why: str) -> None:
         self._wake(name)
-        self._stop(self._listed.pop(name, None))
-        self.devices.remove(name, why)
+        listed = self._listed.pop(name, None)
+        self._stop(listed)
+        for key in (name, *(listed.behind if listed is not None else ())):
+            self.devices.remove(key, why)
 
     def _put_to_sleep(self, name: str) -> None:
         if name in self._asleep:
@@ -267,6 +272,8 @@ class MdnsGateway(Gateway):
         if command.key in self._asleep:
             raise LinkError(f"{command.key[:100]} is asleep; try again once it is awake")
         listed = self._listed.get(command.key)
+        if listed is None:
+            listed = next((one for one in self._listed.values() if command.key in one.behind), None)
         if listed is None:
             raise LinkError(f"{command.key[:100]} is not on the network now")
         if listed.runner is None:

@@ -16,7 +16,7 @@ from homebot.conventions.payload import Readings, as_fields, clean_text, compact
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, components_from
 from homebot.conventions.shelly.gen2_device import is_prefix
-from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, is_setup_change
+from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, PartKey, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers, in_pairs
@@ -44,6 +44,9 @@ WATCH_EVERY: Final = 18.0
 PAUSE: Final = 5.0
 """Seconds between two rounds of requests at least, however often the device reports that its setup has changed."""
 
+BLUETOOTH_SILENCE: Final = 24 * 3600.0
+"""Seconds for which a Bluetooth device behind it may be silent; some send every six hours."""
+
 _PAGES = 20
 
 
@@ -58,7 +61,7 @@ class ShellyDriver(Driver):
     def __init__(self, service: FoundService, settings: DriverSettings, host: DriverHost) -> None:
         super().__init__(service, settings, host)
         self._device: Gen2RpcDevice | None = None
-        self._described: GatewayDevice | None = None
+        self._described: tuple[GatewayDevice, ...] = ()
         self._rpc: RpcLink | None = None
         self._setup_changed = anyio.Event()
         self._offset = 0
@@ -90,7 +93,8 @@ class ShellyDriver(Driver):
         if self._rpc is None or self._device is None:
             raise LinkError(f"{self.service.name} is not connected")
         value = command.value.plain()
-        for call in self._device.calls(command.part, command.capability, value, command.transition):
+        key = self._device.id if command.key == self.service.key else command.key
+        for call in self._device.calls((key, command.part), command.capability, value, command.transition):
             await self._rpc.call(call.method, call.params)
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
@@ -154,36 +158,40 @@ class ShellyDriver(Driver):
             await self._report(device.read_status(device.components_status()))
 
     async def _on_notification(self, device: Gen2RpcDevice, frame: Fields, payload: bytes) -> None:
-        if self._described is None:
+        if not self._described:
             return
         await self.host.deliver_raw(payload)
         await self._report(device.read_notification(payload))
         if is_setup_change(frame):
             self._setup_changed.set()
 
-    async def _report(self, of_parts: Iterable[tuple[str, Readings]]) -> None:
-        for part, readings in of_parts:
-            await self.host.report(readings, part)
+    async def _report(self, of_parts: Iterable[tuple[PartKey, Readings]]) -> None:
+        for (key, part), readings in of_parts:
+            await self.host.report(readings, part, self._own_key(key))
 
     def _describe(self, device: Gen2RpcDevice) -> None:
-        """Publish the description of the device, or that it is still there if nothing changed."""
-        news = device.describe()
-        if news is not None:
-            self._described = self._gateway_device(news, device.stale_after)
-        if self._described is not None:
-            self.host.describe(self._described)
+        """Publish the descriptions, or that the device is still there if nothing changed."""
+        if news := device.describe():
+            self._described = tuple(self._gateway_device(one, device.stale_after) for one in news)
+        if self._described:
+            self.host.describe(self._described[0])
+            self.host.describe_behind(self._described[1:])
 
     def _gateway_device(self, news: DeviceAnnounced, stale_after: float) -> GatewayDevice:
         return GatewayDevice(
-            key=self.service.key,
+            key=self._own_key(news.key) or self.service.key,
             name=news.name,
             parts=tuple(one.part.model_copy(update={"reads": (), "writes": ()}) for one in news.parts),
             metadata=news.facts,
             identifiers=news.identifiers,
-            stale_after=stale_after,
+            stale_after=stale_after if news.implies_alive else BLUETOOTH_SILENCE,
             sleeps=stale_after > 0,
             expiries={one.part.id: one.expiries for one in news.parts if one.expiries},
         )
+
+    def _own_key(self, key: str) -> str:
+        """Return the key of a device behind this one; empty for this one."""
+        return "" if self._device is None or key == self._device.id else key
 
     async def _watch_first_generation(self, client: HttpClient, origin: str, about: Fields) -> None:
         """Publish the description of the device for as long as it answers."""
