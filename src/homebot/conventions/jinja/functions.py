@@ -1,6 +1,6 @@
 """All filters and functions by name, those of time, and the names of Home Assistant alone. Pure.
 
-There is no clock and no time zone; functions that need them fail.
+There is no clock and no time zone; functions that need them fail. ``timestamp_local`` names the same moment in UTC.
 """
 
 from __future__ import annotations
@@ -47,11 +47,6 @@ def _timestamp_custom(
     if not isinstance(moment, datetime):
         return moment
     return _no_clock() if local else moment.strftime(strftime_format(text(date_format)))
-
-
-def _timestamp_local(_: Run, value: object, default: object = MISSING) -> object:
-    moment = _or_default(default, "timestamp_local", lambda: _from_timestamp(value))
-    return _no_clock() if isinstance(moment, datetime) else moment
 
 
 def _timestamp_utc(_: Run, value: object, default: object = MISSING) -> object:
@@ -135,8 +130,7 @@ FILTERS: Final[dict[str, Callable[..., object]]] = {
     **TEXT_FILTERS,
     **{name: _TIME_FUNCTIONS[name] for name in ("as_datetime", "as_local", "as_timestamp")},
     "timestamp_custom": _timestamp_custom,
-    "timestamp_local": _timestamp_local,
-    "timestamp_utc": _timestamp_utc,
+    **dict.fromkeys(("timestamp_local", "timestamp_utc"), _timestamp_utc),
     "contains": CHECKS["contains"],
     "map": _map,
     "regex_findall": find_all,

@@ -241,14 +241,18 @@ def _of(kind: Callable[[list[object]], object]) -> Callable[..., object]:
     return lambda run, value: kind(values_of(run, value))
 
 
-def _dictionary(_: Run, *values: object, **named: object) -> object:
-    if values:
-        raise TypeError("dict() takes names only")
-    return named
+def _dictionary(run: Run, *values: object, **named: object) -> object:
+    """Return a mapping of another mapping or of pairs, and of *named* values."""
+    return _python_dict(*[value if isinstance(value, dict) else values_of(run, value) for value in values], **named)
+
+
+def _zip(run: Run, *lists: object) -> object:
+    return list(zip(*[values_of(run, one) for one in lists], strict=False))
 
 
 _INDEX = re.compile("[0-9]{1,5}", re.ASCII)
 _python_sorted: Callable[..., object] = sorted
+_python_dict: Callable[..., object] = dict
 
 LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "count": _length,
@@ -278,5 +282,6 @@ LIST_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "min": _of_arguments(_LEAST),
     "range": _range,
     "tuple": _of(tuple),
+    "zip": _zip,
 }
 """By name; each takes the run first."""

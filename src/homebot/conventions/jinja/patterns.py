@@ -1,7 +1,7 @@
 """Regular expressions of strangers: matched only where the work of Python's ``re`` has a small known bound.
 
 Python's matcher goes back and tries again, so some expressions take more than the age of the world. Without groups that
-are repeated with something inside that repeats or branches, and without references and looking around, an
+occur repeatedly and have something inside that repeats or branches, and without references and looking around, an
 expression does no more than choose where it starts and where each repetition ends. The number of those choices is
 computed before, and counted as work.
 """
@@ -95,7 +95,7 @@ def _complexity(expression: str) -> tuple[int, int]:
     ended_group_is_simple = True
     for one in _TOKEN.findall(expression):
         if one in _QUANTIFIERS or one[0] == "{":
-            if not ended_group_is_simple:
+            if one != "?" and not ended_group_is_simple:
                 raise TemplateError("a regular expression nests repetitions")
             groups = [False] * len(groups)
             repeats, branches = repeats + (one != "?"), branches + (one == "?")

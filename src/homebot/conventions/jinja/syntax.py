@@ -305,7 +305,7 @@ class _Compiler:
         return self._call(CHECKS[node.name], [node.node, *node.args], node)
 
     def visit_call(self, node: nodes.Call) -> Evaluate:
-        called = node.node
+        called = _DICT if node.node == _DICT_FROM_KEYS else node.node
         if isinstance(called, nodes.Name):
             if called.name in HOME_ASSISTANT:
                 raise TemplateError(f"uses `{called.name}()`, which only Home Assistant has")
@@ -338,6 +338,10 @@ class _Compiler:
 
         return evaluate
 
+
+_DICT: Final = nodes.Name("dict", "load")
+_DICT_FROM_KEYS: Final = nodes.Getattr(_DICT, "from_keys", "load")
+"""In the event templates of Zigbee2MQTT 2; a type of mappings, ``dict["from_keys"]``, for Jinja."""
 
 _UNARY: Final[dict[type[nodes.Node], _Function]] = {
     nodes.Not: operator.not_,
