@@ -5,10 +5,15 @@ from __future__ import annotations
 import asyncio
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
+from datetime import UTC, datetime
 from typing import Any, TypeVar
 
 import anyio
 import structlog
+from structlog.typing import EventDict, WrappedLogger
+
+from homebot.clock import Clock
+from homebot.support.logger import ConsoleRenderer, with_local_time
 
 __all__ = ["hold_open", "in_background", "plain_logs"]
 
@@ -69,19 +74,31 @@ def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextMana
 
 
 @contextmanager
-def plain_logs() -> Iterator[None]:
-    """Write tracebacks as Python does during the block, unless the program has set up structlog itself.
+def plain_logs(clock: Clock | None = None) -> Iterator[None]:
+    """Write the log during the block as ``homebot run`` does, unless the program has set up structlog itself.
 
-    Where ``rich`` is installed, structlog's default draws them with the values of all variables: hundreds of lines and
-    a tenth of a second for a crashed app, and any secret among the values.
+    structlog's default has lines of the computer's time, debugging included, and where ``rich`` is installed draws
+    tracebacks with the values of all variables: hundreds of lines for a crashed app, and any secret among the values.
+
+    Args:
+        clock: The clock of the house, of which the lines have the time in UTC; by default the computer's time.
     """
     if structlog.is_configured():
         yield
         return
-    writer = structlog.dev.ConsoleRenderer(colors=False, exception_formatter=structlog.dev.plain_traceback)
-    structlog.configure(processors=[*structlog.get_config()["processors"][:-1], writer])
+    render = ConsoleRenderer(colours=False)
+
+    def write(logger: WrappedLogger, method: str, event: EventDict) -> str:
+        if event["level"] == "debug":
+            raise structlog.DropEvent
+        if clock is not None:
+            event["timestamp"] = datetime.fromtimestamp(clock.now(), UTC).isoformat()
+        return render(logger, method, event)
+
+    before = structlog.processors.add_log_level, with_local_time, structlog.processors.format_exc_info
+    structlog.configure(processors=[*before, write])
     try:
         yield
     finally:
-        if structlog.get_config()["processors"][-1] is writer:  # else the program has set it up meanwhile
+        if structlog.get_config()["processors"][-1] is write:  # else the program has set it up meanwhile
             structlog.reset_defaults()

@@ -225,7 +225,7 @@ async def virtual_house_of(
     _virtual_loop()
     clock, random = LoopClock(parse_time(start).timestamp()), Random(seed)  # noqa: S311 - a simulation has no secrets
     world = World.of() if world is None else world
-    with plain_logs():
+    with plain_logs(clock):
         async with MemoryBroker(clock=clock, random=random, limits=_limits(len(world.devices))) as broker:
             runtime = Runtime(
                 _with_rooms(house_config(apps, root, EMBEDDED, config), world, root),
