@@ -23,7 +23,7 @@ from homebot.house.devices import SimulatedDoorLock
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
 from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
-from homebot.testing.event_log import MAX_EVENTS
+from homebot.testing.event_log import MAX_EVENTS, house_report
 
 A_DAY = Path(__file__).with_name("a_day.py")
 
@@ -68,6 +68,15 @@ class Chatty(App):
 async def test_the_log_has_the_lines_of_an_app_from_its_start() -> None:
     async with virtual_house_of(f"{__name__}:Chatty") as house, EventLog.of(house) as log:
         assert [json.loads(text)["msg"] for text in said(log, "/rosout")].count("the first line") == 1
+
+
+@pytest.mark.virtual_time
+async def test_the_report_has_the_cause_of_the_first_change_as_well() -> None:
+    """The journal, and with it its topic, begins with that."""
+    async with virtual_house_of(world=World.of(SimulatedLamp("hall"))) as house, EventLog.of(house):
+        await house.press("hall", "on")
+        await house.run_for(2)
+        assert house_report(house).split()[-4:] == ["lights/hall", "on", "by", "hand"]
 
 
 @pytest.mark.virtual_time

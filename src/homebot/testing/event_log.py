@@ -15,6 +15,7 @@ from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.clock import Clock
 from homebot.devices.device import DeviceChange, StateChange, part_names
 from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import ClosedError
 from homebot.graph import EntityKind, GraphChange, Node, QoSProfile, qos_profile_rosout
@@ -116,6 +117,8 @@ async def _read_mqtt(connection: MqttConnection, log: EventLog) -> None:
 
 async def _read_graph(node: Node, log: EventLog) -> None:
     topics: set[str] = set()
+    # Its publisher comes with its first entry, which a subscription made then would miss.
+    _record_topic(node, log, topics, JournalEntry, JOURNAL_ENTRIES)
     with node.graph.watch() as changes:
         for info in node.graph.get_endpoints():
             _follow(node, log, topics, GraphChange("added", info))
@@ -133,16 +136,19 @@ def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) ->
     if change.change == "removed" or info.kind is not EntityKind.PUBLISHER or info.name in topics:
         return
     message_type = node.graph.get_message_type(info.name)
-    if message_type is None:
-        return
-    topics.add(info.name)
+    if message_type is not None:
+        _record_topic(node, log, topics, message_type, info.name)
+
+
+def _record_topic(node: Node, log: EventLog, topics: set[str], message_type: type[Message], name: str) -> None:
+    topics.add(name)
 
     def on_message(message: Message) -> None:
-        log.record("topic", info.name, message)
+        log.record("topic", name, message)
 
     # An app may have logged before the house was ready.
     qos = qos_profile_rosout if message_type is Log else QoSProfile(depth=1000)
-    node.create_subscription(message_type, info.name, on_message, qos)
+    node.create_subscription(message_type, name, on_message, qos)
 
 
 LINES = 36
