@@ -1,4 +1,4 @@
-"""A wall clock that somebody sets."""
+"""A wall clock that somebody sets, of a computer that sleeps."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ class SetClock:
 
     Attributes:
         wall: The reading of the wall clock at the loop's time 0, in seconds since the Unix epoch.
+        slept: Seconds for which the computer slept.
     """
 
     def __init__(self, wall: float) -> None:
         self._time = asyncio.get_running_loop().time
         self.wall = wall
+        self.slept = 0.0
 
     def monotonic(self) -> float:
         """Return seconds since an arbitrary start."""

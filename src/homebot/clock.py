@@ -50,6 +50,7 @@ class LoopClock:
         monotonic: Returns seconds of the event loop's time. It is asked so often that it is the loop's own function, or
             the one that this calls.
         now: Returns seconds since the Unix epoch, UTC; likewise.
+        asleep: Returns for how many seconds the computer was suspended, which :meth:`monotonic` leaves out.
     """
 
     def __init__(self, epoch: float | None = None) -> None:
@@ -58,6 +59,7 @@ class LoopClock:
         self.monotonic = time.monotonic if is_real else loop.time
         self._offset = (time.time() if epoch is None else epoch) - self.monotonic()
         self.now = time.time if epoch is None and is_real else self._of_loop
+        self.asleep = _seconds_asleep if is_real and _SINCE_BOOT is not None else float
 
     def _of_loop(self) -> float:
         return self._offset + self.monotonic()
@@ -127,6 +129,14 @@ class TimeSlice:
                 return result
             if self.is_over:
                 await self.pause()
+
+
+_SINCE_BOOT: Final[int | None] = getattr(time, "CLOCK_BOOTTIME", None)  # Linux alone has it
+
+
+def _seconds_asleep() -> float:
+    assert _SINCE_BOOT is not None  # noqa: S101 - for the type checker
+    return time.clock_gettime(_SINCE_BOOT) - time.monotonic()
 
 
 _ZONE_OF_COMPUTER: Final = Path("/etc/localtime")

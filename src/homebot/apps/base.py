@@ -57,6 +57,7 @@ class AppContext:
         store_of: Returns the store of an app by its name; by default one in memory.
         keeps_values: Returns whether an app may have values of an earlier run.
         notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
+        asleep: Returns for how many seconds the computer was suspended, in which the monotonic clock stands still.
     """
 
     zone_name: str = "UTC"
@@ -65,6 +66,7 @@ class AppContext:
     store_of: Callable[[str], Store] = _store_in_memory
     keeps_values: Callable[[], bool] = lambda: False
     notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
+    asleep: Callable[[], float] = float
 
     @property
     def zone(self) -> tzinfo:

@@ -1,4 +1,4 @@
-"""Jobs of an app: when each is due next, by the monotonic clock or by the time of day."""
+"""Jobs of an app: when each is due next, by the time that has passed or by the time of day."""
 
 from __future__ import annotations
 
@@ -39,6 +39,7 @@ class JobFacts:
     Attributes:
         name: Its name, one of its app's.
         text: When it is called, such as ``daily at 22:00``.
+        elapsed: Returns the seconds that passed since an arbitrary start, those included for which the computer slept.
     """
 
     name: str
@@ -47,6 +48,7 @@ class JobFacts:
     handler: RunHandler
     runs: HandlerRuns
     clock: Clock
+    elapsed: Callable[[], float]
     zone: tzinfo
     forget: Callable[[Job], None]
 
@@ -92,10 +94,10 @@ class Job(ABC):
 @dataclass(eq=False)
 @final
 class Interval(Job):
-    """A job after a time, once or again and again, on the monotonic clock.
+    """A job after a time, once or again and again.
 
     Attributes:
-        due: When, on that clock.
+        due: When, as ``facts.elapsed`` counts.
         period: Seconds between two calls; None for one call.
         late: Seconds by which it was due while homebot was stopped.
     """
@@ -106,11 +108,11 @@ class Interval(Job):
 
     def next_at(self) -> float | None:
         """See above."""
-        return self.clock.now() + max(0.0, self.due - self.clock.monotonic())
+        return self.clock.now() + max(0.0, self.due - self.facts.elapsed())
 
     def look(self) -> Due | None:
         """See above; of several calls that were missed, one is due, and the next goes by the old grid."""
-        over = self.clock.monotonic() - self.due
+        over = self.facts.elapsed() - self.due
         if over < 0:
             return None
         if self.period is not None:
@@ -119,7 +121,7 @@ class Interval(Job):
 
     def nap(self) -> float:
         """See above."""
-        return max(_SHORTEST, self.due - self.clock.monotonic())
+        return min(LONGEST_NAP, max(_SHORTEST, self.due - self.facts.elapsed()))
 
 
 class Times(Protocol):

@@ -56,6 +56,9 @@ class Home(Protocol):
     @property
     def longitude(self) -> float | None: ...
 
+    @property
+    def asleep(self) -> Callable[[], float]: ...
+
 
 class JobOwner(Protocol):
     """The app of some jobs; as :class:`homebot.App`."""
@@ -201,13 +204,16 @@ class Schedule:
         period: float | None,
         mode: RunMode = "single",
     ) -> Interval:
-        return Interval(self._facts(name, text, handler, mode), self._clock.monotonic() + delay, period)
+        return Interval(self._facts(name, text, handler, mode), self._elapsed() + delay, period)
 
     def _facts(self, name: str, text: str, handler: RunHandler, mode: RunMode) -> JobFacts:
         check_handler(handler)
         runs = HandlerRuns(self._app.node, self._app.start_task, f"job {name}", mode)
         zone = self._app.context.zone
-        return JobFacts(name, text, _calling_line(), handler, runs, self._clock, zone, self._forget)
+        return JobFacts(name, text, _calling_line(), handler, runs, self._clock, self._elapsed, zone, self._forget)
+
+    def _elapsed(self) -> float:
+        return self._clock.monotonic() + self._app.context.asleep()
 
     def _name(self, name: str | None, handler: RunHandler, text: str) -> str:
         """Return the name of a new job.

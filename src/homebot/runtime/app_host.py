@@ -10,7 +10,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.apps import App, AppContext
-from homebot.clock import Clock
+from homebot.clock import Clock, LoopClock
 from homebot.graph import Graph, Node
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
@@ -50,6 +50,7 @@ class AppHost:
             store_of=lambda app: self._app_stores().of(app),
             keeps_values=lambda: self._stores is not None,
             notify=self._notify,
+            asleep=clock.asleep if isinstance(clock, LoopClock) else float,
         )
 
     @property
