@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from homebot.devices.query.terms import QueryTerm
+from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.value import ShortText
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32

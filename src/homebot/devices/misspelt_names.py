@@ -11,7 +11,8 @@ from homebot.devices.device import Device
 from homebot.devices.health import HealthRequest, HealthResponse
 from homebot.devices.names import FIND_DEVICES, GET_PLACES, QUERY_DEVICES
 from homebot.devices.places_messages import GetPlaces
-from homebot.devices.query.terms import AreaIs, NameIs, Query, query_terms
+from homebot.devices.query.term_messages import query_terms
+from homebot.devices.query.terms import AreaIs, NameIs, Query
 from homebot.devices.services import FindDevices, QueryDevices
 from homebot.errors import ServiceError
 from homebot.graph import Node

@@ -4,7 +4,7 @@ from typing import Literal, TypeAlias
 
 from homebot.devices.device import Device, DeviceChange, Freshness
 from homebot.devices.gateway_messages import RawMessage
-from homebot.devices.query.terms import QueryTerm
+from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.value import Reading
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.key_value import KeyValue

@@ -16,7 +16,7 @@ from homebot.devices.history_messages import (
     ReadHistoryResponse,
 )
 from homebot.devices.names import FIND_DEVICES
-from homebot.devices.query.terms import QueryTerm
+from homebot.devices.query.term_messages import QueryTerm
 from homebot.devices.services import FindDevices, FindDevicesRequest
 from homebot.errors import LinkError, ServiceError
 from homebot.graph import Node

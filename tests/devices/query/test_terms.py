@@ -29,7 +29,7 @@ from homebot.devices.query import (
     query_terms,
     read_terms,
 )
-from homebot.devices.query.terms import MAX_DEPTH, MAX_TERMS
+from homebot.devices.query.term_messages import MAX_DEPTH, MAX_TERMS
 from homebot.devices.services import FindDevicesRequest
 from homebot.errors import UsageError
 

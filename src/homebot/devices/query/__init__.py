@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from homebot.devices.query.matching import PartFacets, fits
     from homebot.devices.query.near import split_near
     from homebot.devices.query.parse import parse_query
+    from homebot.devices.query.term_messages import QueryTerm, query_terms, read_terms
     from homebot.devices.query.terms import (
         And,
         AreaIs,
@@ -25,12 +26,9 @@ if TYPE_CHECKING:
         Not,
         Or,
         Query,
-        QueryTerm,
         ReachableIs,
         StateIs,
         TypeIs,
-        query_terms,
-        read_terms,
         type_is,
     )
     from homebot.devices.query.tokens import quoted
@@ -81,8 +79,9 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.devices.query.parse": "parse_query",
             "homebot.devices.query.terms": """
                 And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsNear IsUnapproved NameIs Not
-                Or Query QueryTerm ReachableIs StateIs TypeIs query_terms read_terms type_is
+                Or Query ReachableIs StateIs TypeIs type_is
                 """,
+            "homebot.devices.query.term_messages": "QueryTerm query_terms read_terms",
             "homebot.devices.query.tokens": "quoted",
             "homebot.devices.query.vocabulary": "FIELDS",
         },

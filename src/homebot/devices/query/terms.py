@@ -1,25 +1,17 @@
-"""Terms of a query, and their form as messages. Pure.
-
-A query is a tree and a ROS message is not, so on the graph its terms are a list, each before its operands:
-``light and not stale`` is ``and`` of two, ``type``, ``not``, ``freshness``.
-"""
+"""Terms of a query: a tree. Pure."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
-from homebot.devices.value import UNKNOWN, PlainValue, Value
-from homebot.errors import UsageError
-from homebot.messages.message import Message, UInt32
+from homebot.devices.value import PlainValue
 from homebot.support.folding import fold
 
 __all__ = [
-    "MAX_DEPTH",
-    "MAX_TERMS",
     "And",
     "AreaIs",
     "CanDo",
@@ -36,21 +28,13 @@ __all__ = [
     "Operator",
     "Or",
     "Query",
-    "QueryTerm",
     "ReachableIs",
     "StateIs",
+    "TextTerm",
     "TypeIs",
     "leaves",
-    "query_terms",
-    "read_terms",
     "type_is",
 ]
-
-MAX_TERMS = 1000
-"""Terms of one query."""
-
-MAX_DEPTH = 50
-"""Terms within each other."""
 
 Operator: TypeAlias = Literal["=", "!=", "<", "<=", ">", ">="]
 
@@ -87,49 +71,49 @@ class CanDo:
 
 
 @dataclass(frozen=True, slots=True)
-class _TextTerm:
+class TextTerm:
     """A term with one text. Those that follow have no fields of their own: to make a dataclass of each takes 0.4 ms."""
 
     text: str
 
 
-class InArea(_TextTerm):
+class InArea(TextTerm):
     """A device in this room, or in a room of this floor or home, folded; a name that begins with it counts as well."""
 
     __slots__ = ()
 
 
-class AreaIs(_TextTerm):
+class AreaIs(TextTerm):
     """A device in this very room, or in a room of this floor or home, folded; empty for a device without a room."""
 
     __slots__ = ()
 
 
-class NameIs(_TextTerm):
+class NameIs(TextTerm):
     """A device or part with this name or id, folded."""
 
     __slots__ = ()
 
 
-class HasText(_TextTerm):
+class HasText(TextTerm):
     """A device with this word, folded, or one that begins with it or is a typo away."""
 
     __slots__ = ()
 
 
-class FreshnessIs(_TextTerm):
+class FreshnessIs(TextTerm):
     """A device that is ``fresh``, ``unconfirmed`` or ``stale``."""
 
     __slots__ = ()
 
 
-class ReachableIs(_TextTerm):
+class ReachableIs(TextTerm):
     """A device or part that can be reached: ``yes``, ``no`` or ``unknown``."""
 
     __slots__ = ()
 
 
-class GatewayIs(_TextTerm):
+class GatewayIs(TextTerm):
     """A device of this gateway."""
 
     __slots__ = ()
@@ -255,51 +239,6 @@ def type_is(word: str) -> TypeIs:
     return TypeIs(spelled, types, singular if singular in _TAGS and not exact else "")
 
 
-_TextQuery: TypeAlias = AreaIs | InArea | NameIs | HasText | FreshnessIs | ReachableIs | GatewayIs
-_TextKind: TypeAlias = Literal["area", "in_area", "name", "text", "freshness", "reachable", "gateway"]
-TermKind: TypeAlias = Literal[
-    _TextKind, "and", "or", "not", "type", "can", "state", "fact", "near", "disputed", "unapproved"
-]
-
-_TEXT_KINDS: dict[type[_TextQuery], _TextKind] = {
-    AreaIs: "area",
-    InArea: "in_area",
-    NameIs: "name",
-    HasText: "text",
-    FreshnessIs: "freshness",
-    ReachableIs: "reachable",
-    GatewayIs: "gateway",
-}
-_TEXT_TERMS: dict[str, type[_TextQuery]] = {kind: term for term, kind in _TEXT_KINDS.items()}
-_OPERATORS: dict[str, Operator] = {operator: operator for operator in get_args(Operator)}
-
-
-class QueryTerm(Message):
-    """One term of a query on the graph.
-
-    Attributes:
-        kind: The kind of the term.
-        operands: Of ``and``, ``or`` and ``not``: the number of the following terms, each with its own, that it joins.
-        name: The capability of ``can`` and ``state``, the name of ``fact``; of ``type`` the word that was asked for.
-        text: The value of ``fact``, the robot of ``near``, and of every kind that has one text.
-        operator: Of ``state``: ``=``, ``!=``, ``<``, ``<=``, ``>`` or ``>=``.
-        value: Of ``state``: the value to compare with; of ``near``: the most metres of the way, unknown for any.
-        types: Of ``type`` and ``state``: the device types.
-        tag: Of ``type``: the kind of opening.
-        flag: Of ``type``: whether announced words count; of ``can``: whether it must be settable.
-    """
-
-    kind: TermKind
-    operands: UInt32 = 0
-    name: str = ""
-    text: str = ""
-    operator: str = ""
-    value: Value = UNKNOWN
-    types: tuple[str, ...] = ()
-    tag: str = ""
-    flag: bool = False
-
-
 def leaves(query: Query) -> Iterator[Query]:
     """Yield the terms of *query* that join no others."""
     match query:
@@ -310,121 +249,3 @@ def leaves(query: Query) -> Iterator[Query]:
             yield from leaves(term)
         case _:
             yield query
-
-
-def query_terms(query: Query) -> tuple[QueryTerm, ...]:
-    """Return *query* as a list of terms."""
-    found: list[QueryTerm] = []
-    waiting: list[Query] = [query]
-    while waiting:
-        match waiting.pop():
-            case And(operands):
-                found.append(QueryTerm(kind="and", operands=len(operands)))
-                waiting += reversed(operands)
-            case Or(operands):
-                found.append(QueryTerm(kind="or", operands=len(operands)))
-                waiting += reversed(operands)
-            case Not(operand):
-                found.append(QueryTerm(kind="not", operands=1))
-                waiting.append(operand)
-            case _TextTerm(text) as term:
-                found.append(QueryTerm(kind=_TEXT_KINDS[type(term)], text=text))
-            case term:
-                found.append(_WRITERS[type(term)](term))
-    return tuple(found)
-
-
-def read_terms(terms: Sequence[QueryTerm]) -> Query:
-    """Return the query that *terms* are; none at all are one that everything fits.
-
-    Raises:
-        UsageError: They are no query; the message names the term.
-    """
-    if not terms:
-        return And(())
-    if len(terms) > MAX_TERMS:
-        raise UsageError(f"the query has {len(terms):,} terms; {MAX_TERMS:,} is the limit")
-    read: list[tuple[Query, int, int]] = []  # from the last: each query with its depth and the number of its first term
-    for number in range(len(terms), 0, -1):
-        term = terms[number - 1]
-        if term.kind not in _JOINS:
-            read.append((_READERS[term.kind](term, number), 1, number))
-            continue
-        count = 1 if term.kind == "not" else term.operands
-        if count > len(read):
-            raise UsageError(f"the query ends after term {len(terms)}, where an operand of term {number} is missing")
-        operands, depth = [], 1
-        for _ in range(count):
-            operand, below, _ = read.pop()
-            operands.append(operand)
-            depth = max(depth, below + 1)
-        if depth > MAX_DEPTH:
-            raise UsageError(f"the query is nested deeper than {MAX_DEPTH} below term {number}")
-        read.append((_JOINS[term.kind](tuple(operands)), depth, number))
-    if len(read) > 1:
-        extra = read[-2][2]
-        raise UsageError(f"term {extra} of the query, {terms[extra - 1].kind!r}, is not an operand of any other term")
-    return read[0][0]
-
-
-def _write_type(term: TypeIs) -> QueryTerm:
-    return QueryTerm(kind="type", name=term.word, types=tuple(sorted(term.types)), tag=term.tag, flag=term.by_word)
-
-
-def _write_state(term: StateIs) -> QueryTerm:
-    value, types = Value.of(term.value), tuple(sorted(term.types))
-    return QueryTerm(kind="state", name=term.capability, operator=term.operator, value=value, types=types)
-
-
-def _read_state(term: QueryTerm, number: int) -> StateIs:
-    operator = _OPERATORS.get(term.operator)
-    if operator is None:
-        known = ", ".join(_OPERATORS)
-        raise UsageError(f"term {number} of the query has the operator {term.operator!r}, not one of {known}")
-    return StateIs(term.name, operator, term.value.plain(), frozenset(term.types))
-
-
-def _write_near(term: IsNear) -> QueryTerm:
-    metres = UNKNOWN if math.isinf(term.within) else Value.of(term.within)
-    return QueryTerm(kind="near", text=term.robot, value=metres)
-
-
-def _read_near(term: QueryTerm, number: int) -> IsNear:
-    metres = math.inf if term.value == UNKNOWN else term.value.plain()
-    if not isinstance(metres, float) or not metres >= 0:
-        raise UsageError(f"term {number} of the query has the metres {metres!r}, not a number from 0")
-    return IsNear(term.text, metres)
-
-
-def _read_text(term: QueryTerm, _number: int) -> Query:
-    return _TEXT_TERMS[term.kind](term.text)
-
-
-_JOINS: Mapping[str, Callable[[tuple[Query, ...]], Query]] = {
-    "and": And,
-    "or": Or,
-    "not": lambda operands: Not(operands[0]),
-}
-
-_WRITERS: Mapping[type[Query], Callable[[Any], QueryTerm]] = {
-    TypeIs: _write_type,
-    StateIs: _write_state,
-    CanDo: lambda term: QueryTerm(kind="can", name=term.name, flag=term.settable),
-    FactIs: lambda term: QueryTerm(kind="fact", name=term.name, text=term.value),
-    IsNear: _write_near,
-    IsDisputed: lambda _: QueryTerm(kind="disputed"),
-    IsUnapproved: lambda _: QueryTerm(kind="unapproved"),
-}
-"""Make the message of each kind of term that joins no others, and has more than one text."""
-
-_READERS: Mapping[str, Callable[[QueryTerm, int], Query]] = {
-    "type": lambda term, _: TypeIs(term.name, frozenset(term.types), term.tag, term.flag),
-    "state": _read_state,
-    "can": lambda term, _: CanDo(term.name, term.flag),
-    "fact": lambda term, _: FactIs(term.name, term.text),
-    "near": _read_near,
-    "disputed": lambda _term, _: IsDisputed(),
-    "unapproved": lambda _term, _: IsUnapproved(),
-    **dict.fromkeys(_TEXT_TERMS, _read_text),
-}
-"""The reverse: the term of each kind of message, which is the one with that number."""
