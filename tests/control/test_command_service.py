@@ -473,7 +473,18 @@ async def test_alternatives_are_commanded_if_they_mean_one_thing(home: Home, tar
         ("hall lamp or sprinkler", "'sprinkler' in 'hall lamp or sprinkler' is the name of no device"),
         ("either hall lamp or kettle", "'either hall lamp' in 'either hall lamp or kettle' is the name of no device"),
         ("sink or sprinkler", "no device fits 'sink or sprinkler'; `homebot find` shows what does"),
-        ("hall lamp and kettle", "no device fits 'hall lamp and kettle'; join devices with 'or'"),
+        (
+            "hall lamp and kettle",
+            "no device fits 'hall lamp and kettle'; join devices with 'or': 'hall lamp or kettle', which commands "
+            "Hall lamp, Kettle",
+        ),
+        (
+            "lights, worktop",
+            "'lights, worktop' can mean 'lights or worktop', which commands Hall lamp, Kitchen lamp, Worktop lamp, "
+            "or what fits all of it, Worktop lamp; name what you mean",
+        ),
+        ("a light in kitchen", "'a light in kitchen' is one of Kitchen lamp, Worktop lamp; give the name of one"),
+        ("that light", "no device fits 'that light'"),
     ],
 )
 async def test_alternatives_that_may_mean_more_are_asked_back(home: Home, target: str, asked: str) -> None:
@@ -488,6 +499,23 @@ async def test_each_reading_that_is_offered_is_carried_out(home: Home) -> None:
     kitchen_and_hall(home)
     assert (await command(home, "(lights in hall) or (kitchen)", "on")).success
     assert [key for key, _, _ in sent(home)] == ["fan", "hall_lamp", "kettle", "kitchen_lamp", "worktop"]
+
+
+@pytest.mark.parametrize(
+    ("target", "reached"),
+    [
+        ("lights 1", ["more", "one"]),
+        ("attic 10 light", ["ten"]),
+        ('"Lamp 1"', ["one"]),
+        ('name="Lamp 1"', ["one"]),
+        ("lights in attic 1", ["ten"]),
+    ],
+)
+async def test_a_number_and_a_quoted_name_are_whole(home: Home, target: str, reached: list[str]) -> None:
+    for key, name, area in (("one", "Lamp 1", "Attic"), ("ten", "Lamp 10", "Attic 1"), ("more", "Lamp 1 b", "Hall")):
+        home.put(key, "light", "on_off", name=name, area=area)
+    assert (await command(home, target, "on")).success
+    assert [key for key, _, _ in sent(home)] == reached
 
 
 async def test_an_option_is_for_the_setting_that_has_it(home: Home) -> None:

@@ -80,20 +80,21 @@ class CommandTargets:
         if named := await self._named(target):
             return named
         readings = readings_of(target)
-        is_one = len(readings.alternatives) == 1
-        found = await (self._one_query(request, target) if is_one else self._any_of(request, target, readings))
+        is_list = len(readings.alternatives) == 1 and bool(readings.distributed)
+        found = await (self._listed if is_list else self._any_of)(request, target, readings)
         if not found:
             names = {name for one in await self._lookup.devices() for name in (one.id, *one.names)}
             joined = "join devices with 'or'" if _JOINED.search(target) else "`homebot find` shows what does"
-            hint = did_you_mean(target, names, joined, _TYPO)
+            hint = did_you_mean(_ARTICLE.sub(r"\1", target), names, joined, _TYPO)
             raise NoTargetError(f"no device fits {target!r}; {hint}")
+        if len(_places(found)) > 1 and _ONE.match(target):
+            raise NoTargetError(f"{target!r} is one of {_names(found)}; give the name of one")
         return found
 
     async def _named(self, target: str) -> list[_Target]:
-        """Return the device, or its part, that has the id or the name *target*; an article may precede a name."""
-        return await self._called(target) or (
-            await self._called(article[1]) if (article := _ARTICLE.fullmatch(target)) is not None else []
-        )
+        """Return the device, or its part, that has the id or name *target*, perhaps quoted or with an article."""
+        spelled = _ARTICLE.fullmatch(target) or _QUOTED.fullmatch(target)
+        return await self._called(target) or (await self._called(spelled[1]) if spelled is not None else [])
 
     async def _called(self, target: str) -> list[_Target]:
         device_id, _, part_id = target.partition("#")
@@ -111,6 +112,8 @@ class CommandTargets:
         Raises:
             NoTargetError: It is ambiguous; the message names the targets of each reading.
         """
+        if len(readings.alternatives) == 1:
+            return await self._one_query(request, target)
         found, unnamed = await self._all_of(request, readings.alternatives, readings.words)
         spelled = " or ".join(f"({text})" for text in readings.alternatives)
         literal = f"{spelled!r}, which commands {_names(found)}"
@@ -125,6 +128,24 @@ class CommandTargets:
         if unnamed and found:
             raise NoTargetError(f"{unnamed[0]!r} in {target!r} is the name of no device; give names, or {literal}")
         return found
+
+    async def _listed(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
+        """Return the targets that fit all of *target*, if it does not list other ones; see :meth:`_any_of`."""
+        others, _ = await self._all_of(request, readings.distributed)
+        try:
+            found = await self._one_query(request, target)
+        except NoTargetError:
+            found = []
+            if not others:
+                raise
+        if not others or _places(others) == _places(found):
+            return found
+        listed = f"{' or '.join(readings.distributed)!r}, which commands {_names(others)}"
+        if not found:
+            raise NoTargetError(f"no device fits {target!r}; join devices with 'or': {listed}")
+        raise NoTargetError(
+            f"{target!r} can mean {listed}, or what fits all of it, {_names(found)}; name what you mean"
+        )
 
     async def _all_of(
         self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
@@ -214,7 +235,7 @@ class CommandTargets:
             return await self._named_part(text)
         if total > MOST_DEVICES:
             raise NoTargetError(f"{total:,} devices fit {text!r}; at most {MOST_DEVICES:,} may be commanded")
-        meant = _spelled(text, query, await self._lookup.devices(query))
+        meant = _numbered(query, _spelled(text, query, await self._lookup.devices(query)))
         if isinstance(query, HasText) and len(meant) > 1 and not is_alternative:
             raise NoTargetError(f"{len(meant)} devices mention {text!r}; give the name of one, or a type")
         return [(device, _parts(device, query)) for device in meant]
@@ -236,6 +257,8 @@ _FUNCTIONS = frozenset({"plug", "switch"})
 _SETTINGS = frozenset({"x_setting"})
 _JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
 _ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
+_QUOTED = re.compile(r'"([^"]+)"')
+_ONE = re.compile(r"an?\s", re.IGNORECASE)
 _MOST_NAMES = 8
 
 _MOST_NEAR = 10
@@ -296,6 +319,8 @@ def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
             return all(_is_spelled(term, words) for term in terms)
         case Or(terms):
             return any(_is_spelled(term, words) for term in terms)
+        case HasText(word) if word.isdecimal():
+            return word in words
         case HasText(word):
             return any(one.startswith(word) for one in words)
         case _:
@@ -313,6 +338,17 @@ def _spelled(text: str, query: Query, devices: tuple[Device, ...]) -> list[Devic
         similar = " or ".join(device.name or device.id for device in devices[:3])
         raise NoTargetError(f"no device fits {text!r}; did you mean {similar}?")
     return meant
+
+
+def _numbered(query: Query, devices: list[Device]) -> list[Device]:
+    """Return those of *devices* with the numbers of *query* in their names, or all: a room may have a number too."""
+    numbers = {word for word in _texts(query) if word.isdecimal()}
+    return [one for one in devices if numbers <= _called(one)] or devices
+
+
+def _called(device: Device) -> set[str]:
+    """Return the words of the id and the names of *device*."""
+    return set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names))))
 
 
 def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
@@ -336,7 +372,7 @@ def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
     """
     main = _main_parts(device)
     meant = [part for part in main if fits(query, PartFacets(device, part))] or list(main)
-    called = set(chain.from_iterable(map(words_of, (device.id, device.name, *device.names, device.area, *device.tags))))
+    called = _called(device).union(*map(words_of, (device.area, *device.tags)))
     for word in _texts(query):
         if not any(one.startswith(word) for one in called):
             named = [one for one in meant if any(own.startswith(word) for own in words_of(one.part.name))]

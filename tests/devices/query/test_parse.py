@@ -18,6 +18,7 @@ from homebot.devices.query import (
     IsDisputed,
     IsNear,
     IsUnapproved,
+    NameIs,
     Not,
     Or,
     Query,
@@ -83,6 +84,10 @@ UNDERSTOOD: dict[str, Query] = {
     "lamps in hall near the robot within 2.5m": And((type_is("lamps"), InArea("hall"), IsNear("robot", 2.5))),
     "(lamp or plug) near 'robot 2'": And((Or((type_is("lamp"), type_is("plug"))), IsNear("robot 2"))),
     "serial_number=A7": FactIs("serial_number", "a7"),
+    'name="Hall lamp"': NameIs("hall lamp"),
+    "name=hall": FactIs("name", "hall"),
+    "lamps that are offline": And((type_is("lamps"), ReachableIs("no"))),
+    "that lamp": And((HasText("that"), type_is("lamp"))),
 }
 
 

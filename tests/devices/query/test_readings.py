@@ -1,4 +1,4 @@
-"""Readings of queries with ``or``."""
+"""Readings of queries with ``or``, and of lists."""
 
 from __future__ import annotations
 
@@ -24,6 +24,9 @@ from homebot.errors import UsageError
         ("(lights in hall) or (kitchen)", "(lights in hall)|(kitchen)", ""),
         ("hall_lamp or kitchen_lamp", "hall_lamp|kitchen_lamp", ""),
         ("lights in hall", "lights in hall", ""),
+        ("hall lamp, hall lamp 2", "hall lamp, hall lamp 2", "hall lamp|hall lamp 2"),
+        ("kitchen and hall lights", "kitchen and hall lights", "kitchen lights|hall lights"),
+        ("lights and dimmable in hall", "lights dimmable in hall", ""),
         ("all", "all", ""),
         ("the or lamp", "all|lamp", ""),
     ],

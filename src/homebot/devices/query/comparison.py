@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import get_args
 
 from homebot.devices.capabilities import CAPABILITIES, CapabilityType
@@ -15,6 +16,7 @@ from homebot.devices.query.terms import (
     GatewayIs,
     HasText,
     InArea,
+    NameIs,
     Not,
     Operator,
     Query,
@@ -172,8 +174,11 @@ def _type(value: Token) -> TypeIs:
     return type_is(value.text)
 
 
+_NAME_BEGINS = partial(FactIs, "name")
+
 _FIELDS: Mapping[str, Callable[[Token, Token], Query]] = {
     "area": lambda _, value: InArea(fold(value.text)),
+    "name": lambda _, value: (NameIs if value.kind == "text" else _NAME_BEGINS)(fold(value.text)),
     "type": lambda _, value: _type(value),
     "freshness": _freshness,
     "reachable": _reachable,

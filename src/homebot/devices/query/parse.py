@@ -30,6 +30,7 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.comparison import UNITS, comparison
 from homebot.devices.query.near import split_near
+from homebot.devices.query.phrases import all_of, is_meaningful, meaning_of
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -40,28 +41,26 @@ from homebot.devices.query.terms import (
     Not,
     Or,
     Query,
-    StateIs,
-    TypeIs,
-    type_is,
 )
 from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
-    ABILITIES,
-    ADJECTIVES,
     CAPABILITY_WORDS,
-    CONDITIONS,
     FILLERS,
     KEYWORDS,
     NOT_UNDERSTOOD,
+    RELATIVES,
 )
 from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of
 from homebot.support.similar import did_you_mean
 
-__all__ = ["parse_alternatives", "parse_query"]
+__all__ = ["Term", "parse_alternatives", "parse_query"]
 
-_Span: TypeAlias = tuple[Query, int, int]
-"""A term, with the places of its first token and of the one after its last."""
+Term: TypeAlias = tuple[Query, str, bool]
+"""A term with its text, and whether ``and``, ``but`` or a comma precedes it."""
+
+_Span: TypeAlias = tuple[Query, int, int, bool]
+"""A term, with the places of its first token and of the one after its last, and whether it is joined as a ``Term``."""
 
 _NOWHERE = AreaIs("")
 """A device of which no room is known."""
@@ -83,8 +82,8 @@ def parse_query(text: str) -> Query:
     return _Parser(tokens_of(text)).query()
 
 
-def parse_alternatives(text: str) -> tuple[tuple[tuple[Query, str], ...], ...]:
-    """Return the alternatives that *text* joins with ``or`` outside of brackets, each as its terms with their texts.
+def parse_alternatives(text: str) -> tuple[tuple[Term, ...], ...]:
+    """Return the alternatives that *text* joins with ``or`` outside of brackets, each as its terms.
 
     Raises:
         UsageError: As :func:`parse_query`.
@@ -94,7 +93,7 @@ def parse_alternatives(text: str) -> tuple[tuple[tuple[Query, str], ...], ...]:
     tokens = tokens_of(text)
     ends = [*(token.at - 1 for token in tokens), len(text)]
     return tuple(
-        tuple((term, text[ends[first] : ends[last]].strip()) for term, first, last in terms)
+        tuple((term, text[ends[first] : ends[last]].strip(), joined) for term, first, last, joined in terms)
         for terms in _Parser(tokens).alternatives()
     )
 
@@ -121,26 +120,27 @@ class _Parser:
         return found
 
     def _any(self) -> Query:
-        alternatives = [_all_of([term for term, _, _ in terms]) for terms in self.alternatives()]
+        alternatives = [all_of([term for term, *_ in terms]) for terms in self.alternatives()]
         return alternatives[0] if len(alternatives) == 1 else Or(tuple(alternatives))
 
     def _terms(self) -> list[_Span]:
         terms: list[_Span] = []
-        is_open = True
+        is_open, is_joined = True, False
         while (token := self._peek()) is not None and token.kind != ")" and not _is(token, "or"):
             if _joins(token):
                 if is_open:
                     raise _missing(token)
                 self._place += 1
                 self._check_exception(token)
-                is_open = True
+                is_open = is_joined = True
                 continue
-            is_open = False
             if self._is_filler(token):
+                is_open = False
                 self._place += 1
                 continue
             first = self._place
-            terms.append((self._one(), first, self._place))
+            terms.append((self._one(), first, self._place, bool(terms) and is_joined))
+            is_open = is_joined = False
         if is_open:
             raise _missing(self._peek() or self._tokens[-1])
         return terms
@@ -220,7 +220,10 @@ class _Parser:
         return self._length_of_name() > 0
 
     def _is_filler(self, token: Token) -> bool:
-        return token.kind == "word" and fold(token.text) in FILLERS and not self._is_compared()
+        if token.kind != "word" or self._is_compared():
+            return False
+        word = fold(token.text)
+        return word in FILLERS or (word in RELATIVES and self._folded(2).endswith((" is", " are")))
 
     def _length_of_name(self) -> int:
         """Return the number of words before an operator: one, or those of a capability; 0 if there is none."""
@@ -287,7 +290,7 @@ class _Parser:
     def _phrase(self) -> Query:
         """Parse the longest phrase that means something; a single word that does not is searched for."""
         for length in range(_LONGEST_PHRASE, 0, -1):
-            if (meant := _meaning(self._folded(length))) is not None:
+            if (meant := meaning_of(self._folded(length))) is not None:
                 self._place += length
                 return meant
         token = self._tokens[self._place]
@@ -328,20 +331,6 @@ class _Parser:
         return self._tokens[self._place] if self._place < len(self._tokens) else None
 
 
-def _meaning(phrase: str) -> Query | None:
-    if not phrase:
-        return None
-    if (meant := CONDITIONS.get(phrase) or ABILITIES.get(phrase)) is not None:
-        return meant
-    if (states := ADJECTIVES.get(phrase)) is not None:
-        return states[0] if len(states) == 1 else Or(states)
-    capability = CAPABILITY_WORDS.get(phrase)
-    if wanted_types(phrase) or phrase in {"sensor", "sensors"}:
-        named = type_is(phrase)
-        return named if capability is None else Or((named, CanDo(capability)))
-    return None if capability is None else CanDo(capability)
-
-
 _BEGINNINGS: Mapping[str, Callable[[_Parser, Token], Query]] = {
     "not": _Parser.negated,
     "without": _Parser.negated,
@@ -359,42 +348,7 @@ _FIELD_NAMES = frozenset({"in", "near"})
 
 def _ends_area(word: str, words: list[str]) -> bool:
     """Return whether *word* is not in the name of a room that begins with *words*."""
-    return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and _is_known(word))
-
-
-def _is_known(word: str) -> bool:
-    return word in ADJECTIVES or word in CONDITIONS or word in ABILITIES or bool(type_is(word).types)
-
-
-def _all_of(terms: list[Query]) -> Query:
-    if not any(isinstance(term, TypeIs) for term in terms):
-        terms = [_NOUNS.get(term, term) for term in terms]
-    scoped = _with_scopes(terms)
-    return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
-
-
-def _with_scopes(terms: list[Query]) -> list[Query]:
-    """Restrict adjectives to the types beside them."""
-    types = frozenset(one for term in terms if isinstance(term, TypeIs) for one in term.types)
-    return [_scoped(term, types) for term in terms] if types else terms
-
-
-def _scoped(term: Query, types: frozenset[str]) -> Query:
-    if term in _ADJECTIVE_TERMS:
-        match term:
-            case StateIs():
-                return replace(term, types=types)
-            case Or(terms):
-                return Or(tuple(replace(one, types=types) for one in terms if isinstance(one, StateIs)))
-    return Not(_scoped(term.term, types)) if isinstance(term, Not) else term
-
-
-_ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for states in ADJECTIVES.values())
-
-_NOUNS: dict[Query, Query] = {
-    states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)
-}
-"""Types with a word that is an adjective too, such as ``heating``, for that adjective without a type beside it."""
+    return word in KEYWORDS | NOT_UNDERSTOOD or (bool(words) and is_meaningful(word))
 
 
 _EXCEPTED = re.compile(r"[!¬~-][^\W\d]")

@@ -1,6 +1,7 @@
-"""Readings of a query with ``or``, for commands: a search may find too much, a command may not reach it. Pure.
+"""Readings of a query for commands: a search may find too much or too little, a command may not. Pure.
 
-In ``lights in hall or kitchen`` and in ``lights or fans in hall``, a word on only one side may be meant for both.
+In ``lights in hall or kitchen`` and in ``lights or fans in hall``, a word on only one side may be meant for both. In
+``hall lamp, hall lamp 2`` two devices are meant, although one has all these words.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal, TypeAlias
 
-from homebot.devices.query.parse import parse_alternatives
+from homebot.devices.query.parse import Term, parse_alternatives
 from homebot.devices.query.terms import And, HasText, InArea, Or, Query, TypeIs
 
 __all__ = ["Readings", "readings_of"]
@@ -26,7 +27,8 @@ class Readings:
     Attributes:
         alternatives: The queries on its sides, as :func:`homebot.devices.query.parse.parse_query` reads it.
         words: Those of them that are words to be searched for, or ``all``, and nothing else.
-        distributed: The queries on its sides if a word on only one is meant for both; empty if that makes no sense.
+        distributed: The queries on its sides if a word on only one is meant for both; empty if that makes no sense. Of
+            a query without ``or`` those that it joins with ``and`` or commas, if it may list devices.
     """
 
     alternatives: tuple[str, ...]
@@ -40,21 +42,31 @@ def readings_of(text: str) -> Readings:
     Raises:
         UsageError: It is no query.
     """
-    sides = [_units(terms) for terms in parse_alternatives(text)]
+    alternatives = parse_alternatives(text)
+    if len(alternatives) == 1 and (listed := _listed(alternatives[0])):
+        return Readings((text,), frozenset(), tuple(_distributed(listed)))
+    sides = [_units(terms) for terms in alternatives]
     if len(sides) == 1 and len(sides[0]) == 1 and (inner := sides[0][0][1]).startswith("("):
         return readings_of(inner[1:-1])
-    alternatives = tuple(map(_text, sides))
+    texts = tuple(map(_text, sides))
     distributed = tuple(_distributed(sides))
     return Readings(
-        alternatives=alternatives,
+        alternatives=texts,
         words=frozenset(_text(side) for side in sides if {kind for kind, _ in side} <= {"words"}),
-        distributed=distributed if distributed != alternatives else (),
+        distributed=distributed if distributed != texts else (),
     )
 
 
-def _units(terms: tuple[tuple[Query, str], ...]) -> list[_Unit]:
+def _listed(terms: tuple[Term, ...]) -> list[list[_Unit]]:
+    """Return the sides of a list of devices, each of which begins with a type, a room or words; empty if it is none."""
+    starts = [place for place, (_, _, is_joined) in enumerate(terms) if is_joined]
+    sides = [_units(terms[start:end]) for start, end in zip([0, *starts], [*starts, None], strict=True)]
+    return sides if len(sides) > 1 and all(side[0][0] != "other" for side in sides) else []
+
+
+def _units(terms: tuple[Term, ...]) -> list[_Unit]:
     """Return *terms* with words in a row as one."""
-    kinds = [(_kind(term, text), text) for term, text in terms]
+    kinds = [(_kind(term, text), text) for term, text, _ in terms]
     units: list[_Unit] = []
     for kind, group in groupby(kinds, key=lambda one: one[0]):
         texts = [text for _, text in group]

@@ -20,14 +20,18 @@ __all__ = [
     "FILLERS",
     "KEYWORDS",
     "NOT_UNDERSTOOD",
+    "RELATIVES",
     "TYPE_WORDS",
 ]
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
-_FILLERS = "the a an all any every each device devices that which are is my of"
+_FILLERS = "the a an all any every each device devices are is my of"
 FILLERS = frozenset(_FILLERS.split())
 """Words that make a query a sentence and mean nothing."""
+
+RELATIVES = frozenset({"that", "which"})
+"""Words that are fillers before ``is`` and ``are``; ``that lamp`` is one that a person points to."""
 
 FIELDS: Mapping[str, str] = MappingProxyType(
     {
