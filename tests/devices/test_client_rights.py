@@ -85,6 +85,7 @@ NAMES_THAT_ASK = (
     "Front door release, Gate strike, Disarm, Water heater, Immersion heater 2, Hot water, Geyser, Sauna, "
     "Sauna heater, Fireplace left, Garagentor, Garagentor links, Tor, Einfahrtstor auf/zu, Tor Einfahrt, "
     "Haustür, Haustuer Summer, Türschloss, Schloss Haustür, Türöffner unten, Wasserventil Garten, Backofen, "
+    "Space heater, Fan heater left, Heizlüfter, Bad Heizluefter, Radiateur soufflant, "
     "Boiler Bad, Oven plug, Porte de garage, Porte du garage gauche, Serrure de la porte d'entrée, "
     "Ouverture portail, Portail voiture, Vanne d'eau, Chauffe-eau, Cancello, Apri cancello, Porta del garage, "
     "Caldaia, Válvula principal, Puerta del garaje, Horno, Garagedeur, Poort openen, Sprinkler zone 1, Heizkessel, "
@@ -172,6 +173,7 @@ def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
 
 
 OTHER_NAMES = (
+    "Heater, Towel heater, Kettle, Iron, Lüfter, Heizlüfter Lampe, "
     "Gate light, Lock monitor, Plug, Garage, Door, Door lamp, Garage light, Valve battery, Heizung Bad, "
     "Door bell garage, Garage door light, Garage heater left, Gate lamp 2, Valve amplifier, Front left, "
     "Navigate, Block heater, Child lock, Child lock 2, Clock, Gateway, Letter opener, Door sensor 1, EV charger, "

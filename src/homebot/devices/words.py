@@ -2,7 +2,9 @@
 
 The words of the table have small letters without accents, see :mod:`homebot.support.folding`. Its groups:
 
-- ``heat``: loads that burn or scald. ``water``: loads that flood, and valves of gas. ``entry``: gates, doors, bolts.
+- ``heat``: loads that burn or scald. Of heaters only those that blow or glow: their manuals (IEC 60335-2-30)
+  forbid to switch them by a timer or from afar, as they may be covered.
+- ``water``: loads that flood, and valves of gas. ``entry``: gates, doors, bolts.
 - ``lock``: locks.
 - ``opener``: drives of a door or a gate. ``open``: commands that let in or disarm.
 - ``siren``: loads that sound. It does not always ask, but is no load like others.
@@ -100,7 +102,8 @@ def _clauses(words: tuple[str, ...], language: _Language) -> Iterator[tuple[str,
 
 
 def _match(words: tuple[str, ...], language: _Language, groups: Groups, *, at_end: bool) -> str:
-    if language.beside and any(word.endswith(language.beside) for word in words):
+    own = tuple(ending for ending, _ in language.endings)
+    if language.beside and any(word.endswith(language.beside) and not word.endswith(own) for word in words):
         return ""
     content = tuple(word for word in words if word not in language.fillers)
     if frozenset(content[-2:]) in language.never:
