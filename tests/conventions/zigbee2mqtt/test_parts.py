@@ -206,7 +206,52 @@ def test_an_incomplete_mode_of_two_properties_is_ignored() -> None:
     assert said(part, system_mode="heat") == {}
     assert said(part, operating_mode="manual") == {}
     assert said(part, operating_mode="x") == {}
-    assert said(part, operating_mode=None) == {"thermostat_mode": None}
+    assert said(part, operating_mode=None) == {"thermostat_mode": None, "on_off": None}
+
+
+def thermostat(setpoints: str, *modes: str) -> DescribedPart:
+    numbers = [feature("numeric", name, unit="°C", value_min=5, value_max=30) for name in setpoints.split()]
+    return built({"type": "climate", "features": [*numbers, feature("enum", "system_mode", values=list(modes))]})[0]
+
+
+@pytest.mark.parametrize(
+    ("part", "on", "off"),
+    [
+        (operating("heat"), {"operating_mode": "manual"}, {"operating_mode": "pause"}),
+        (thermostat("", "off", "auto"), {"system_mode": "auto"}, {"system_mode": "off"}),
+        (thermostat("", "off", "auto", "dry", "cool"), {"system_mode": "cool"}, {"system_mode": "off"}),
+    ],
+)
+def test_a_thermostat_is_switched_by_its_modes(part: DescribedPart, on: dict[str, Any], off: dict[str, Any]) -> None:
+    """As Zigbee2MQTT's announcement to Home Assistant is."""
+    assert told(part, "on_off", value=True) == on
+    assert told(part, "on_off", value=False) == off
+    assert said(part, **{"system_mode": "heat", **on})["on_off"] is True
+    assert said(part, **off)["on_off"] is False
+
+
+def test_a_thermostat_without_a_mode_that_is_on_is_only_turned_off() -> None:
+    part = thermostat("", "off", "dry", "fan_only")
+    assert told(part, "on_off", value=False) == {"system_mode": "off"}
+    with pytest.raises(RefusedError, match="none of its modes is that: off, dry, fan_only"):
+        part.codec.write("on_off", value=True)
+
+
+@pytest.mark.parametrize(
+    ("part", "setpoints"),
+    [
+        (thermostat("occupied_heating_setpoint", "off", "heat"), ["heating_setpoint"]),
+        (thermostat("current_heating_setpoint", "cool", "heat", "dry"), ["cooling_setpoint", "heating_setpoint"]),
+        (thermostat("current_heating_setpoint", "cool", "dry", "fan_only"), ["cooling_setpoint"]),
+        (
+            thermostat("occupied_heating_setpoint occupied_cooling_setpoint", "cool", "heat"),
+            ["cooling_setpoint", "heating_setpoint"],
+        ),
+    ],
+)
+def test_a_single_setpoint_is_that_of_the_modes_that_use_it(part: DescribedPart, setpoints: list[str]) -> None:
+    """A split air conditioner that is set by ``current_heating_setpoint`` alone cools by it."""
+    assert [name for name in names(part) if name.endswith("setpoint")] == setpoints
 
 
 def binary(name: str, on: object, off: object) -> dict[str, Any]:

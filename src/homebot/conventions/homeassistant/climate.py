@@ -16,6 +16,7 @@ from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
+from homebot.conventions.thermostat_modes import modes_of_switch, setpoints_of
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -53,9 +54,7 @@ _ACTIONS = ("off", "heating", "cooling", "drying", "idle", "fan", "preheating", 
 _CHOICES = {"fan_mode": ("auto", "low", "medium", "high"), "swing_mode": ("on", "off")}
 """Default options by capability, which is also the beginning of the fields."""
 
-_PAIR = 2
 _SHOWN = 200
-_SWITCHED_ON = ("heat_cool", "heat", "cool")
 
 
 def _modes(config: DiscoveryConfig) -> tuple[str, ...]:
@@ -86,7 +85,7 @@ def _add_switch(
     """Add ``on_off``: with a topic of its own, or else by the mode, as in Home Assistant."""
     power = config.command_of("power")
     command = power or mode
-    texts = config.on_off_payloads() if power else _modes_of_switch(modes)
+    texts = config.on_off_payloads() if power else modes_of_switch(modes)
     source = _source_of(config, "mode_state") if "off" in modes else None
 
     def write(value: PlainValue, _transition: float) -> Publications:
@@ -101,13 +100,6 @@ def _add_switch(
     is_readable = entity.read_text_from(source, partial(_read_switch, modes))
     entity.add_capability("on_off", readable=is_readable, writer=write if command and texts else None)
     entity.add_commands(power)
-
-
-def _modes_of_switch(modes: tuple[str, ...]) -> dict[bool, str]:
-    """Return the modes of on and off. Of two modes, any other one than off is on."""
-    is_pair = len(modes) == _PAIR and "off" in modes
-    on = [mode for mode in (modes if is_pair else _SWITCHED_ON) if mode in modes and mode != "off"]
-    return {**({True: on[0]} if on else {}), **({False: "off"} if "off" in modes else {})}
 
 
 def _read_switch(modes: tuple[str, ...], text: str) -> Readings:
@@ -222,14 +214,13 @@ class _TargetMode:
 def _add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: _TargetMode) -> None:
     """Add the current temperature and the setpoints.
 
-    A single target is a ``heating_setpoint`` if the device heats or has no modes, and a ``cooling_setpoint`` if it
-    cools. Of a pair the lower one heats and the upper one cools. Of both, the pair is effective in the mode
+    Of a pair the lower one heats and the upper one cools. Of a pair and a single one, the pair is effective in the mode
     ``heat_cool``, and the single one in any other. In an unknown mode neither is commanded. Without modes the pair is
     effective.
     """
     temperatures = _read_temperatures(config, 7.0, 35.0)
     has_pair = any(_is_there(config, end) for end in _ENDS.values())
-    by_single = _by_single(modes)
+    by_single = setpoints_of(modes)
     if has_pair and modes and _is_there(config, _SINGLE):
         _add_both(entity, config, modes, _Targets(mode, temperatures, by_single))
     else:
@@ -240,18 +231,10 @@ def _add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str,
 
 _SINGLE = "temperature"
 _ENDS = {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}
-_HEATS = frozenset({"heat", "heat_cool", "auto"})
-_COOLS = frozenset({"cool", "heat_cool"})
 
 
 def _is_there(config: DiscoveryConfig, key: str) -> bool:
     return config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic")
-
-
-def _by_single(modes: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the capabilities of a single target."""
-    cools = ("cooling_setpoint",) if _COOLS.intersection(modes) else ()
-    return (*cools, "heating_setpoint") if not cools or _HEATS.intersection(modes) else cools
 
 
 def _add_both(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], targets: _Targets) -> None:

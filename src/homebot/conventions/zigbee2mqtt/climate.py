@@ -9,15 +9,18 @@ BTH-RA, BTH-RM and BTH-RM230Z, as Zigbee2MQTT 2.14.1 announces them to Home Assi
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import partial
 
-from homebot.conventions.command_values import require_option
+from homebot.conventions.command_values import bool_writer, require_bool, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
+from homebot.conventions.thermostat_modes import modes_of_switch, setpoints_of
 from homebot.conventions.zigbee2mqtt.expose import Expose
-from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics
+from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
 __all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type", "is_program"]
 
@@ -39,7 +42,8 @@ def _add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
     by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
     both = _Mode(part.topics, mode, program, by_hand)
     part.read_from(part.topics.state, both.read)
-    part.add_capability("thermostat_mode", writer=both.write, options=("off", *by_hand, "auto"))
+    part.add_capability("thermostat_mode", writer=both.write, options=both.options)
+    part.add_capability("on_off", writer=both.write_switch)
     part.add_command_topics(part.topics.command)
 
 
@@ -52,25 +56,57 @@ class _Mode:
     program: Expose
     by_hand: tuple[str, ...]
 
+    @property
+    def options(self) -> tuple[str, ...]:
+        """All modes."""
+        return ("off", *self.by_hand, "auto")
+
     def read(self, message: JsonMessage) -> Readings:
         if self.program.key not in message:
             return NO_READINGS
         reported = message[self.program.key]
         if reported is None:
-            return {"thermostat_mode": None}
+            return {"thermostat_mode": None, "on_off": None}
         if reported == _MANUAL:
             reported = message.get(self.mode.key)
             found = reported if reported in self.by_hand else self.by_hand[0] if len(self.by_hand) == 1 else None
         else:
             found = _MODES.get(reported) if isinstance(reported, str) else None
-        return NO_READINGS if found is None else {"thermostat_mode": found}
+        return NO_READINGS if found is None else {"thermostat_mode": found, "on_off": found != "off"}
 
     def write(self, value: PlainValue, _transition: float) -> Publications:
-        target = require_option("thermostat_mode", value, ("off", *self.by_hand, "auto"))
+        target = require_option("thermostat_mode", value, self.options)
         if target in _OPTIONS:
             return self.topics.publish({self.program.key: _OPTIONS[target]})
         further = {self.mode.key: self.mode.options[target]} if len(self.mode.options) >= _PAIR else {}
         return self.topics.publish({self.program.key: _MANUAL, **further})
+
+    def write_switch(self, value: PlainValue, transition: float) -> Publications:
+        return self.write(_mode_of(value, self.options), transition)
+
+
+def _add_switch(part: Zigbee2MqttPart, mode: Expose) -> None:
+    """Add ``on_off``, from the enum ``system_mode``: any other mode than off is on."""
+    options, key = mode.options, mode.key
+    writer = bool_writer("on_off", lambda on: part.topics.publish({key: options[_mode_of(on, options)]}))
+    part.add_feature(mode, "on_off", partial(_read_switch, options), writer if mode.is_settable else None)
+
+
+def _read_switch(options: Collection[str], value: object) -> bool | None:
+    mode = text_of(value)
+    return mode != "off" if mode in options else None
+
+
+def _mode_of(on: PlainValue, modes: Collection[str]) -> str:
+    """Return the mode of on or off.
+
+    Raises:
+        RefusedError: *on* is no boolean, or no mode of the device is on.
+    """
+    target = modes_of_switch(modes).get(require_bool("on_off", on))
+    if target is None:
+        raise RefusedError("on_off true", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
+    return target
 
 
 def climate_type(climate: Expose) -> str:
@@ -82,13 +118,15 @@ def climate_type(climate: Expose) -> str:
 
 def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None) -> DescribedPart:
     """Describe a thermostat; *program* is the enum of its program."""
-    for capability, names in _NUMBERS.items():
-        part.add_number(climate.feature(*names), capability)
+    part.add_number(climate.feature("local_temperature"), "local_temperature")
     mode = climate.feature("system_mode")
+    _add_setpoints(part, climate, mode.options if mode is not None else ())
     if mode is not None and program is not None:
         _add_mode(part, mode, program)
     else:
         part.add_enum(mode, "thermostat_mode")
+        if mode is not None and "off" in mode.options:
+            _add_switch(part, mode)
     for capability, name, meanings in _ENUMS:
         part.add_enum(climate.feature(name), capability, meanings)
     part.request(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE))
@@ -105,11 +143,17 @@ def build_thermometer(topics: Zigbee2MqttTopics, climate: Expose) -> DescribedPa
     return part.build()
 
 
-_NUMBERS: Mapping[str, tuple[str, ...]] = {
-    "local_temperature": ("local_temperature",),
-    "heating_setpoint": ("occupied_heating_setpoint", "current_heating_setpoint"),
-    "cooling_setpoint": ("occupied_cooling_setpoint",),
-}
+def _add_setpoints(part: Zigbee2MqttPart, climate: Expose, modes: Collection[str]) -> None:
+    """Add a pair of setpoints, or the single one by the *modes* that use it."""
+    single, cooling = climate.feature(*_SINGLE), climate.feature(_COOLING)
+    part.add_number(cooling, "cooling_setpoint")
+    for capability in setpoints_of(modes) if cooling is None else ("heating_setpoint",):
+        part.add_number(single, capability)
+
+
+_SHOWN = 200
+_SINGLE = ("occupied_heating_setpoint", "current_heating_setpoint")
+_COOLING = "occupied_cooling_setpoint"
 _ENUMS: tuple[tuple[str, str, Mapping[str, str] | None], ...] = (
     ("fan_mode", "fan_mode", None),
     ("swing_mode", "swing_mode", None),
@@ -119,5 +163,5 @@ _ENUMS: tuple[tuple[str, str, Mapping[str, str] | None], ...] = (
 """Capability, feature, and the vocabulary's names of its values if they differ."""
 
 FEATURES_OF_CLIMATE = frozenset(
-    {"system_mode", *(name for _, name, _ in _ENUMS), *(name for names in _NUMBERS.values() for name in names)}
+    {"system_mode", "local_temperature", *_SINGLE, _COOLING, *(name for _, name, _ in _ENUMS)}
 )
