@@ -102,6 +102,7 @@ def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
         "power_source": "Mains (single phase)",
         "zigbee_type": "Router",
         "via_device": "zigbee2mqtt_bridge_0x00124b0000000001",
+        "origin": "Zigbee2MQTT",
     }
     assert device.parts[0].part.reads == ("zigbee2mqtt/kitchen/lamp",)
     assert device.parts[0].part.writes == ("zigbee2mqtt/kitchen/lamp/set",)
@@ -231,6 +232,15 @@ def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() 
     assert sources(one(info(convention, config))) == ["zigbee2mqtt/bridge/state"]
     assert info(convention, config) == ()
     assert {device.key for device in info(convention, {"availability": {"enabled": True}})} == {PLUG}
+
+
+def test_the_room_that_a_user_gave_a_device_for_home_assistant_is_its_room() -> None:
+    convention = bridge()
+    assert one(heard(convention, entry())).area == ""
+    overrides = {"homeassistant": {"device": {"suggested_area": "Kitchen"}}}
+    assert one(info(convention, {"availability": True, "devices": {LAMP: overrides}})).area == "Kitchen"
+    assert one(heard(convention, entry())).area == "Kitchen"
+    assert one(info(convention, {"availability": True, "devices": {LAMP: {"homeassistant": None}}})).area == ""
 
 
 @pytest.mark.parametrize(("payload", "problem"), [(b"{}", "config is None"), (b"{", "JSON")])

@@ -16,12 +16,12 @@ from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
 __all__ = [
-    "AvailabilityRule",
     "BridgeDevice",
+    "BridgeSettings",
     "StateAvailability",
     "ieee_address",
-    "read_availability_rule",
     "read_bridge_device",
+    "read_bridge_settings",
 ]
 
 
@@ -44,24 +44,28 @@ class StateAvailability:
 
 
 @dataclass(frozen=True, slots=True)
-class AvailabilityRule:
-    """Setting of a bridge: whether devices report their availability, with exceptions by address.
+class BridgeSettings:
+    """Settings of a bridge for its devices.
 
-    The availability of other devices is that of the bridge.
+    Attributes:
+        has_availability: Whether devices report their availability; that of the others is the bridge's.
+        exceptions: The same of single devices, by address.
+        areas: The rooms that the user named for Home Assistant (``suggested_area``), by address.
     """
 
-    is_on: bool = True
+    has_availability: bool = True
     exceptions: Mapping[str, bool] = field(default_factory=dict)
+    areas: Mapping[str, str] = field(default_factory=dict)
 
     def availability(self, base: str, ieee: str, topic: str) -> Availability:
         """Return the availability of the device at *topic*."""
         sources = (StateAvailability(f"{base}/bridge/state"), StateAvailability(f"{topic}/availability"))
-        is_on = self.exceptions.get(ieee, self.is_on)
-        return Availability(sources if is_on else sources[:1], mode="all")
+        has_own = self.exceptions.get(ieee, self.has_availability)
+        return Availability(sources if has_own else sources[:1], mode="all")
 
 
-def read_availability_rule(info: Mapping[str, object]) -> AvailabilityRule:
-    """Return the rule that the ``config`` of ``bridge/info`` states.
+def read_bridge_settings(info: Mapping[str, object]) -> BridgeSettings:
+    """Return the settings in the ``config`` of ``bridge/info``.
 
     Raises:
         WireError: It has no config.
@@ -69,14 +73,17 @@ def read_availability_rule(info: Mapping[str, object]) -> AvailabilityRule:
     config = info.get("config")
     if not isinstance(config, dict):
         raise WireError(f"bridge/info: config is {shown(config)}, not an object")
-    listed = as_fields(config.get("devices")).items()
-    return AvailabilityRule(
+    devices = {
+        ieee.lower(): options for ieee, options in as_fields(config.get("devices")).items() if isinstance(options, dict)
+    }
+    return BridgeSettings(
         _is_on(config.get("availability")),
         {
-            ieee.lower(): _is_on(options["availability"])
-            for ieee, options in listed
-            if isinstance(options, dict) and options.get("availability") is not None
+            ieee: _is_on(options["availability"])
+            for ieee, options in devices.items()
+            if options.get("availability") is not None
         },
+        {ieee: area for ieee, options in devices.items() if (area := _area(options.get("homeassistant")))},
     )
 
 
@@ -87,6 +94,11 @@ _MAX_BYTES = 1_024
 def _is_on(option: object) -> bool:
     """Return whether it is on; an object without ``enabled`` means on before 2.0."""
     return option.get("enabled", True) is True if isinstance(option, dict) else option is True
+
+
+def _area(overrides: object) -> str:
+    """Return the room among the *overrides* of what a device is announced with to Home Assistant."""
+    return _fact_text(as_fields(as_fields(overrides).get("device")).get("suggested_area"))
 
 
 @dataclass(frozen=True, slots=True)

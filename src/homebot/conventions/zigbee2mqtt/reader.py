@@ -12,11 +12,11 @@ from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, 
 from homebot.conventions.long_json import parse_list
 from homebot.conventions.payload import as_fields, clean_text, parse_object, shown
 from homebot.conventions.zigbee2mqtt.bridge_device import (
-    AvailabilityRule,
     BridgeDevice,
+    BridgeSettings,
     ieee_address,
-    read_availability_rule,
     read_bridge_device,
+    read_bridge_settings,
 )
 from homebot.conventions.zigbee2mqtt.parts import build_parts
 from homebot.devices.identity import identifiers
@@ -42,7 +42,7 @@ class Zigbee2MqttReader:
     def __init__(self, bases: tuple[str, ...]) -> None:
         self.rejected = 0
         self._devices: dict[str, dict[str, _KnownDevice]] = {base: {} for base in bases}
-        self._rules = {base: AvailabilityRule() for base in bases}
+        self._settings = {base: BridgeSettings() for base in bases}
         self._without_json: set[str] = set()
         self._listless = dict.fromkeys(bases, False)  # bridges without a list yet: whether they sent their settings
 
@@ -134,7 +134,7 @@ class Zigbee2MqttReader:
         self.rejected += len(problems)
 
     def _describe(self, base: str, topic: str, device: BridgeDevice, via: str) -> DeviceAnnounced:
-        return DeviceAnnounced(
+        described = DeviceAnnounced(
             key=device.ieee if base == _DEFAULT_BASE else f"{base}/{device.ieee}",
             convention="zigbee2mqtt",
             native=True,
@@ -143,26 +143,33 @@ class Zigbee2MqttReader:
             name=clean_text(device.name),
             parts=build_parts(device),
             topic=topic,
-            facts={**device.facts, **({"via_device": via} if via else {})},
-            availability=self._rules[base].availability(base, device.ieee, device.topic),
+            facts={**device.facts, **({"via_device": via} if via else {}), "origin": "Zigbee2MQTT"},
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
+        )
+        return self._with_settings(base, device.ieee, device.topic, described)
+
+    def _with_settings(self, base: str, ieee: str, topic: str, described: DeviceAnnounced) -> DeviceAnnounced:
+        """Return *described* with the availability and the room that the bridge's settings give it."""
+        settings = self._settings[base]
+        return described._replace(
+            availability=settings.availability(base, ieee, topic), area=settings.areas.get(ieee, "")
         )
 
     def _read_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
-        """Read the settings, and describe the devices with a changed availability again."""
+        """Read the settings, and describe the devices with a changed availability or room again."""
         if base in self._listless:
             self._listless[base] = True
         info = parse_object(payload, MAX_BRIDGE_BYTES)
-        rule = read_availability_rule(info)
+        settings = read_bridge_settings(info)
         is_without_json = as_fields(as_fields(info.get("config")).get("advanced")).get("output") == "attribute"
         (self._without_json.add if is_without_json else self._without_json.discard)(base)
-        if rule == self._rules[base]:
+        if settings == self._settings[base]:
             return
-        self._rules[base] = rule
+        self._settings[base] = settings
         changed = {
-            ieee: _KnownDevice(one.topic, one.described._replace(availability=availability))
+            ieee: _KnownDevice(one.topic, described)
             for ieee, one in self._devices[base].items()
-            if (availability := rule.availability(base, ieee, one.topic)) != one.described.availability
+            if (described := self._with_settings(base, ieee, one.topic, one.described)) != one.described
         }
         self._devices[base].update(changed)
         yield from (one.described for one in changed.values())

@@ -19,6 +19,7 @@ class GatewayCounters:
         announcements: Messages in which devices were announced or taken back.
         announcements_ambiguous: Those with a key twice in their JSON.
         announcements_rejected: Those that broke the rules of their convention.
+        announcements_derived: Those of devices that the list of their bridge describes, which are not registered.
         announcements_deferred: Those that had to wait because too much that came where they did broke the rules.
         devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.
         topics_refused: Addresses of states that are not listened to.
@@ -42,6 +43,7 @@ class GatewayCounters:
     announcements: int = 0
     announcements_ambiguous: int = 0
     announcements_rejected: int = 0
+    announcements_derived: int = 0
     announcements_deferred: int = 0
     devices_refused: int = 0
     topics_refused: int = 0

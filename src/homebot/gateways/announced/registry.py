@@ -15,6 +15,7 @@ from homebot.conventions.text_codec import TextCodec
 from homebot.devices.part import Part, size_of_texts, texts_of
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
+from homebot.gateways.announced.derived import DerivedAnnouncements
 
 __all__ = [
     "MAX_EXCESS",
@@ -96,11 +97,13 @@ class DeviceRegistry:
 
     Attributes:
         by_key: The registered announcements, by key, in the order of arrival.
+        derived: Those of them that name their program.
     """
 
     def __init__(self, gateway: str, limits: RegistryLimits = _LIMITS) -> None:
         self.gateway = gateway
         self.by_key: dict[str, StoredAnnouncement] = {}
+        self.derived = DerivedAnnouncements()
         self._limits = limits
         self._parts = 0
         self._excess = Excess(limits.excess, limits.excess_each)
@@ -149,6 +152,8 @@ class DeviceRegistry:
         self._parts += len(described.parts)
         self._excess.total += excess
         self._memory.put(described)
+        if "origin" in described.facts:
+            self.derived.put(described)
         return RegistryChange(stored, before, refused, readers)
 
     def put_address(self, address: str) -> tuple[str, str]:
@@ -189,6 +194,8 @@ class DeviceRegistry:
         self._parts -= len(stored.described.parts)
         self._excess.total -= stored.excess
         self._memory.drop(stored.described)
+        if "origin" in stored.described.facts:
+            self.derived.remove(stored.described)
 
     def _check_room(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
         limits = self._limits

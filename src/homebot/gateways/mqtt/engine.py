@@ -98,11 +98,7 @@ class AnnouncedDevices:
         self._taking = asyncio.Lock()  # anyio's costs as much as a tenth of an announcement
         self._subscriber = Subscriber(engine, self._topics, self._registry, conventions)
         self._announcements = AnnouncementHandler(
-            gateway.node.graph.clock,
-            engine,
-            self._registry,
-            ReservedTopics(conventions),
-            self._subscriber,
+            gateway.node.graph.clock, engine, self._registry, ReservedTopics(conventions), self._subscriber
         )
         self.secrets = SentSecrets()
         self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)

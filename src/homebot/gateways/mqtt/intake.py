@@ -111,7 +111,7 @@ class AnnouncementHandler:
 
     def clear(self, stored: StoredAnnouncement) -> None:
         """Remove a device after an empty message, which deletes its retained message at the broker."""
-        self._remove(stored, "its retained message was deleted")
+        self._remove(stored.key, "its retained message was deleted")
 
     async def _read(self, convention: Convention, message: MqttMessage) -> None:
         """Handle the events that *convention* finds in a message."""
@@ -176,6 +176,11 @@ class AnnouncementHandler:
         self._quarantine.record_offence(message.topic, len(message.payload), REJECTED, why)
 
     def _describe(self, described: DeviceAnnounced, message: MqttMessage, length: int) -> None:
+        names_program = "origin" in described.facts
+        if names_program and self._registry.derived.is_derived(described):
+            self._accepted = True
+            self._counters.announcements_derived += 1
+            return
         described, reserved = self._reserved.without(described)
         for told in reserved:
             self._counters.topics_reserved += 1
@@ -193,6 +198,8 @@ class AnnouncementHandler:
             words = f"{change.stored.key} is only partly read: {problem}"
             self._quarantine.log_limited(NOT_READ, words, source=message.topic)
         self._publish(change, message)
+        for key in self._registry.derived.of(described) if names_program and described.native else ():
+            self._remove(key, "the list of its bridge describes the device")
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
         """Publish the difference that *message* made, and have the device subscribed to and asked."""
@@ -243,17 +250,16 @@ class AnnouncementHandler:
         if withdrawn.is_final or not self._scheduler.plan(
             ("gone", stored.key), GRACE, partial(self._remove_in_time, stored.key, withdrawn.why)
         ):
-            self._remove(stored, withdrawn.why)
+            self._remove(stored.key, withdrawn.why)
 
     def _remove_in_time(self, key: str, why: str) -> None:
-        stored = self._registry.get(key)
-        if stored is not None:
-            self._reporter.refresh_time()
-            self._remove(stored, why)
+        self._reporter.refresh_time()
+        self._remove(key, why)
 
-    def _remove(self, stored: StoredAnnouncement, why: str) -> None:
-        self._scheduler.drop(("gone", stored.key))
-        self._registry.remove(stored.key)
+    def _remove(self, key: str, why: str) -> None:
+        self._scheduler.drop(("gone", key))
+        if (stored := self._registry.remove(key)) is None:
+            return
         self._quarantine.budgets.forget(stored.described.topic)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
         self._reporter.dispose_all(stored)
