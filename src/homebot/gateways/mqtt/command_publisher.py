@@ -18,6 +18,7 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import validate_topic
+from homebot.support.bounded_map import BoundedMap
 
 if TYPE_CHECKING:
     from homebot.gateways.mqtt.responses import Responses
@@ -35,21 +36,17 @@ class SentSecrets:
     """The last message with a code on each topic, as a keyed hash; the code itself is not kept."""
 
     def __init__(self) -> None:
-        self.sent: dict[str, bytes] = {}
+        self.sent: BoundedMap[str, bytes] = BoundedMap(MAX_SECRETS)
         self._key = token_bytes(32)
 
     def record(self, publication: Publication) -> Publication:
         """Record *publication*, and return it as it may be sent: not retained, as it has a code."""
-        self.sent.pop(publication.topic, None)
-        while len(self.sent) >= MAX_SECRETS:
-            del self.sent[next(iter(self.sent))]
         self.sent[publication.topic] = self._hash(publication.payload)
         return publication._replace(retain=False)
 
     def is_one(self, topic: str, payload: bytes) -> bool:
         """Return whether a message is one that we sent with a code."""
-        sent = self.sent.get(topic)
-        return sent is not None and sent == self._hash(payload)
+        return self.sent.get(topic) == self._hash(payload)
 
     def _hash(self, payload: bytes) -> bytes:
         return blake2b(payload, key=self._key, digest_size=32).digest()
