@@ -1,8 +1,8 @@
 """Sensors are read through the libraries for their formats.
 
-The advertisements are those of real devices, from the tests of the libraries: Bluetooth-Devices/xiaomi-ble,
-Bluetooth-Devices/govee-ble and Bluetooth-Devices/inkbird-ble ``tests/test_parser.py``, Home Assistant's
-``tests/components/govee_ble``, and ruuvitag-ble 0.4.0 ``tests/test_v5.py``.
+The advertisements are those of real devices, from the tests of the libraries: Bluetooth-Devices/xiaomi-ble, bthome-ble,
+govee-ble and inkbird-ble ``tests/test_parser.py``, Home Assistant's ``tests/components/govee_ble``, and ruuvitag-ble
+0.4.0 ``tests/test_v5.py``; the one of Qingping's door sensor follows qingping-ble 1.3.0.
 """
 
 from __future__ import annotations
@@ -72,6 +72,12 @@ VIBRATION = Advertisement(
 NIGHT_LIGHT = Advertisement(
     "DE:70:E8:B2:39:0C", -60, "Test", service_data={XIAOMI: bytes.fromhex("4030dd032403000101")}
 )
+DOOR = Advertisement(
+    "58:2D:34:10:20:30", -60, service_data={full_uuid("fdcd"): bytes.fromhex("0804302010342d58040102")}
+)
+BTHOME_V1 = Advertisement(
+    "A4:C1:38:8D:18:B2", -60, "ATC_8D18B2", service_data={full_uuid("181c"): bytes.fromhex("2302ca090303bf13")}
+)
 LOCK = Advertisement(
     "D7:1F:44:EB:8A:91",
     -60,
@@ -108,13 +114,27 @@ def values(found: Broadcast) -> dict[tuple[str, str], PlainValue]:
         (MOTION, {("battery", "battery"): 100.0, ("motion", "occupancy"): True}),
         (VIBRATION, {("battery", "battery"): 100.0, ("vibration", "vibration"): True}),
         (NIGHT_LIGHT, {("motion", "occupancy"): True}),
+        (DOOR, {("door", "contact"): True, ("door_left_open", "problem"): True}),
+        (BTHOME_V1, {("temperature", "temperature"): 25.06, ("humidity", "humidity"): 50.55}),
         (
             LOCK,
             {("key_id", "value"): "Fingerprint key id 2", ("lock_method", "value"): "biometrics"}
             | {("lock", "unlocked"): True, ("lock_event", "press"): "unlock_outside_the_door"},
         ),
     ],
-    ids=["xiaomi", "xiaomi with a key", "govee", "inkbird", "button", "motion", "vibration", "night light", "lock"],
+    ids=[
+        "xiaomi",
+        "xiaomi with a key",
+        "govee",
+        "inkbird",
+        "button",
+        "motion",
+        "vibration",
+        "night light",
+        "door",
+        "BTHome v1",
+        "lock",
+    ],
 )
 def test_values_have_capabilities_and_units_of_the_vocabulary(
     advertisement: Advertisement, expected: dict[tuple[str, str], PlainValue]
@@ -179,3 +199,21 @@ def test_a_failure_of_a_library_is_a_wire_error() -> None:
     """Its exception says nothing to a user, and must not end the gateway."""
     with pytest.raises(WireError, match="ruuvitag_ble cannot read it"):
         SensorLibraryParser({}).read(Advertisement("DE:AD:7B:3F:EF:AF", -60, manufacturer_data={RUUVI: b""}), 0.0)
+
+
+def test_a_button_that_a_library_calls_occupancy_says_nothing_of_people() -> None:
+    """As thermobeacon-ble 1.0.0 and mopeka-iot-ble 1.0.0 do."""
+    from bluetooth_sensor_state_data import BluetoothData  # noqa: PLC0415 - an extra
+    from sensor_state_data import BinarySensorDeviceClass  # noqa: PLC0415 - an extra
+
+    class Reader(BluetoothData):
+        __module__ = "thermobeacon_ble.parser"
+
+        def _start_update(self, service_info: object) -> None:
+            del service_info
+            self.set_device_type("Hygrometer")
+            self.update_predefined_binary_sensor(BinarySensorDeviceClass.OCCUPANCY, native_value=False)
+
+    found = read(SensorLibraryParser({}, [Reader]), BTHOME_V1)
+    assert values(found) == {("button", "state"): False}
+    assert [one.service_type for one in found.parts] == ["x_binary_sensor"]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import inspect
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import date, datetime
 from decimal import Decimal
 from functools import cache
@@ -33,9 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["SensorLibraryParser"]
 
 BASE = "bluetooth-sensor-state-data"
-READ_OTHERWISE = frozenset({"bthome-ble"})
-"""Libraries for formats that homebot reads itself."""
-
 ON_BATTERY = 300.0
 """Seconds for which a battery-powered device may be silent."""
 
@@ -50,6 +47,9 @@ _PRESSES: Mapping[str, str] = {
 """Events of buttons in the words of the vocabulary; others, such as ``rotate_left``, stay as they are."""
 
 _BUTTONS = frozenset({"button", "cube", "dimmer"})
+_OCCUPANCY_IS_A_BUTTON = frozenset({"mopeka_iot_ble", "thermobeacon_ble"})
+"""Libraries that report a pressed button as ``occupancy``, which would say that nobody is in the room."""
+
 _MOMENTS = frozenset({"motion", "vibration"})
 """States that an event reports, by the first word of its key; no event reports their end (Govee H5121 and H5124, Xiaomi
 MUE4094RT)."""
@@ -73,14 +73,15 @@ class SensorLibraryParser(BroadcastParser):
 
     Args:
         bind_keys: The keys of devices that encrypt, by address.
+        libraries: The classes that read advertisements; by default those of all installed libraries.
 
     Raises:
         PluginError: An installed library cannot be imported.
     """
 
-    def __init__(self, bind_keys: Mapping[str, bytes]) -> None:
+    def __init__(self, bind_keys: Mapping[str, bytes], libraries: Sequence[type[BluetoothData]] | None = None) -> None:
         super().__init__(bind_keys)
-        self._libraries = _libraries()
+        self._libraries = _libraries() if libraries is None else libraries
         self._sensors: dict[str, _Sensor] = {}
 
     def concerns(self, advertisement: Advertisement) -> bool:
@@ -180,8 +181,7 @@ def _names() -> Iterator[str]:
     """Yield the installed packages that require the base."""
     for one in distributions():
         name = (one.name or "").lower()
-        is_of_family = name.endswith("-ble") and any(each.startswith(BASE) for each in one.requires or ())
-        if is_of_family and name not in READ_OTHERWISE:
+        if name.endswith("-ble") and any(each.startswith(BASE) for each in one.requires or ()):
             yield name
 
 
@@ -215,8 +215,13 @@ def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastVal
     for key, one in update.binary_entity_values.items():
         described = update.binary_entity_descriptions[key].device_class
         device_class = str(getattr(described, "value", "") or "")
-        service_type, capability = condition_of(device_class)
-        part = Part(id=_part_id(key), service_type=service_type, capabilities=(Capability(name=capability),))
+        is_button = device_class == "occupancy" and _package_of(type(sensor.reader)) in _OCCUPANCY_IS_A_BUTTON
+        service_type, capability = condition_of("" if is_button else device_class)
+        part = Part(
+            id="button" if is_button else _part_id(key),
+            service_type=service_type,
+            capabilities=(Capability(name=capability),),
+        )
         if _has(parts, part):
             yield BroadcastValue(part.id, capability, None if one.native_value is None else bool(one.native_value))
     for key, event in update.events.items():
@@ -278,7 +283,8 @@ def _has(parts: dict[str, Part], part: Part) -> bool:
 
 
 def _part_id(key: DeviceKey) -> str:
-    name = str(key.key)  # some are members of an enumeration
+    key_of_value: object = key.key  # some are members of an enumeration, and Qingping has (None, "door_left_open")
+    name = str(key_of_value[-1] if isinstance(key_of_value, tuple) else key_of_value)
     return name if key.device_id is None else f"{key.device_id}_{name}"
 
 
@@ -306,4 +312,8 @@ def _unreadable(
 ) -> WireError:
     kind = library if isinstance(library, type) else type(library)
     data = next(iter((*advertisement.manufacturer_data.values(), *advertisement.service_data.values())), b"")
-    return WireError(f"{kind.__module__.partition('.')[0]} cannot read it: {type(error).__name__}", data)
+    return WireError(f"{_package_of(kind)} cannot read it: {type(error).__name__}", data)
+
+
+def _package_of(library: type[BluetoothData]) -> str:
+    return library.__module__.partition(".")[0]
