@@ -69,6 +69,7 @@ class FakeServer:
         written: The writes that it got, in their order.
         status: The HAP status of all writes.
         is_there: Whether it can be reached.
+        away: The accessories that the bridge does not reach.
         knows_homebot: Whether it accepts homebot's key.
         answers: Whether it answers requests.
         attempts: How often a connection was attempted.
@@ -83,6 +84,7 @@ class FakeServer:
         self.timed: list[bool] = []
         self.status = 0
         self.is_there = True
+        self.away: set[int] = set()
         self.service_type = "_hap._tcp"
         self.follows: Mapping[tuple[int, int], tuple[int, int]] = {}
         self.knows_homebot = False
@@ -124,7 +126,8 @@ class FakeLink(HomekitLink):
 
     async def read(self, ids: Iterable[tuple[int, int]]) -> HomekitValues:
         await self._answer()
-        return {(aid, iid): {"value": self._server.find(aid, iid)["value"]} for aid, iid in ids}
+        values = {(aid, iid): {"value": self._server.find(aid, iid)["value"]} for aid, iid in ids}
+        return {at: {"status": -70402} if at[0] in self._server.away else value for at, value in values.items()}
 
     async def write(self, values: Mapping[tuple[int, int], object], *, is_timed: bool) -> StatusCodes:
         await self._answer()

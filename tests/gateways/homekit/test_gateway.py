@@ -113,6 +113,17 @@ async def test_a_status_says_whether_the_same_may_work_later(status: int, proble
         assert (answer.success, answer.problem) == (False, problem)
 
 
+async def test_an_accessory_that_its_bridge_does_not_reach_is_not_seen() -> None:
+    server = bridge()
+    async with paired(server, ("lock", "unlocked")) as (home, reports):
+        server.away = {3}
+        await reading(reports, "reachable", False)
+        sightings = home.sightings()
+        await anyio.sleep(3 * 3600)
+        seen = {one.key for one in iter(sightings.take, None) if one.why == "it answers"}
+        assert seen == {KEY, f"{KEY}.2", f"{KEY}.4"}
+
+
 async def test_an_accessory_that_restarts_is_back_within_five_seconds_and_got_no_command_twice() -> None:
     server = lamp()
     async with paired(server) as (home, reports):

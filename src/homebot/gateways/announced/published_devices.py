@@ -128,6 +128,14 @@ class PublishedDevices:
             kind: SightingKind = "appeared" if before is None else "updated"
             self._reporter.publish_sighting(stored, kind, why, confirmed=confirmed)
 
+    async def confirm(self, keys: Iterable[str], why: str) -> None:
+        """Publish that these devices are still there, except for those that cannot be reached."""
+        for key in tuple(keys):
+            stored = self._devices.get(key)
+            if stored is not None and stored.reachable.get("") is not False:
+                self.put(self._given[key], why)
+            await anyio.lowlevel.checkpoint()
+
     def remove(self, key: str, why: str) -> None:
         """Publish that a device was taken out of the house, and keep nothing of it; no device is nothing new."""
         self._reporter.refresh_time()

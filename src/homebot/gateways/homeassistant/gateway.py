@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 from typing import ClassVar, Final
 
 import anyio
 import anyio.lowlevel
 import anyio.to_thread
-from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
@@ -26,12 +24,9 @@ from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
 from homebot.gateways.homeassistant.triggers import DeviceTriggers
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
-from homebot.support.isolation import run_as, ungrouped
+from homebot.support.isolation import ungrouped
 
 __all__ = ["HomeAssistantGateway"]
-
-REFRESH_EVERY: Final = 60.0
-"""Seconds between two confirmations of the devices that Home Assistant reaches."""
 
 SETTLES: Final = 0.05
 LONGEST_SETTLING: Final = 0.5
@@ -42,13 +37,12 @@ FORGOTTEN_AFTER: Final = 300.0
 """Seconds after which an entity without a state and without an entry is gone: a reload takes a few seconds, a start of
 Home Assistant may take minutes."""
 
-SERVER: Final = "Home Assistant"
-
 
 class HomeAssistantGateway(LinkedGateway):
     """Brings the devices of a Home Assistant onto the graph."""
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantGatewaySettings
+    peer = "Home Assistant"
 
     def __init__(
         self, node: Node, settings: HomeAssistantGatewaySettings, context: GatewayContext | None = None
@@ -59,6 +53,7 @@ class HomeAssistantGateway(LinkedGateway):
         self._link: HomeAssistantLink | None = None
         self._stale: set[str] = set()
         self._changed = anyio.Event()
+        self._forgot_at = 0.0
         self.devices = PublishedDevices(
             self, self._perform, settings, max_devices=settings.max_entities, find_problems=self._problems
         )
@@ -72,19 +67,13 @@ class HomeAssistantGateway(LinkedGateway):
             except UsageError as exc:
                 raise UsageError(f"{exc}; {HOW_TO_LOG_IN}") from exc
 
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Keep a connection to Home Assistant until cancelled; ready after the first attempt."""
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(run_as, self.node.full_name, self._refresh_devices)
-            await self.keep_link(partial(self._run_connection, task_status), task_status)
-
-    async def _run_connection(self, task_status: TaskStatus[None]) -> None:
+    async def connect(self) -> None:
         """Connect, and follow Home Assistant until the link is lost."""
         from homebot.gateways.homeassistant.socket import MAX_FRAME_BYTES, opened  # noqa: PLC0415 - only where it runs
 
         token = await anyio.to_thread.run_sync(self._settings.read_token)
         async with opened(self._settings.websocket) as socket:
-            link = HomeAssistantLink(socket, MAX_FRAME_BYTES, self._on_invalid)
+            link = HomeAssistantLink(socket, MAX_FRAME_BYTES, self.on_invalid)
             try:
                 await link.greet(token)
             except RefusedError as exc:
@@ -95,7 +84,8 @@ class HomeAssistantGateway(LinkedGateway):
                         tasks.start_soon(link.read)
                         await self._load(link)
                         self._link = link
-                        self.on_link(task_status)
+                        self._forgot_at = self.node.graph.clock.monotonic()
+                        self.on_link()
                         await self._follow_registries(link, DeviceTriggers(link, self._on_press))
             finally:
                 self._link = None
@@ -230,29 +220,16 @@ class HomeAssistantGateway(LinkedGateway):
                 await self._report(one)
             await anyio.lowlevel.checkpoint()
 
-    async def _refresh_devices(self) -> None:
-        """Confirm the devices that Home Assistant reaches, every minute, and forget the entities that are gone."""
-        since_forgotten = 0.0
-        while True:
-            pause = min(REFRESH_EVERY, self._settings.stale_after / 3)
-            await anyio.sleep(pause)
-            if self._link is None:
-                continue
-            since_forgotten += pause
-            if since_forgotten >= FORGOTTEN_AFTER:
-                since_forgotten = 0.0
-                await self._describe_all("Home Assistant reaches it", forget=True)
-            for key in self.devices.keys:
-                if self._entities.is_reached(key):
-                    self.devices.put(self._entities.device(key), "Home Assistant reaches it")
-                await anyio.lowlevel.checkpoint()
+    async def maintain(self) -> None:
+        """Forget the entities that are gone."""
+        now = self.node.graph.clock.monotonic()
+        if now - self._forgot_at >= FORGOTTEN_AFTER:
+            self._forgot_at = now
+            await self._describe_all("Home Assistant reaches it", forget=True)
 
     def _problems(self) -> tuple[str, ...]:
         count = self._entities.left_out
         return (f"{count} entities of Home Assistant are left out, beyond max_entities",) if count else ()
-
-    def _on_invalid(self, payload: bytes, why: str) -> None:
-        self.devices.reject(SERVER, payload, why)
 
     async def _perform(self, command: Command) -> None:
         link = self._link

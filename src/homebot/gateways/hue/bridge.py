@@ -189,9 +189,7 @@ class BridgeRunner(DeviceRunner):
         while True:
             await anyio.sleep(WATCH_EVERY)
             await (self._read_all(link) if self._has_missed else link.read("bridge"))
-            for key, device in self._described.items():
-                if device.reachable is not False:
-                    self._put(key, device, "the bridge reaches it")
+            await self._devices.confirm(self._described, "the bridge reaches it")
 
     def _describe(self, why: str, ids: Collection[str]) -> None:
         """Publish the devices with these ids, and remove those that the bridge no longer has."""

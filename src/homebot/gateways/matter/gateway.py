@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import ClassVar, Final
+from typing import ClassVar
 
-import anyio
 import anyio.lowlevel
-from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
 from homebot.conventions.matter.cluster_row import MatterCommand
@@ -36,21 +33,15 @@ from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent
 from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
 from homebot.plugins import check_extra
-from homebot.support.isolation import run_as
 
 __all__ = ["MatterGateway"]
-
-REFRESH_EVERY: Final = 60.0
-"""Seconds between two confirmations of the devices that the server reaches: it subscribes to them, and notices when one
-stops answering."""
-
-SERVER: Final = "the Matter server"
 
 
 class MatterGateway(LinkedGateway):
     """Brings the nodes of a Matter server onto the graph."""
 
     Settings: ClassVar[type[BaseModel]] = MatterGatewaySettings
+    peer = "the Matter server"
 
     def __init__(self, node: Node, settings: MatterGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
@@ -61,7 +52,6 @@ class MatterGateway(LinkedGateway):
         self._missed: set[int] = set()
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
-        self._task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
         self.devices = PublishedDevices(self, self._perform, settings)
         CommissioningServices(self, node)
 
@@ -70,13 +60,6 @@ class MatterGateway(LinkedGateway):
         """Look for the library."""
         del settings
         check_extra('the gateway "matter"', "matter", "aiohttp")
-
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Keep a connection to the server until cancelled; ready after the first attempt."""
-        self._task_status = task_status
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(run_as, self.node.full_name, self._refresh_availability)
-            await self.keep_link(self._run_connection, task_status)
 
     def connected_link(self) -> MatterServerLink:
         """Return the connection to the server.
@@ -117,7 +100,7 @@ class MatterGateway(LinkedGateway):
         device = self._described[node_id][0].device
         return device.key, device.name
 
-    async def _run_connection(self) -> None:
+    async def connect(self) -> None:
         """Connect, and follow the server until the link is lost."""
         from homebot.gateways.http_client import HttpClient  # noqa: PLC0415 - only where it runs
 
@@ -125,7 +108,7 @@ class MatterGateway(LinkedGateway):
             HttpClient(guard=None) as client,
             client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket,
         ):
-            link = MatterServerLink(socket, self._on_nodes, self._on_event, self._on_invalid)
+            link = MatterServerLink(socket, self._on_nodes, self._on_event, self.on_invalid)
             self._connecting = link
             try:
                 await link.run()
@@ -141,15 +124,12 @@ class MatterGateway(LinkedGateway):
                 present.add(node_id_of(as_fields(one).get("node_id")))
                 await self._add_node(one, "the Matter server listed it")
             except WireError as exc:
-                self.devices.reject(SERVER, b"", str(exc))
+                self.devices.reject(self.peer, b"", str(exc))
             await anyio.lowlevel.checkpoint()
         for node_id in self._nodes.keys() - present:
             self._remove_node(node_id, "the Matter server no longer has it")
         self._link = self._connecting
-        self.on_link(self._task_status)
-
-    def _on_invalid(self, payload: bytes, why: str) -> None:
-        self.devices.reject(SERVER, payload, why)
+        self.on_link()
 
     async def _on_event(self, event: MatterEvent, payload: bytes) -> None:
         await anyio.lowlevel.checkpoint()
@@ -292,31 +272,17 @@ class MatterGateway(LinkedGateway):
             raise WireError(f"node {node_id} is unknown")
         return node
 
-    async def _refresh_availability(self) -> None:
-        """Confirm the devices that the server reaches, and ask for missed nodes, every minute."""
-        while True:
-            await anyio.sleep(min(REFRESH_EVERY, self._settings.stale_after / 3))
-            if self._link is not None:
-                await self._ask_for_missed(self._link)
-                for one in self._reachable():
-                    self.devices.put(one.device, "the Matter server reaches it")
-                    await anyio.lowlevel.checkpoint()
-
-    async def _ask_for_missed(self, link: MatterServerLink) -> None:
+    async def maintain(self) -> None:
         """Ask for the nodes with changes that were dropped, because they sent too many invalid messages."""
         missed, self._missed = self._missed, set()
         for node_id in missed & self._nodes.keys():
             try:
-                await self._add_node(await link.call("a node", "get_node", {"node_id": node_id}), "it was asked for")
+                described = await self.connected_link().call("a node", "get_node", {"node_id": node_id})
+                await self._add_node(described, "it was asked for")
             except LinkError:
                 return  # all nodes are listed again after the next connection
             except PeerError as exc:
-                self.devices.reject(SERVER, b"", f"node {node_id} cannot be read again: {exc}")
-
-    def _reachable(self) -> Iterable[NodeDevice]:
-        return [
-            one for node in self._nodes.values() for one in self._described.get(node.id, ()) if node.is_reachable(one)
-        ]
+                self.devices.reject(self.peer, b"", f"node {node_id} cannot be read again: {exc}")
 
     async def _perform(self, command: Command) -> None:
         link = self.connected_link()
