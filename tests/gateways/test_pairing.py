@@ -63,9 +63,9 @@ class Home:
 
 async def test_a_device_is_paired_by_its_code_and_unpaired() -> None:
     home = Home()
-    assert await home.pair("one", CODE) == PairResponse(success=True, name="Bulb one")
+    assert await home.pair("one", CODE) == PairResponse(success=True, key="one", name="Bulb one")
     assert home.bulbs.paired == {"one"}
-    assert await home.unpair("one") == PairResponse(success=True, name="Bulb one")
+    assert await home.unpair("one") == PairResponse(success=True, key="one", name="Bulb one")
     assert home.bulbs.paired == set()
 
 

@@ -18,13 +18,13 @@ from homebot.graph import Node
 from homebot.support.file_access import check_secret_file
 from homebot.support.installation import Installation
 
-__all__ = ["PairingFile", "PairingGateway", "PairingServices"]
+__all__ = ["ActingGateway", "PairingFile", "PairingGateway", "PairingRequests", "PairingServices"]
 
 _LONGEST: Final = 4 * 1024 * 1024
 
 
-class PairingGateway(Protocol):
-    """A gateway that pairs devices."""
+class ActingGateway(Protocol):
+    """A gateway, as far as requests to pair its devices need it; see :class:`homebot.gateways.base.Gateway`."""
 
     @property
     def acts(self) -> bool:
@@ -33,6 +33,10 @@ class PairingGateway(Protocol):
     @property
     def observes_because(self) -> str:
         """The reason why not."""
+
+
+class PairingGateway(ActingGateway, Protocol):
+    """A gateway that pairs devices."""
 
     async def pair(self, key: str, code: str) -> str:
         """Pair with the device *key*, and return its name.
@@ -46,36 +50,56 @@ class PairingGateway(Protocol):
         """End the pairing with the device *key*, and return its name; errors as those of :meth:`pair`."""
 
 
-class PairingServices:
-    """Serves :class:`homebot.devices.names.PairingNames`, one request at a time."""
+class PairingRequests:
+    """Requests to pair or unpair devices, carried out one at a time."""
 
-    def __init__(self, gateway: PairingGateway, node: Node) -> None:
+    def __init__(self, gateway: ActingGateway) -> None:
         self._gateway = gateway
         self._is_busy = False
-        names = PairingNames(node.name)
-        node.create_service(Pair, names.pair, self._pair, concurrent=True)
-        node.create_service(Unpair, names.unpair, self._unpair, concurrent=True)
 
-    async def _pair(self, request: PairRequest) -> PairResponse:
-        return await self._answer("pairing", lambda: self._gateway.pair(request.device, request.code))
+    async def answer(self, what: str, work: Callable[[], Awaitable[tuple[str, str]]]) -> PairResponse:
+        """Return the answer to a request.
 
-    async def _unpair(self, request: UnpairRequest) -> PairResponse:
-        return await self._answer("unpairing", lambda: self._gateway.unpair(request.device))
-
-    async def _answer(self, what: str, work: Callable[[], Awaitable[str]]) -> PairResponse:
+        Args:
+            work: Carries it out, and returns key and name of the device; raises LinkError or PeerError.
+        """
         if self._is_busy:
             return PairResponse(success=False, message="another device is being paired", problem="busy")
         self._is_busy = True
         try:
             if not self._gateway.acts:
                 raise RefusedError(what, self._gateway.observes_because)
-            return PairResponse(success=True, name=await work())
+            key, name = await work()
         except LinkError as exc:
             return PairResponse(success=False, message=str(exc), problem="unreachable")
         except PeerError as exc:
             return PairResponse(success=False, message=str(exc), problem="refused")
         finally:
             self._is_busy = False
+        return PairResponse(success=True, key=key, name=name)
+
+
+class PairingServices:
+    """Serves :class:`homebot.devices.names.PairingNames`."""
+
+    def __init__(self, gateway: PairingGateway, node: Node) -> None:
+        self._gateway = gateway
+        self._requests = PairingRequests(gateway)
+        names = PairingNames(node.name)
+        node.create_service(Pair, names.pair, self._pair, concurrent=True)
+        node.create_service(Unpair, names.unpair, self._unpair, concurrent=True)
+
+    async def _pair(self, request: PairRequest) -> PairResponse:
+        async def work() -> tuple[str, str]:
+            return request.device, await self._gateway.pair(request.device, request.code)
+
+        return await self._requests.answer("pairing", work)
+
+    async def _unpair(self, request: UnpairRequest) -> PairResponse:
+        async def work() -> tuple[str, str]:
+            return request.device, await self._gateway.unpair(request.device)
+
+        return await self._requests.answer("unpairing", work)
 
 
 class PairingFile:

@@ -18,6 +18,7 @@ from tests.patience import PATIENCE
 
 from homebot.devices import Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand
+from homebot.devices.pairing_messages import PairResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
@@ -25,7 +26,6 @@ from homebot.gateways.matter.commissioning import (
     Commission,
     CommissioningNames,
     CommissionRequest,
-    CommissionResponse,
     Decommission,
     DecommissionRequest,
 )
@@ -46,12 +46,12 @@ PLACE = f"id:matter:deviceid_{FRAMES['greeting']['compressed_fabric_id']:016X}-{
 """Frames of python-matter-server 8.1.2 about a light with a button on matter.js 0.17.9, as they were received."""
 
 
-async def commission(node: Node, code: str, *, network_only: bool = True) -> CommissionResponse:
+async def commission(node: Node, code: str, *, network_only: bool = True) -> PairResponse:
     client = node.create_client(Commission, NAMES.commission)
     return await client.call(CommissionRequest(code=code, network_only=network_only), timeout=PATIENCE)
 
 
-async def decommission(node: Node, key: str) -> CommissionResponse:
+async def decommission(node: Node, key: str) -> PairResponse:
     return await node.create_client(Decommission, NAMES.decommission).call(
         DecommissionRequest(key=key), timeout=PATIENCE
     )

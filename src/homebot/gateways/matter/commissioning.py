@@ -5,15 +5,17 @@ Source: as :mod:`homebot.gateways.matter.server_messages`: ``commission_with_cod
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Final, Literal, Protocol
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Final, Protocol
 
 from pydantic import ConfigDict, Field
 
 from homebot.conventions.setup_codes import check_matter_setup_code
 from homebot.devices.names import GatewayNames
-from homebot.errors import LinkError, PeerError, RefusedError, UnableError
-from homebot.messages.message import Message, ServiceAnswer, ServiceType
+from homebot.devices.pairing_messages import PairResponse
+from homebot.errors import RefusedError, UnableError
+from homebot.gateways.pairing import ActingGateway, PairingRequests
+from homebot.messages.message import Message, ServiceType
 
 if TYPE_CHECKING:
     from homebot.gateways.matter.server_link import MatterServerLink
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Commission",
     "CommissionRequest",
-    "CommissionResponse",
     "CommissioningNames",
     "CommissioningServices",
     "Decommission",
@@ -58,21 +59,6 @@ class CommissionRequest(Message):
     network_only: bool = True
 
 
-class CommissionResponse(ServiceAnswer):
-    """The result of commissioning or decommissioning.
-
-    Attributes:
-        problem: ``refused`` by the gateway or the device, where the same again fails again; ``unreachable`` where the
-            network is not there now, or gave no answer in time; ``busy`` while another device is commissioned.
-        key: The gateway's key of the device.
-        name: The name of the device.
-    """
-
-    problem: Literal["", "refused", "unreachable", "busy"] = ""
-    key: str = ""
-    name: str = ""
-
-
 class DecommissionRequest(Message):
     """Request to remove a device from the network of a gateway; it needs its setup code to come back.
 
@@ -83,8 +69,8 @@ class DecommissionRequest(Message):
     key: str
 
 
-Commission = ServiceType("homebot/srv/Commission", CommissionRequest, CommissionResponse)
-Decommission = ServiceType("homebot/srv/Decommission", DecommissionRequest, CommissionResponse)
+Commission = ServiceType("homebot/srv/Commission", CommissionRequest, PairResponse)
+Decommission = ServiceType("homebot/srv/Decommission", DecommissionRequest, PairResponse)
 
 
 class CommissioningNames:
@@ -100,16 +86,8 @@ class CommissioningNames:
         self.decommission = f"{GatewayNames(gateway).node}/decommission"
 
 
-class CommissioningGateway(Protocol):
+class CommissioningGateway(ActingGateway, Protocol):
     """The gateway of the nodes."""
-
-    @property
-    def acts(self) -> bool:
-        """True if commands are sent."""
-
-    @property
-    def observes_because(self) -> str:
-        """The reason why not."""
 
     def connected_link(self) -> MatterServerLink:
         """Return the connection to the server, or raise a :class:`LinkError`."""
@@ -126,47 +104,33 @@ class CommissioningServices:
 
     def __init__(self, gateway: CommissioningGateway, node: Node) -> None:
         self._gateway = gateway
-        self._is_busy = False
+        self._additions, self._removals = PairingRequests(gateway), PairingRequests(gateway)
         names = CommissioningNames(node.name)
         node.create_service(Commission, names.commission, self._commission, concurrent=True)
         node.create_service(Decommission, names.decommission, self._decommission, concurrent=True)
 
-    async def _commission(self, request: CommissionRequest) -> CommissionResponse:
-        """Have the server commission a device, one at a time."""
-        if self._is_busy:
-            return CommissionResponse(success=False, message="another device is being commissioned", problem="busy")
-        self._is_busy = True
-        try:
-            check_matter_setup_code(request.code)
-            if not (request.network_only or self._gateway.connected_link().has_bluetooth):
-                raise UnableError("the Matter server has no Bluetooth; it can only commission devices on the network")
-            args = {"code": request.code, "network_only": request.network_only}
-            result = await self._call("commissioning", "commission_with_code", args, COMMISSIONS_WITHIN)
-            key, name = await self._gateway.add_commissioned(result)
-        except (LinkError, PeerError) as exc:
-            return _failed(exc)
-        finally:
-            self._is_busy = False
-        return CommissionResponse(success=True, key=key, name=name)
+    async def _commission(self, request: CommissionRequest) -> PairResponse:
+        return await self._additions.answer("commissioning", partial(self._add, request))
 
-    async def _decommission(self, request: DecommissionRequest) -> CommissionResponse:
+    async def _decommission(self, request: DecommissionRequest) -> PairResponse:
+        return await self._removals.answer("removing it", partial(self._remove, request.key))
+
+    async def _add(self, request: CommissionRequest) -> tuple[str, str]:
+        """Have the server commission a device."""
+        check_matter_setup_code(request.code)
+        link, args = self._gateway.connected_link(), {"code": request.code, "network_only": request.network_only}
+        if not (request.network_only or link.has_bluetooth):
+            raise UnableError("the Matter server has no Bluetooth; it can only commission devices on the network")
+        what, command = "commissioning", "commission_with_code"
+        try:
+            described = await link.call(what, command, args, is_secret=True, within=COMMISSIONS_WITHIN)
+        except RefusedError as exc:
+            raise UnableError(_PROBLEMS.get(exc.code or 0, str(exc))) from None
+        return await self._gateway.add_commissioned(described)
+
+    async def _remove(self, key: str) -> tuple[str, str]:
         """Remove a node; one that does not answer is removed from the server alone."""
-        try:
-            node_id, name = self._gateway.node_of(request.key)
-            await self._call(f"removing {name}", "remove_node", {"node_id": node_id}, REMOVES_WITHIN)
-        except (LinkError, PeerError) as exc:
-            return _failed(exc)
-        return CommissionResponse(success=True, key=request.key, name=name)
-
-    async def _call(self, what: str, command: str, args: Mapping[str, object], within: float) -> object:
-        if not self._gateway.acts:
-            raise RefusedError(what, self._gateway.observes_because)
+        node_id, name = self._gateway.node_of(key)
         link = self._gateway.connected_link()
-        return await link.call(what, command, args, is_secret="code" in args, within=within)
-
-
-def _failed(error: LinkError | PeerError) -> CommissionResponse:
-    if isinstance(error, LinkError):
-        return CommissionResponse(success=False, message=str(error), problem="unreachable")
-    code = error.code if isinstance(error, RefusedError) else None
-    return CommissionResponse(success=False, message=_PROBLEMS.get(code or 0, str(error)), problem="refused")
+        await link.call(f"removing {name}", "remove_node", {"node_id": node_id}, within=REMOVES_WITHIN)
+        return key, name
