@@ -37,7 +37,7 @@ class LeavingServer(SimulatedMatterServer):
         super().receive(peer, message)
 
 
-async def test_a_server_that_leaves_while_it_is_told_is_unreachable_and_its_devices_stay() -> None:
+async def test_a_server_that_leaves_while_it_is_told_did_not_answer_and_its_devices_stay() -> None:
     graph, server = Graph(), LeavingServer()
     async with (
         anyio.create_task_group() as tasks,
@@ -56,6 +56,6 @@ async def test_a_server_that_leaves_while_it_is_told_is_unreachable_and_its_devi
                 response = await home.send("node-1", "on_off", True)
                 while (await states.receive()).state != "unavailable":
                     pass
-            assert (response.success, response.problem) == (False, "unreachable")
+            assert (response.success, response.problem) == (False, "unanswered")
             assert gateway.devices.keys == ("node-1",)
         tasks.cancel_scope.cancel()
