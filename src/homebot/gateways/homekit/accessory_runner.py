@@ -214,7 +214,7 @@ class AccessoryRunner(DeviceRunner):
             values = await link.read(self._ids("pr"))
             if writes == self._writes:
                 await self._waiting.put(partial(self._reports.report, values, is_read=True, is_routine=True))
-            await self._devices.confirm(self.keys, "it answers")
+            await self._waiting.put(partial(self._devices.confirm, self.keys, "it answers"))
 
 
 def _check(what: str, statuses: Iterable[int]) -> None:
