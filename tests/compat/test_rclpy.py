@@ -173,6 +173,10 @@ def test_a_task_runs_on_the_thread_that_spins(node: rclpy.Node) -> None:
     task = executor.create_task(lambda number: number + 1, 2)
     executor.spin_until_future_complete(task, PATIENCE)
     assert task.result() == 3
+    own = rclpy.Future()
+    executor.create_task(own.set_result, 4)
+    executor.spin_until_future_complete(own, PATIENCE)
+    assert own.result() == 4
     executor.remove_node(node)
 
 

@@ -12,27 +12,24 @@ meanwhile. Not there: lifecycle nodes, and callbacks that wait for another one o
 
 from __future__ import annotations
 
-import asyncio
 import math
 import sys
-import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from enum import IntEnum
 from functools import partial
-from inspect import currentframe
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any, Final, Self
 
 from homebot import graph
+from homebot.compat.actions import ActionClient, ActionServer, CancelResponse, GoalResponse
 from homebot.compat.clock import RclpyClock, RclpyDuration, RclpyRate, RclpyTime
-from homebot.compat.messages import to_graph, to_program
+from homebot.compat.logger import LoggingSeverity, get_logger
+from homebot.compat.messages import to_program
 from homebot.compat.remote import CONTEXT, Future, Remote, SpinExecutor
-from homebot.errors import GoalRejectedError, ParameterError
-from homebot.graph import actions
+from homebot.errors import ParameterError
 from homebot.graph import qos as graph_qos
 from homebot.graph.parameter_services import offer_parameter_services, set_parameters
-from homebot.support.logger import get_logger as logger_of
 
 __all__ = [
     "ActionClient",
@@ -67,11 +64,6 @@ __all__ = [
     "try_shutdown",
 ]
 
-GoalResponse = IntEnum("GoalResponse", ("REJECT", "ACCEPT"))
-CancelResponse = GoalResponse
-LoggingSeverity = IntEnum(
-    "LoggingSeverity", {"UNSET": 0, "DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
-)
 ExternalShutdownException = KeyboardInterrupt  # caught in a program's last line; a spin returns instead
 ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
 MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
@@ -118,53 +110,6 @@ def spin_until_future_complete(
 ) -> None:
     """Run the callbacks of *node* as :func:`spin` does until *future* is done or *timeout_sec* seconds have passed."""
     _executor_of(node, executor).spin_until_future_complete(future, timeout_sec)
-
-
-class get_logger:  # noqa: N801 - rclpy's name
-    """The logger of *name*, which writes to ``/rosout`` too: ``info``, ``warn``, ``error`` and so on.
-
-    With ``once``, ``skip_first`` or ``throttle_duration_sec`` a line of the program is logged once, not the first time,
-    or once in that time.
-    """
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self._log = logger_of(node=name)
-        self._least = 0
-        self._next: dict[tuple[str, int], float] = {}
-
-    def __getattr__(self, level: str) -> Callable[..., None]:
-        return partial(self._write, _LEVELS.get(level, level))
-
-    def get_child(self, name: str) -> get_logger:
-        """Return the logger of a part."""
-        return get_logger(f"{self.name}.{name}")
-
-    def set_level(self, level: int) -> None:
-        """Leave out lines below *level*; homebot itself leaves out those of debugging."""
-        self._least = level
-
-    def _write(
-        self,
-        level: str,
-        message: object,
-        *,
-        once: bool = False,
-        skip_first: bool = False,
-        throttle_duration_sec: float = 0.0,
-    ) -> None:
-        frame: Any = currentframe()
-        line = (frame.f_back.f_code.co_filename, frame.f_back.f_lineno)
-        is_first = line not in self._next
-        if LoggingSeverity[level.upper()] >= self._least and time.monotonic() >= self._next.setdefault(line, 0.0):
-            if is_first and skip_first:
-                return
-            if pause := math.inf if once else throttle_duration_sec:
-                self._next[line] = time.monotonic() + pause
-            getattr(self._log, "critical" if level == "fatal" else level)(str(message))
-
-
-_LEVELS: Final = {"warning": "warn"}
 
 
 class RclpyParameter(graph.Parameter):
@@ -344,77 +289,6 @@ class RclpyNode(Remote):
     def _count(self, kind: graph.EntityKind, topic_name: str) -> int:
         name = self.graph_object.resolve_name(topic_name)
         return len(CONTEXT.call(CONTEXT.graph.get_endpoints, kind=kind, name=name))
-
-
-def ActionServer(  # noqa: N802 - rclpy's name
-    node: RclpyNode,
-    action_type: Any,
-    action_name: str,
-    execute_callback: Callable[[Any], object],
-    *,
-    goal_callback: Callable[[Any], object] = lambda _goal: GoalResponse.ACCEPT,
-    handle_accepted_callback: Callable[[Any], object] | None = None,
-    cancel_callback: Callable[[Any], object] = lambda _handle: GoalResponse.REJECT,
-    **_: object,
-) -> Remote:
-    """Execute the goals of an action: *execute_callback* takes a goal's handle, ends it and returns the result.
-
-    With a *handle_accepted_callback* it does so when that, or another callback later, calls ``execute`` of the handle.
-    """
-    execute = node.callback(execute_callback)
-
-    async def execute_later(goal: Any) -> Any:
-        loop, handle = asyncio.get_running_loop(), node.shown(goal)
-        begun = asyncio.Event()
-        handle.execute = lambda *_: loop.call_soon_threadsafe(begun.set)
-        (handle_accepted_callback or bool)(handle)  # here, as a goal that is executed may block the thread that spins
-        await begun.wait()
-        return await execute(handle)
-
-    server = CONTEXT.call(
-        actions.ActionServer,
-        node.graph_object,
-        to_graph(action_type),
-        action_name,
-        execute if handle_accepted_callback is None else execute_later,
-        on_goal=lambda goal: goal_callback(node.shown(goal)) is GoalResponse.ACCEPT,
-        on_cancel=lambda goal: cancel_callback(node.shown(goal)) is GoalResponse.ACCEPT,
-    )
-    return Remote(server, node.executor)
-
-
-def ActionClient(  # noqa: N802 - rclpy's name
-    node: RclpyNode, action_type: Any, action_name: str, **_: object
-) -> Any:
-    """Return a client of an action; its ``send_goal_async`` returns the future handle of a goal."""
-    client: Any = Remote(
-        CONTEXT.call(actions.ActionClient, node.graph_object, to_graph(action_type), action_name), node.executor
-    )
-
-    async def send_goal(goal: Any, on_feedback: Any) -> Any:
-        try:
-            sent = client.shown(await client.graph_object.send_goal(goal, on_feedback))
-        except GoalRejectedError:
-            return SimpleNamespace(accepted=False)
-
-        async def outcome() -> SimpleNamespace:
-            status, result = await sent.graph_object.result()
-            return SimpleNamespace(status=int(status), result=to_program(result))
-
-        sent.accepted = True
-        sent.get_result_async = partial(sent.begin, outcome)
-        sent.cancel_goal_async = partial(sent.begin, sent.graph_object.cancel)
-        return sent
-
-    def send_goal_async(goal: Any, feedback_callback: Callable[[Any], object] = bool) -> Any:
-        return client.begin(send_goal, goal, lambda feedback: feedback_callback(SimpleNamespace(feedback=feedback)))
-
-    def send_goal_and_wait(goal: Any, **kwargs: Any) -> Any:
-        handle = send_goal_async(goal, **kwargs).wait()
-        return handle.get_result_async().wait() if handle.accepted else None
-
-    client.send_goal_async, client.send_goal = send_goal_async, send_goal_and_wait
-    return client
 
 
 def _executor_of(node: RclpyNode, executor: SpinExecutor | None) -> SpinExecutor:

@@ -188,9 +188,13 @@ class SpinExecutor(concurrent.futures.Executor):
 
 
 class Future(concurrent.futures.Future[Any]):
-    """The result of a call: ``await`` it in a coroutine callback, ``spin_until_future_complete`` elsewhere."""
+    """The result of a call: ``await`` it in a coroutine callback, ``spin_until_future_complete`` elsewhere.
 
-    def __init__(self, executor: SpinExecutor) -> None:
+    Args:
+        executor: Runs its callbacks; without one, the thread that sets the result does.
+    """
+
+    def __init__(self, executor: SpinExecutor | None = None) -> None:
         super().__init__()
         self._executor = executor
         self.add_done_callback(bool)  # ends a wait
@@ -202,7 +206,7 @@ class Future(concurrent.futures.Future[Any]):
 
     def wait(self, timeout: float | None = None) -> Any:
         """Return the result once there is one; on the thread that spins, other callbacks run meanwhile."""
-        if self._executor.due.thread == threading.get_ident():
+        if self._executor is not None and self._executor.due.thread == threading.get_ident():
             self._executor.spin_until_future_complete(self, timeout)
             timeout = 0
         return super().result(timeout)
@@ -213,7 +217,7 @@ class Future(concurrent.futures.Future[Any]):
 
     def add_done_callback(self, callback: Callable[[Any], object]) -> None:
         """Call *callback* with this future once it is done, on the thread that spins."""
-        super().add_done_callback(partial(self._executor.submit, callback))
+        super().add_done_callback(callback if self._executor is None else partial(self._executor.submit, callback))
 
 
 class Remote:
