@@ -12,6 +12,7 @@ from functools import lru_cache
 from homebot.errors import InvalidNameError
 
 __all__ = [
+    "absolute_name",
     "escape_token",
     "expand_name",
     "full_node_name",
@@ -71,9 +72,14 @@ def validate_full_name(name: str, kind: str = "topic name") -> str:
     return _checked_length(kind, _validate_path(kind, name), MAX_FULL_NAME)
 
 
+def absolute_name(name: str) -> str:
+    """Return *name* with a slash at its begin, which people and some programs leave out."""
+    return name if name.startswith("/") else f"/{name}"
+
+
 def full_node_name(node: str, namespace: str = "/") -> str:
     """Return the full name of *node* in *namespace*; both are checked. A relative namespace starts at the root."""
-    namespace = namespace if namespace.startswith("/") else f"/{namespace}"
+    namespace = absolute_name(namespace)
     validate_namespace(namespace)
     return f"{namespace.rstrip('/')}/{validate_node_name(node)}"
 

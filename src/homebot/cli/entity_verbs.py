@@ -10,6 +10,7 @@ from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.flow import message, type_or_message
 from homebot.cli.graph_queries import entities, is_hidden, not_found
 from homebot.errors import PeerError
+from homebot.names import absolute_name
 from homebot.support.similar import did_you_mean
 
 __all__ = ["add_entity_verbs", "add_value_arguments", "check_type", "type_of"]
@@ -56,7 +57,7 @@ def type_of(door: DoorClient, kind: str, name: str) -> str:
         PeerError: There is none; names similar ones.
     """
     known = _types(door, kind, show_hidden=True)
-    full_name = name if name.startswith("/") else f"/{name}"
+    full_name = absolute_name(name)
     if full_name not in known:
         raise not_found(kind, full_name, known)
     return known[full_name]

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any, Final
+
 from homebot.errors import RefusedError
 from homebot.graph import EndpointInfo, EntityKind, Graph
 from homebot.messages.message import Message, ServiceType
 
 __all__ = ["FindEndpoints", "find_endpoints"]
+
+_POLICIES: Final = ("reliability", "durability", "history", "liveliness")
+_SPANS: Final = ("lifespan", "deadline", "liveliness_lease_duration")
 
 
 class EndpointDetails(Message):
@@ -80,22 +85,12 @@ def find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpoints
 
 
 def _details(info: EndpointInfo) -> EndpointDetails:
-    if info.qos is None:
-        return EndpointDetails(kind=info.kind.value, node=info.node, name=info.name, type=info.ros_type)
-    return EndpointDetails(
-        kind=info.kind.value,
-        node=info.node,
-        name=info.name,
-        type=info.ros_type,
-        reliability=info.qos.reliability.name.lower(),
-        durability=info.qos.durability.name.lower(),
-        history=info.qos.history.name.lower(),
-        depth=info.qos.queue_depth,
-        lifespan=float(info.qos.lifespan),
-        deadline=float(info.qos.deadline),
-        liveliness=info.qos.liveliness.name.lower(),
-        liveliness_lease_duration=float(info.qos.liveliness_lease_duration),
-    )
+    policies: dict[str, Any] = {}
+    if (qos := info.qos) is not None:
+        policies = {name: getattr(qos, name).name.lower() for name in _POLICIES}
+        policies |= {name: float(getattr(qos, name)) for name in _SPANS}
+        policies["depth"] = qos.queue_depth
+    return EndpointDetails(kind=info.kind.value, node=info.node, name=info.name, type=info.ros_type, **policies)
 
 
 FindEndpoints = ServiceType("homebot/srv/FindEndpoints", FindEndpointsRequest, FindEndpointsResponse)

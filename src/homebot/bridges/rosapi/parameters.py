@@ -9,6 +9,7 @@ from typing import Any
 from homebot.errors import ParameterError
 from homebot.graph import Graph, ParameterSet
 from homebot.messages.message import Message
+from homebot.names import absolute_name
 from homebot.support.similar import did_you_mean
 from homebot.support.strict_json import parse_strict
 
@@ -74,7 +75,7 @@ def _find(graph: Graph, full_name: str) -> tuple[ParameterSet, str]:
     node_name, colon, name = full_name.rpartition(":")
     if not colon:
         raise ParameterError(f"a parameter is named /node:parameter, got {full_name[:100]!r}")
-    node = graph.get_node(node_name if node_name.startswith("/") else f"/{node_name}")
+    node = graph.get_node(absolute_name(node_name))
     if node is None:
         node_name = node_name[:100]
         hint = did_you_mean(node_name, graph.get_node_names(), "/rosapi/nodes lists all", cutoff=0.7)

@@ -28,7 +28,7 @@ from homebot.graph import EntityKind, Graph, Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import definition_text
 from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
-from homebot.names import is_hidden
+from homebot.names import absolute_name, is_hidden
 
 __all__ = ["RosApi"]
 
@@ -63,12 +63,12 @@ def _topics_of_type(graph: Graph, request: Any) -> tuple[str, ...]:
 
 
 def _type_of_topic(graph: Graph, request: Any) -> str:
-    found = graph.get_message_type(_absolute(request.topic))
+    found = graph.get_message_type(absolute_name(request.topic))
     return found.ros_type if found else ""
 
 
 def _type_of_action(graph: Graph, request: Any) -> str:
-    return graph.get_action_names_and_types().get(_absolute(request.action), "")
+    return graph.get_action_names_and_types().get(absolute_name(request.action), "")
 
 
 def _action_servers(graph: Graph, _request: Message) -> tuple[str, ...]:
@@ -79,7 +79,7 @@ def _of_service(fact: str) -> _Answerer:
     """Return the function that answers with a *fact* of the server of a service; empty without one."""
 
     def answer(graph: Graph, request: Any) -> str:
-        servers = graph.get_endpoints(kind=EntityKind.SERVICE, name=_absolute(request.service))
+        servers = graph.get_endpoints(kind=EntityKind.SERVICE, name=absolute_name(request.service))
         return next((getattr(server, fact) for server in servers), "")
 
     return answer
@@ -97,7 +97,7 @@ def _typedefs(find: Callable[[Graph, str], Any], part: str = "") -> _Answerer:
 
 def _node_details(graph: Graph, request: Any) -> _Answer:
     """Return the subscriptions, publications and services of a node; empty for an unknown one."""
-    ends = graph.get_endpoints(node=_absolute(request.node))
+    ends = graph.get_endpoints(node=absolute_name(request.node))
     return {
         "subscribing": _unique(info.name for info in ends if info.kind is EntityKind.SUBSCRIPTION),
         "publishing": _unique(info.name for info in ends if info.kind is EntityKind.PUBLISHER),
@@ -128,16 +128,13 @@ def _served(fact: str, type_field: str) -> _Answerer:
 
 def _users(kind: EntityKind) -> _Answerer:
     """Return the function that answers with the nodes that have an end of *kind* on a topic."""
-    return lambda graph, asked: _unique(one.node for one in graph.get_endpoints(kind=kind, name=_absolute(asked.topic)))
+    return lambda graph, asked: _unique(
+        one.node for one in graph.get_endpoints(kind=kind, name=absolute_name(asked.topic))
+    )
 
 
 def _visible(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in names if not is_hidden(name))
-
-
-def _absolute(name: str) -> str:
-    """Return *name* with the leading slash that some clients leave out."""
-    return name if name.startswith("/") else f"/{name}"
 
 
 def _unique(names: Iterable[str]) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, chec
 from homebot.cli.graph_queries import entities
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
+from homebot.names import absolute_name
 
 __all__ = ["add_arguments"]
 
@@ -45,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 @door_command
 def _info(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the type of an action, and the nodes at both ends."""
-    name = _full_name(options.action)
+    name = absolute_name(options.action)
     print(f"Action: {name} [{type_of(door, 'action', name)}]")
     for kind in ("action client", "action server"):
         nodes = [one.node for one in entities(door, kind=kind, name=name)]
@@ -56,7 +57,7 @@ def _info(door: DoorClient, options: argparse.Namespace) -> int:
 @door_command
 def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
     """Send a goal and print its result; return 1 unless it succeeded."""
-    name = _full_name(options.action)
+    name = absolute_name(options.action)
     ros_type = type_of(door, "action", name)
     if isinstance(options.type, dict):  # the type was left out
         options.type, options.goal = "", options.type
@@ -75,10 +76,6 @@ def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
         if options.feedback:
             _show("Feedback", values)
     return 1
-
-
-def _full_name(name: str) -> str:
-    return name if name.startswith("/") else f"/{name}"
 
 
 def _show(title: str, values: Mapping[str, object]) -> None:

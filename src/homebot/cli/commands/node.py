@@ -7,6 +7,7 @@ import argparse
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities, is_hidden, not_found
+from homebot.names import absolute_name
 
 __all__ = ["add_arguments"]
 
@@ -49,7 +50,7 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
 @door_command
 def _info(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the topics and services that a node reads, publishes, serves and calls."""
-    name = options.node if options.node.startswith("/") else f"/{options.node}"
+    name = absolute_name(options.node)
     ends = entities(door, node=name)
     if not ends:
         known = [one.name for one in entities(door, kind="node")]

@@ -13,6 +13,7 @@ from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.flow import parse_flow
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError, UsageError, WireError
+from homebot.names import absolute_name
 from homebot.plugins import check_extra
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
@@ -84,15 +85,14 @@ def _describe(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the type, the description and the limits of a parameter."""
     _value(door, options.node, options.name)
     node = _node(options.node, _names(door))
-    found = cast("dict[str, Any]", door.call(f"{node}/describe_parameters", {"names": [options.name]}))["descriptors"][
-        0
-    ]
-    (limits,) = (*found["integer_range"], *found["floating_point_range"]) or ({"from_value": None, "to_value": None},)
+    answer = cast("dict[str, Any]", door.call(f"{node}/describe_parameters", {"names": [options.name]}))
+    (found,) = answer["descriptors"]
+    limits: dict[str, Any] = next(iter((*found["integer_range"], *found["floating_point_range"])), {})
     rows = {
         "type": _TYPES[found["type"]],
         "description": found["description"],
-        "minimum": limits["from_value"],
-        "maximum": limits["to_value"],
+        "minimum": limits.get("from_value"),
+        "maximum": limits.get("to_value"),
         "read_only": found["read_only"],
     }
     print(to_yaml({name: value for name, value in rows.items() if value not in ("", None)}), end="")
@@ -165,7 +165,7 @@ def _names(door: DoorClient) -> dict[str, list[str]]:
 
 
 def _node(name: str, nodes: dict[str, list[str]]) -> str:
-    full_name = name if name.startswith("/") else f"/{name}"
+    full_name = absolute_name(name)
     if full_name not in nodes:
         hint = did_you_mean(full_name, nodes, "`homebot param list` lists all that have")
         raise PeerError(f"{full_name} has no parameters; {hint}")

@@ -28,6 +28,7 @@ from homebot.cli.graph_queries import (
 from homebot.cli.publishing import GatewayPublisher
 from homebot.cli.yaml import to_yaml
 from homebot.errors import PeerError
+from homebot.names import absolute_name
 from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
@@ -105,8 +106,7 @@ def _info(door: DoorClient, options: argparse.Namespace) -> int:
     ros_type = topic_type(door, options.topic)
     if not ros_type:
         raise no_such_topic(door, options.topic)
-    name = options.topic if options.topic.startswith("/") else f"/{options.topic}"
-    ends = entities(door, name=name)
+    ends = entities(door, name=absolute_name(options.topic))
     print(f"Type: {ros_type}")
     for kind, title in _ENDS.items():
         users = [one for one in ends if one.kind == kind]
