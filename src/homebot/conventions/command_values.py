@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
+from datetime import date, datetime, time
 from typing import TypeAlias
 
 from homebot.conventions.description import Publications
@@ -14,11 +15,13 @@ from homebot.errors import RefusedError
 __all__ = [
     "Writer",
     "bool_writer",
+    "moment_text",
     "number_writer",
     "option_writer",
     "push_writer",
     "require_bool",
     "require_color",
+    "require_moment",
     "require_number",
     "require_option",
     "require_transition",
@@ -28,6 +31,12 @@ Writer: TypeAlias = Callable[[PlainValue, float], Publications]
 """Writes a value with a transition in seconds. Like all checks here, raises RefusedError with the accepted values."""
 
 _MOST_NAMED = 20
+_LONGEST_MOMENT = 64
+_MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
+    "date": date.fromisoformat,
+    "datetime": datetime.fromisoformat,
+    "time": time.fromisoformat,
+}
 
 
 def require_bool(capability: str, value: PlainValue) -> bool:
@@ -51,6 +60,24 @@ def require_color(value: PlainValue) -> tuple[float, float]:
         case (int() | float() as hue, int() | float() as saturation) if 0 <= hue <= 360 and 0 <= saturation <= 100:
             return float(hue), float(saturation)
     raise RefusedError(f"color {shown(value)}", "it takes numbers from 0 to 360, 0 to 100")
+
+
+def moment_text(kind: str, value: PlainValue) -> str | None:
+    """Return *value* in the usual form of ISO 8601 if it is a *kind*: a ``date``, a ``time`` or a ``datetime``."""
+    try:
+        return _MOMENTS[kind](value.strip()[:_LONGEST_MOMENT] if isinstance(value, str) else "").isoformat()
+    except ValueError:
+        return None
+
+
+def require_moment(kind: str, value: PlainValue, *, zoned: bool = True) -> str:
+    """Return :func:`moment_text` of *value*, which must be one; a *zoned* datetime has a time zone."""
+    moment = moment_text(kind, value)
+    if moment is None:
+        raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format")
+    if zoned and kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
+        raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
+    return moment
 
 
 def require_transition(seconds: float, most: float = math.inf) -> float:

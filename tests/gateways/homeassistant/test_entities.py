@@ -141,6 +141,14 @@ def test_unavailable_is_unreachable_and_unknown_is_unknown() -> None:
     assert (unknown.is_available, unknown.read(is_change=True)) == (True, {"on_off": None})
 
 
+def test_what_an_unknown_state_does_not_tell_its_attributes_do() -> None:
+    """A thermostat that has not reported its mode still measures."""
+    told = {"hvac_modes": ["heat", "off"], "current_temperature": 21.5, "temperature": 20, "supported_features": 1}
+    values = only("climate.a", "unknown", **told).read(is_change=False)
+    assert (values["local_temperature"], values["heating_setpoint"]) == (21.5, 20.0)
+    assert (values["thermostat_mode"], values["on_off"]) == (None, None)
+
+
 def test_a_renamed_entity_is_the_same_part_and_one_that_is_reloaded_stays() -> None:
     entities = home(entity_entry("light.hall", device_id="d1"))
     entities.put("light.hall", state("on"), is_new=True)
@@ -209,8 +217,38 @@ def test_a_thermostat_has_the_setpoints_of_its_modes(modes: list[str], features:
     assert {one.name for one in part.capabilities if one.name.endswith("setpoint")} == setpoints
 
 
-def test_a_projector_is_no_speaker() -> None:
-    assert only("media_player.a", "off", device_class="projector").part().service_type == "video_player"
+def test_a_projector_is_no_speaker_and_off_in_standby() -> None:
+    """A Roku that is switched off reports standby."""
+    projector = only("media_player.a", "standby", device_class="projector", supported_features=384)
+    assert projector.part().service_type == "video_player"
+    assert projector.read(is_change=True)["on_off"] is False
+
+
+@pytest.mark.parametrize(
+    ("entity_id", "shown", "attributes", "told", "called"),
+    [
+        ("input_datetime.a", "07:00:00", {"has_time": True}, "07:00:00", {"time": "07:00:00"}),
+        ("input_datetime.a", "2026-11-22", {"has_date": True}, "2026-11-22", {"date": "2026-11-22"}),
+        (
+            "input_datetime.a",
+            "2026-11-22 07:00:00",
+            {"has_date": True, "has_time": True},
+            "2026-11-22T07:00:00",
+            {"datetime": "2026-11-22T07:00:00"},
+        ),
+        ("counter.a", "5", {}, 5.0, {"value": 5}),
+    ],
+)
+def test_a_helper_is_set_to_what_it_shows(
+    entity_id: str, shown: str, attributes: dict[str, object], told: PlainValue, called: dict[str, object]
+) -> None:
+    helper = only(entity_id, shown, **attributes)
+    ((name, value),) = helper.read(is_change=True).items()
+    assert (value, helper.call(name, value).data) == (told, called)
+
+
+def test_a_person_has_a_place() -> None:
+    assert only("person.ann", "home").read(is_change=True) == {"place": "home"}
 
 
 def test_degrees_fahrenheit_are_converted_both_ways() -> None:

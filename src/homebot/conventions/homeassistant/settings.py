@@ -6,15 +6,14 @@ and text.py; core 2026.11: date.py, datetime.py and time.py.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from datetime import date, datetime, time
+from collections.abc import Callable
 from typing import TypeAlias
 
-from homebot.conventions.command_values import option_writer
+from homebot.conventions.command_values import moment_text, option_writer, require_moment
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 
@@ -31,12 +30,6 @@ __all__ = [
 
 _LONGEST_TEXT = 255
 _LONGEST_MESSAGE = 4096
-_LONGEST_MOMENT = 64
-_MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
-    "date": date.fromisoformat,
-    "datetime": datetime.fromisoformat,
-    "time": time.fromisoformat,
-}
 
 
 def build_button(config: DiscoveryConfig) -> DescribedPart:
@@ -150,28 +143,14 @@ def _build_text(config: DiscoveryConfig, least: int, most: int, read: _Read | No
 def build_moment(config: DiscoveryConfig) -> DescribedPart:
     """Describe a date, a time of day, or both, as text in ISO 8601. Other texts are neither read nor sent."""
     kind = config.component
-    parse = _MOMENTS[kind]
     command = config.required_command()
 
-    def normalized(text: str) -> str | None:
-        try:
-            return parse(text.strip()[:_LONGEST_MOMENT]).isoformat()
-        except ValueError:
-            return None
-
     def read(text: str) -> Readings:
-        if text == "None":
-            return {"text": None}
-        moment = normalized(text)
-        return NO_READINGS if moment is None else {"text": moment}
+        moment = moment_text(kind, text)
+        return {"text": moment} if moment is not None or text == "None" else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> Publications:
-        moment = normalized(value) if isinstance(value, str) else None
-        if moment is None:
-            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format")
-        if kind == "datetime" and datetime.fromisoformat(moment).tzinfo is None:
-            raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
-        return command.publish(moment)
+        return command.publish(require_moment(kind, value))
 
     entity = Entity(config, "x_setting", kind)
     entity.add_value("text", config.source("state_topic"), read, command, write)

@@ -139,7 +139,7 @@ _MEASURED: Final = (
 
 
 def _is_on(_info: Fields, state: Fields) -> PlainValue:
-    return state.get("state") != "off"
+    return None if state.get("state") is None else state.get("state") != "off"
 
 
 CLIMATE: Final = EntityComponent(

@@ -6,10 +6,10 @@ Source: Home Assistant core 2024.3, ``components``: ``const.py``, ``__init__.py`
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from datetime import UTC, date, datetime, time
+from datetime import UTC, datetime
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
 from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
     EntityComponent,
@@ -196,7 +196,10 @@ def _tones(info: Fields) -> tuple[str, ...]:
     return options_of({"tones": listed}, "tones") if has(4)(info) else ()
 
 
-_PLAYER_ON = {"off": False, **dict.fromkeys(("on", "idle", "playing", "paused", "standby", "buffering"), True)}
+_PLAYER_ON = {
+    **dict.fromkeys(("off", "standby"), False),
+    **dict.fromkeys(("on", "idle", "playing", "paused", "buffering"), True),
+}
 
 _MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
@@ -215,6 +218,7 @@ def _is_number(info: Fields) -> bool:
     return device_class not in {"date", "enum", "timestamp"} and (is_quantity(device_class) or has_unit)
 
 
+_TRACKER: Final = EntityComponent("x_tracker", (EntityRow("place", read_text("state")),))
 _NUMBER: Final = number_component(
     read_number("state"),
     lambda info: bounds_of(info, "min", "max"),
@@ -236,26 +240,23 @@ _BUTTON: Final = EntityComponent(
     "x_setting", (push_row("push", _PRESS), push_row("locate", _PRESS, lambda info: class_of(info) == "identify"))
 )
 
-_MOMENTS: Mapping[str, Callable[[str], date | time | datetime]] = {
-    "date": date.fromisoformat,
-    "time": time.fromisoformat,
-    "datetime": datetime.fromisoformat,
-}
 
+def _moment(kind: str = "") -> EntityComponent:
+    """Return the domain of a date, a time of day, or both, in ISO 8601; without a *kind* that of a local helper."""
 
-def _moment(kind: str) -> EntityComponent:
-    """Return the domain of a date, a time of day, or both: a text in ISO 8601."""
+    def kind_of(info: Fields) -> str:
+        if kind:
+            return kind
+        return "time" if not info.get("has_date") else "datetime" if info.get("has_time") else "date"
 
-    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
-        try:
-            moment = _MOMENTS[kind](value if isinstance(value, str) else "")
-        except ValueError:
-            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format") from None
-        if isinstance(moment, datetime) and moment.tzinfo is None:
-            raise RefusedError(f"text {shown(value)}", "it takes a datetime with a time zone")
-        return {"service": "set_value", kind: moment.isoformat()}
+    def read(info: Fields, state: Fields) -> PlainValue:
+        return moment_text(kind_of(info), read_text("state")(info, state))
 
-    return EntityComponent("x_setting", (EntityRow("text", read_text("state"), write),), kind)
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        moment = require_moment(kind_of(info), value, zoned=bool(kind))
+        return {"service": "set_value" if kind else "set_datetime", kind_of(info): moment}
+
+    return EntityComponent("x_setting", (EntityRow("text", read, write),), kind)
 
 
 def _read_value(info: Fields, state: Fields) -> PlainValue:
@@ -328,7 +329,8 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             EntityRow("value", _read_value, when=lambda info: not _is_number(info)),
         ),
     ),
-    "device_tracker": EntityComponent("x_tracker", (EntityRow("place", read_text("state")),)),
+    "device_tracker": _TRACKER,
+    "person": _TRACKER,
     "scene": EntityComponent("x_scene", (push_row("scene", {"service": "turn_on"}),)),
     "number": _NUMBER,
     "input_number": _NUMBER,
@@ -342,6 +344,13 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "date": _moment("date"),
     "time": _moment("time"),
     "datetime": _moment("datetime"),
+    "input_datetime": _moment(),
+    "counter": number_component(
+        read_number("state"),
+        lambda info: bounds_of(info, "minimum", "maximum"),
+        lambda number: {"service": "set_value", "value": round(number)},
+    ),
+    "timer": EntityComponent("x_setting", (EntityRow("value", read_text("state")),)),
     "update": EntityComponent(  # homebot never installs an update
         "x_update",
         (

@@ -39,9 +39,9 @@ _SHAPING: Final = frozenset(
     {
         *("assumed_state", "available_modes", "available_tones", "code_arm_required", "code_format", "device_class"),
         *("effect_list", "event_types", "fan_modes", "fan_speed_list", "friendly_name", "hvac_modes", "max"),
-        *("max_color_temp_kelvin", "max_humidity", "max_temp", "min", "min_color_temp_kelvin", "min_humidity"),
-        *("min_temp", "mode", "operation_list", "options", "preset_modes", "source_list", "state_class"),
-        *("supported_color_modes", "supported_features", "swing_modes", "unit_of_measurement"),
+        *("max_color_temp_kelvin", "max_humidity", "max_temp", "maximum", "min", "min_color_temp_kelvin"),
+        *("min_humidity", "min_temp", "minimum", "mode", "operation_list", "options", "preset_modes", "source_list"),
+        *("state_class", "supported_color_modes", "supported_features", "swing_modes", "unit_of_measurement"),
     }
 )
 """Attributes on which the capabilities of an entity depend."""
@@ -143,18 +143,17 @@ class HomeAssistantEntity:
         )
 
     def read(self, *, is_change: bool) -> Readings:
-        """Return the values of its state: nothing while it is unavailable, None for unknown ones.
+        """Return its values: nothing while it is unavailable, None for unknown ones.
+
+        Attributes are known also in an unknown state, such as the temperature of a thermostat of unknown mode.
 
         Args:
             is_change: Whether the state is a change that came now; only then is there an event in it.
         """
-        state = self.info.get("state")
         if not self.is_available:
             return {}
-        readers = [(name, row.read) for name, row in self._rows.items() if row.read is not None]
-        if state == _UNKNOWN:
-            return {name: None for name, _ in readers if name not in EVENTS}
-        found = {name: read(self.info, self.info) for name, read in readers}
+        shown = {**self.info, "state": None} if self.info.get("state") == _UNKNOWN else self.info
+        found = {name: row.read(self.info, shown) for name, row in self._rows.items() if row.read is not None}
         if not EVENTS.isdisjoint(found) and not (is_change and self._happened_now()):
             return {}
         return {name: value for name, value in found.items() if value is not None or name not in EVENTS}
