@@ -7,7 +7,9 @@ import socket
 import anyio
 import pytest
 from tests.patience import PATIENCE
-from tests.peers.network import Lan, Machine
+from tests.peers.network import INTERFACE, Lan, Machine
+
+from homebot.gateways.address_guard import AddressGuard, OwnAddressError
 
 GROUP, PORT = "224.0.0.251", 5353
 SAY = f"""
@@ -69,3 +71,14 @@ async def test_what_a_program_does_not_print_is_an_error_that_shows_what_it_prin
     async with device.program("sh", "-c", "echo no; sleep 1000", ready="no") as program:
         with pytest.raises(TimeoutError, match="'yes' was not printed, but 'no"):
             await program.prints("yes", within=0.5)
+
+
+@pytest.mark.parametrize("second", ["{0}1", "192.168.7.9"])
+async def test_a_second_address_of_this_computer_is_not_led_to(hub: Machine, second: str) -> None:
+    """The kernel sends from the first address of a network, also to the second one."""
+    address = second.format(hub.address)
+    await hub.run("ip", "addr", "add", f"{address}/24", "dev", INTERFACE)
+    with hub.entered(), pytest.raises(OwnAddressError):
+        AddressGuard().check((address, 0))
+    with hub.entered():
+        assert AddressGuard().check(("192.168.7.8", 0)) == "192.168.7.8"

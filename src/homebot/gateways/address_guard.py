@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import TypeAlias, cast
 
 from homebot.errors import RefusedError
@@ -17,8 +18,6 @@ from homebot.support.addresses import parse_address
 __all__ = ["AddressGuard", "OwnAddressError", "guard_for"]
 
 SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
-
-_ANY_PORT = 9
 
 
 class OwnAddressError(OSError):
@@ -86,14 +85,41 @@ def _is_own(text: str) -> bool:
     known = parse_address(text)
     if known is None or known.is_loopback or known.is_unspecified or known.is_multicast:
         return True  # all hosts of a group are meant: this one, and those of others
-    (family, kind, _, _, place), *_ = socket.getaddrinfo(
-        str(known) if known.version == 4 else text, _ANY_PORT, type=socket.SOCK_DGRAM, flags=socket.AI_NUMERICHOST
-    )
-    with socket.socket(family, kind) as probe:
-        probe.setblocking(False)  # noqa: FBT003 - the socket module's own
+    host = str(known) if known.version == 4 else text
+    if _can_bind(_FOREIGN[known.version]):  # by net.ipv4.ip_nonlocal_bind any address can be bound
+        return _has_itself_as_source(host)
+    return _can_bind(host)
+
+
+_FOREIGN = {4: "192.0.2.1", 6: "2001:db8::1"}
+"""Addresses for documentation, which no computer has."""
+
+
+def _can_bind(host: str) -> bool:
+    """Return whether a socket can be bound to an address; a broadcast address is this computer's as well."""
+    with _socket_for(host) as (probe, place):
+        try:
+            probe.bind(place)
+        except OSError:
+            return False
+        return True
+
+
+def _has_itself_as_source(host: str) -> bool:
+    """Return whether packets for an address would come from it: not for a second address in one network."""
+    with _socket_for(host) as (probe, place):
         try:
             probe.connect(place)
         except OSError:
             return False  # no route leads there
-        own: str = probe.getsockname()[0]
-        return parse_address(own) == known
+        return parse_address(probe.getsockname()[0]) == parse_address(host)
+
+
+@contextmanager
+def _socket_for(host: str) -> Iterator[tuple[socket.socket, SocketAddress]]:
+    (family, kind, _, _, place), *_ = socket.getaddrinfo(
+        host, None, type=socket.SOCK_DGRAM, flags=socket.AI_NUMERICHOST
+    )
+    with socket.socket(family, kind) as probe:
+        probe.setblocking(False)  # noqa: FBT003 - the socket module's own
+        yield probe, cast("SocketAddress", place)
