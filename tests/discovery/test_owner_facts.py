@@ -337,8 +337,20 @@ def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said
         index.places.place("lamp", "Studyy", 1.0)
     assert index.places.place("lamp", "Kichen", 1.0, is_new=True) == "Kichen"
     assert index.places.place("lamp", "Garage", 1.0) == "Garage"
+    assert index.places.place("lamp", "garage", 1.0) == "garage"
     assert index.places.place("lamp", "downstairs", 1.0) == "Downstairs"
     assert got(index, "lamp").outer_areas == ("Home",)
+
+
+def test_a_room_is_called_as_the_devices_that_are_in_it_spell_it() -> None:
+    """`place lamp Hall` and `place motion hall` made two rooms of the page and of the API."""
+    index = index_of()
+    for one in THREE_WAYS:
+        index.observe(one, 0.0)
+    index.split("radio", None, 1.0)
+    assert index.places.place("radio", "Hall", 2.0) == "Hall"
+    index.sort()
+    assert index.places.place("web", "hall", 3.0) == "Hall"
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import Final, final
 
+from homebot.devices.query.terms import AreaIs
 from homebot.discovery.approvals import approval_digest
 from homebot.discovery.description import position_of
 from homebot.discovery.device_table import DeviceTable
@@ -62,7 +63,7 @@ class PlacesEditor:
             UsageError: The name cannot be one, or is probably a typo; or there is no such position.
         """
         entry = self._entry(device_id)
-        facts = self._where(room, at, now, is_new=is_new)
+        facts = self._where(room, at, now, is_new=is_new, device_id=device_id)
         replaced = {fact.name for fact in facts}
         where = " at ".join(fact.value for fact in facts)
         others = [fact for fact in self.stated(entry) if fact.name not in replaced]
@@ -89,10 +90,10 @@ class PlacesEditor:
         self._state_absent(key, facts, {fact.name for fact in facts})
         return key, next((fact.value for fact in facts if fact.name == "area"), "")
 
-    def _where(self, room: str, at: str, now: float, *, is_new: bool) -> list[OwnerFact]:
+    def _where(self, room: str, at: str, now: float, *, is_new: bool, device_id: str = "") -> list[OwnerFact]:
         facts = []
         if room or not at:
-            name, _ = self._table.owner.plan.locate(check_name(room))
+            name = self._spelled(check_name(room), device_id)
             if not is_new:
                 self._check_typo(name)
             facts.append(OwnerFact("area", name, "command", now))
@@ -184,7 +185,7 @@ class PlacesEditor:
                 position = position._replace(error=max(position.error, TAG_ERROR))
                 facts.append(OwnerFact("taught_position", position.text, source, now))
         if not facts or room or area:
-            name, _ = self._table.owner.plan.locate(check_name(area or room))
+            name = self._spelled(check_name(area or room), entry.id)
             self._check_typo(name)
             facts.append(OwnerFact("taught_area", name, source, now))
         return facts
@@ -305,6 +306,13 @@ class PlacesEditor:
             if fact.name == name and fact.source == "configuration" and fold(value) in {"", fold(fact.value)}:
                 return f"{fact.value!r} is stated in the configuration; change [places] there"
         return ""
+
+    def _spelled(self, room: str, device_id: str) -> str:
+        """Return *room* as the plan or the other devices in it spell it."""
+        name, _ = self._table.owner.plan.locate(room)
+        others = sorted(self._table.postings.find(AreaIs(fold(name))) - {device_id})
+        areas = (self._table.entries[one].to_device(self._table.topics).area for one in others)
+        return next((area for area in areas if fold(area) == fold(name)), name)
 
     def _check_typo(self, room: str) -> None:
         plan = self._table.owner.plan

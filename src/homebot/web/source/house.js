@@ -12,14 +12,15 @@ export const isLoaded = signal(false);
 
 /** The rooms with the ids of their devices; those without a room last. */
 export const rooms = computed(() => {
-  const found = new Map();
+  const found = new Map(); // by the name without case, as makers write a room differently
   for (const id of ids.value) {
     const room = devices.get(id)?.peek().room ?? "";
-    if (!found.has(room)) found.set(room, []);
-    found.get(room).push(id);
+    const key = room.toLowerCase();
+    if (!found.has(key)) found.set(key, [room, []]);
+    found.get(key)[1].push(id);
   }
   const last = (name) => (name === "" ? 1 : 0);
-  return [...found].sort(([a], [b]) => last(a) - last(b) || a.localeCompare(b));
+  return [...found.values()].sort(([a], [b]) => last(a) - last(b) || a.localeCompare(b));
 });
 
 /** The signal of a device; undefined without one. */
