@@ -34,6 +34,8 @@ async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
 
         await api.until("/api/history?device=lamp1&capability=on_off", lambda found: bool(found.get("series")))
         history = (await api.get("/api/history?device=lamp1&capability=on_off&since=1h")).values
+        misspelt = await api.get("/api/history?device=lamp1&capability=on_of")
+        assert (misspelt.status, misspelt.values["detail"][-21:]) == (400, " did you mean on_off?")
         assert history["series"][0]["points"][-1][1] is True
 
         home = (await api.get("/api/home")).values

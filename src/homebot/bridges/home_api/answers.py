@@ -20,7 +20,9 @@ from homebot.devices.wording.journal_words import clock_text, issuer_text
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import from_seconds, iso
 from homebot.devices.wording.values import main_parts, span, state_text
+from homebot.support.folding import fold
 from homebot.support.printable import printable
+from homebot.support.similar import did_you_mean
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
@@ -43,8 +45,10 @@ async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAns
     """Return the rooms of the house, with the number of devices of each type."""
     devices = await all_listed(home)
     rooms: dict[str, Counter[str]] = {}
+    spelled: dict[str, str] = {}  # makers write a room differently
     for one in devices:
-        rooms.setdefault(printable(one.room, _WIDEST) or "(no room)", Counter())[one.type] += 1
+        room = spelled.setdefault(fold(one.room), printable(one.room, _WIDEST) or "(no room)")
+        rooms.setdefault(room, Counter())[one.type] += 1
     return shapes.HomeAnswer(
         home=home.home,
         devices=len(devices),
@@ -146,6 +150,9 @@ async def history(home: HomeCalls, asked: shapes.HistoryQuestion) -> shapes.Hist
     device, _ = await meant_device(home, asked.device)
     request = {"device": device.id, "capability": asked.capability, "since": since, "points": asked.points}
     found = cast("ReadHistoryResponse", await _answered(home, names.READ_HISTORY, request))
+    if not found.series and (name := asked.capability) and name not in CAPABILITIES:
+        hint = did_you_mean(name, CAPABILITIES, "the answer without one names those of the device")
+        raise ProblemError(HTTPStatus.BAD_REQUEST, f"capability: nothing has a value {name!r}; {hint}")
     return shapes.HistoryAnswer(id=device.id, series=tuple(map(_series, found.series)), more=found.left_out)
 
 

@@ -155,7 +155,7 @@ def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
     url = urlsplit(request.target)
     fitting = [one for one in ROUTES if _fits(one.path, url.path)]
     if not fitting:
-        known = ", ".join(f"{one.method} {one.path}" for one in ROUTES)
+        known = ", ".join([*(f"{one.method} {one.path}" for one in ROUTES), f"GET {_OPENAPI}"])
         raise ProblemError(HTTPStatus.NOT_FOUND, f"there is no {url.path[:100]}; there are {known}")
     route = fitting[0]
     if request.method != route.method:
