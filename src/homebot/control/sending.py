@@ -84,30 +84,25 @@ class Sending:
 
     async def run(self, sent: OpenCommand) -> Outcome:
         """Send a command, and again if no answer comes; return its outcome."""
-        plan, progress, clock = self._plan(sent), sent.progress, self._clock
+        plan, command, progress, clock = self._plan(sent), sent.command, sent.progress, self._clock
         while (step := next_step(progress, plan, now := clock.monotonic())).kind != "done":
             if step.kind == "wait":
                 await sent.wait(step.until - now)
-            elif (problem := await self._attempt(sent, plan)) is not None:
-                return problem
-            plan.lost_at = max(plan.lost_at, self._feed.last_loss(sent.command.part.routes).monotonic)
+            else:
+                plan.attempts += 1
+                if plan.attempts == 1 or self._policies.check(command) is None:
+                    problem = await self._send(sent, plan)
+                    is_acknowledged = problem is None and not progress.is_unacknowledged
+                    if is_acknowledged or (progress.wanted and progress.is_met):
+                        route = progress.routes[-1] if progress.routes and problem is None else ""
+                        self._journal.record("acknowledged", command, route.partition("/")[0])
+                    elif problem is not None and plan.attempts == 1:
+                        return problem
+                plan.asked_at = clock.monotonic()
+                if plan.attempts == 1:
+                    plan.began = progress.sent_at if progress.is_unacknowledged else plan.asked_at
+            plan.lost_at = max(plan.lost_at, self._feed.last_loss(command.part.routes).monotonic)
         return outcome_of(progress, clock.monotonic())
-
-    async def _attempt(self, sent: OpenCommand, plan: SendingPlan) -> Outcome | None:
-        """Send a command, again only if the policies still allow it; return the outcome if the first sending fails."""
-        command, progress, problem = sent.command, sent.progress, None
-        plan.attempts += 1
-        if plan.attempts == 1 or self._policies.check(command) is None:
-            problem = await self._send(sent, plan)
-            if (progress.wanted and progress.is_met) or (problem is None and not progress.is_unacknowledged):
-                route = progress.routes[-1] if progress.routes and problem is None else ""
-                self._journal.record("acknowledged", command, route.partition("/")[0])
-                problem = None
-        plan.asked_at = self._clock.monotonic()
-        if plan.attempts > 1:
-            return None
-        plan.began = progress.sent_at if progress.is_unacknowledged else plan.asked_at
-        return problem
 
     def _plan(self, sent: OpenCommand) -> SendingPlan:
         command, profile, timeout = sent.command, sent.timeline.profile, self._settings.timeout

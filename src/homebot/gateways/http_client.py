@@ -31,7 +31,7 @@ from homebot.gateways.http_address import parse_url, shown_url
 from homebot.gateways.http_errors import check_status, translated_errors
 from homebot.gateways.http_middlewares import HttpLogin, authentication, follow_own_redirects, staying_at
 from homebot.gateways.http_streams import EventStream, WebSocket
-from homebot.support.unanswered import answered, sent
+from homebot.support.unanswered import SENT_REQUESTS
 
 __all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]
 
@@ -191,7 +191,7 @@ class HttpClient:
             response = await self._opened().request(
                 method, where, data=body, headers=headers, allow_redirects=method == "GET", max_redirects=_REDIRECTS
             )
-            answered()
+            SENT_REQUESTS.get().is_unanswered = False
             async with response:
                 if etag and response.status == 304:
                     return HttpAnswer(304, "", b"", _fields(response))
@@ -282,7 +282,7 @@ def _marking_sent() -> aiohttp.TraceConfig:
 
     async def mark(_: object, __: object, request: aiohttp.TraceRequestHeadersSentParams) -> None:
         if request.method != "GET":
-            sent()
+            SENT_REQUESTS.get().is_unanswered = True
 
     tracing = aiohttp.TraceConfig()
     tracing.on_request_headers_sent.append(mark)

@@ -13,7 +13,7 @@ from typing import Final, final
 
 from homebot.errors import BusyError, PeerError
 
-__all__ = ["SentRequests", "answered", "awaiting_answer", "sent", "watched_requests"]
+__all__ = ["SENT_REQUESTS", "SentRequests", "awaiting_answer"]
 
 
 @final
@@ -24,45 +24,21 @@ class SentRequests:
         is_unanswered: Whether the last one was sent, and not answered.
     """
 
-    __slots__ = ("is_unanswered",)
-
-    def __init__(self) -> None:
-        self.is_unanswered = False
+    is_unanswered = False
 
 
-_REQUESTS: Final[ContextVar[SentRequests | None]] = ContextVar("homebot_sent_requests", default=None)
-
-
-@contextmanager
-def watched_requests() -> Iterator[SentRequests]:
-    """Watch the requests of the calling task, and of those that it starts, inside the block."""
-    requests = SentRequests()
-    token = _REQUESTS.set(requests)
-    try:
-        yield requests
-    finally:
-        _REQUESTS.reset(token)
+SENT_REQUESTS: Final[ContextVar[SentRequests]] = ContextVar("homebot_sent_requests", default=SentRequests())  # noqa: B039 - nothing reads that of others
+"""The requests of the current task, if its caller asks about them."""
 
 
 @contextmanager
 def awaiting_answer() -> Iterator[None]:
     """Send a request inside the block and wait for its answer; an error of the link, or a cancellation, is none."""
-    sent()
+    requests = SENT_REQUESTS.get()
+    requests.is_unanswered = True
     try:
         yield
     except (PeerError, BusyError):
-        answered()
-        raise
-    answered()
-
-
-def sent() -> None:
-    """Mark that a request is being sent."""
-    if (requests := _REQUESTS.get()) is not None:
-        requests.is_unanswered = True
-
-
-def answered() -> None:
-    """Mark that its answer came."""
-    if (requests := _REQUESTS.get()) is not None:
         requests.is_unanswered = False
+        raise
+    requests.is_unanswered = False

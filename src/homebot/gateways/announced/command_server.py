@@ -20,7 +20,7 @@ from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnounc
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.base import Gateway
 from homebot.gateways.raw_delivery import RawDelivery, begin_of
-from homebot.support.unanswered import SentRequests, watched_requests
+from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
 __all__ = ["CommandServer", "Perform", "RawMessages"]
 
@@ -111,25 +111,28 @@ class CommandServer:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
         limit = asyncio.timeout(command.expires_after or None)
-        with watched_requests() as requests:
-            try:
-                if command.approved:
-                    self._check_approved(command)
-                waits = self._out.mailbox.queue or self._out.unbegun
-                perform = self._perform_after_raw if waits else self._perform
-                async with limit:  # as while a radio connects: nothing happens late
-                    await perform(command)
-            except LinkError as exc:
-                return self._failed(str(exc), requests)
-            except HomebotError as exc:
-                self._counters.commands_refused += 1
-                is_unable = isinstance(exc, UnableError)
-                return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
-            except TimeoutError:
-                if not limit.expired():
-                    raise
-                what = "did not answer" if requests.is_unanswered else "was not reached"
-                return self._failed(f"{command.key[:100]} {what} within {command.expires_after:.2g} s", requests)
+        requests = SentRequests()
+        token = SENT_REQUESTS.set(requests)
+        try:
+            if command.approved:
+                self._check_approved(command)
+            waits = self._out.mailbox.queue or self._out.unbegun
+            perform = self._perform_after_raw if waits else self._perform
+            async with limit:  # as while a radio connects: nothing happens late
+                await perform(command)
+        except LinkError as exc:
+            return self._failed(str(exc), requests)
+        except HomebotError as exc:
+            self._counters.commands_refused += 1
+            is_unable = isinstance(exc, UnableError)
+            return SendCommandResponse(success=False, message=str(exc), problem="refused", unable=is_unable)
+        except TimeoutError:
+            if not limit.expired():
+                raise
+            what = "did not answer" if requests.is_unanswered else "was not reached"
+            return self._failed(f"{command.key[:100]} {what} within {command.expires_after:.2g} s", requests)
+        finally:
+            SENT_REQUESTS.reset(token)
         self._counters.commands += 1
         return _CARRIED_OUT
 

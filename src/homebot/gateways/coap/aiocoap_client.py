@@ -27,7 +27,7 @@ from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.address_guard import AddressGuard, OwnAddressError
 from homebot.gateways.coap.settings import CoapCredentials
 from homebot.support.connect_errors import connect_problem
-from homebot.support.unanswered import answered, awaiting_answer
+from homebot.support.unanswered import SENT_REQUESTS, awaiting_answer
 
 __all__ = ["CoapAnswer", "CoapClient", "GroupAnswer"]
 
@@ -322,7 +322,7 @@ def _translated(uri: str) -> Iterator[None]:
     except OwnAddressError as exc:
         raise exc.refusal_of(uri) from None
     except (aiocoap.error.NetworkError, aiocoap.error.LibraryShutdown, OSError) as exc:
-        answered()  # by the network, which did not take it
+        SENT_REQUESTS.get().is_unanswered = False  # the network did not take it
         cause = exc if isinstance(exc, OSError) else exc.__cause__  # which the library's text does not tell
         reason = connect_problem(cause) if isinstance(cause, OSError) else str(exc)
         raise LinkError(f"{uri} cannot be reached: {reason}") from exc

@@ -26,7 +26,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import PacketType, ReasonCode
 from homebot.mqtt.topics import validate_filter, validate_topic
 from homebot.support.logger import get_logger
-from homebot.support.unanswered import awaiting_answer
+from homebot.support.unanswered import SENT_REQUESTS
 
 __all__ = ["UNREADABLE", "BaseClient", "ClientLink"]
 
@@ -380,16 +380,18 @@ class ClientLink(ABC):
         """
         if request:
             self._put(request)
-        answer = self._requests.expect(packet_id)
+        answer, requests = self._requests.expect(packet_id), SENT_REQUESTS.get()
+        requests.is_unanswered = True
         try:
-            with awaiting_answer():
-                return await answer
+            reasons = await answer
+            requests.is_unanswered = False
         except TimeoutError:
             raise LinkError(f"no answer to a {what} within {self._options.timeout:g} s") from None
         except LinkError as error:
             raise LinkError(f"{what} failed, the link is lost: {error}") from None
         finally:
             self._requests.forget(packet_id)
+        return reasons
 
     def _check_frame(self, frame: Frame) -> None:
         if not self._is_granted and frame.first >> 4 != PacketType.CONNACK:
