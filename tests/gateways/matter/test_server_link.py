@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 from collections import deque
+from collections.abc import Awaitable, Callable
+from typing import NoReturn
 
 import anyio
 import anyio.lowlevel
@@ -26,10 +28,15 @@ class QueuedSocket:
         self.sent.append(message)
 
     async def receive(self) -> str | bytes:
-        if self.frames:
-            return self.frames.popleft()
+        return self.frames.popleft()
+
+    async def receive_all(
+        self, take: Callable[[bytes], Awaitable[None]], reject: Callable[[bytes, str], None]
+    ) -> NoReturn:
+        while self.frames:
+            await take(self.frames.popleft().encode())
         await anyio.sleep_forever()
-        raise AssertionError
+        raise AssertionError(reject)
 
 
 async def test_other_tasks_run_while_a_list_of_many_megabytes_is_parsed() -> None:

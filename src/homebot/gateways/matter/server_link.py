@@ -7,9 +7,9 @@ Source: as :mod:`homebot.gateways.matter.server_messages`.
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Final, Protocol
+import math
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Final, NoReturn, Protocol
 
 import anyio
 
@@ -34,9 +34,6 @@ LISTS_WITHIN: Final = 120.0
 ANSWERS_WITHIN: Final = 30.0
 """All in seconds; the server asks a sleepy device several times."""
 
-MOST_INVALID: Final = 100
-"""Invalid frames in a row after which the connection is closed."""
-
 
 class ServerSocket(Protocol):
     """An open WebSocket."""
@@ -46,6 +43,11 @@ class ServerSocket(Protocol):
 
     async def receive(self) -> str | bytes:
         """Wait for a message."""
+
+    async def receive_all(
+        self, take: Callable[[bytes], Awaitable[None]], reject: Callable[[bytes, str], None]
+    ) -> NoReturn:
+        """Pass each message to *take*, and those that it refuses to *reject*, until the connection is lost."""
 
 
 class MatterServerLink:
@@ -76,6 +78,7 @@ class MatterServerLink:
         self._on_invalid = on_invalid
         self._calls = PendingCalls[ServerAnswer]("the Matter server")
         self._listening_id = ""
+        self._listing = anyio.CancelScope()
 
     async def run(self) -> None:
         """Follow the server until the link is lost.
@@ -86,12 +89,12 @@ class MatterServerLink:
             WireError: It is not a Matter server of a known version, or sent too many invalid frames.
         """
         try:
-            await self._greet()
-            with _limit(LISTS_WITHIN, "it did not list its nodes"):
-                while not await self._handle_next():
-                    pass
-            while True:
-                await self._handle_next()
+            with anyio.fail_after(GREETS_WITHIN):
+                await self._greet()
+            with anyio.fail_after(LISTS_WITHIN) as self._listing:
+                await self._socket.receive_all(self._on_frame, self._on_invalid)
+        except TimeoutError:
+            raise LinkError("the Matter server is too slow: it did not greet, or list its nodes, in time") from None
         finally:
             self._calls.end()
 
@@ -124,8 +127,7 @@ class MatterServerLink:
         return answer.result
 
     async def _greet(self) -> None:
-        with _limit(GREETS_WITHIN, "it sent no greeting"):
-            frame = await _parsed(_as_bytes(await self._socket.receive()))
+        frame = await _parsed(await self._socket.receive())
         if not isinstance(frame, ServerInfo):
             raise WireError("the server at this address is not a Matter server")
         frame.check()
@@ -133,43 +135,20 @@ class MatterServerLink:
         self._listening_id = self._calls.new_id()
         await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
 
-    async def _handle_next(self) -> bool:
-        """Handle the next frame; return whether it was the list of nodes."""
-        for _ in range(MOST_INVALID):
-            payload = _as_bytes(await self._socket.receive())
-            try:
-                return await self._handle(await _parsed(payload), payload)
-            except WireError as exc:
-                self._on_invalid(payload, str(exc))
-        raise WireError(f"the Matter server sent {MOST_INVALID} invalid frames in a row")
-
-    async def _handle(self, frame: ServerFrame, payload: bytes) -> bool:
+    async def _on_frame(self, payload: bytes) -> None:
+        frame = await _parsed(payload)
         if isinstance(frame, MatterEvent):
             await self._on_event(frame, payload)
+        elif isinstance(frame, ServerAnswer) and frame.message_id == self._listening_id:
+            if frame.error_code is not None:
+                raise error_of("the list of nodes", frame)
+            await self._on_nodes(frame.result)
+            self._listing.deadline = math.inf
         elif isinstance(frame, ServerAnswer):
-            if frame.message_id == self._listening_id:
-                if frame.error_code is not None:
-                    raise error_of("the list of nodes", frame)
-                await self._on_nodes(frame.result)
-                return True
             await self._calls.resolve(frame.message_id, frame)  # one without a waiting caller came too late
-        return False
 
 
-def _as_bytes(message: str | bytes) -> bytes:
-    return message.encode(errors="replace") if isinstance(message, str) else message
-
-
-async def _parsed(payload: bytes) -> ServerFrame:
+async def _parsed(message: str | bytes) -> ServerFrame:
     """Return the message in a frame; other tasks run while a long one is parsed."""
+    payload = message.encode(errors="replace") if isinstance(message, str) else message
     return read_frame(await parse_long_json(payload, MAX_FRAME_BYTES))
-
-
-@contextmanager
-def _limit(seconds: float, problem: str) -> Iterator[None]:
-    """Raise ``LinkError`` if the block takes longer."""
-    try:
-        with anyio.fail_after(seconds):
-            yield
-    except TimeoutError:
-        raise LinkError(f"the Matter server is too slow: {problem} within {seconds:g} s") from None
