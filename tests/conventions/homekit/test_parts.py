@@ -9,8 +9,9 @@ from tests.gateways.homekit.fake_accessories import accessory, characteristic, s
 
 from homebot.conventions.homekit.accessory import parse_accessories, short_type
 from homebot.conventions.homekit.parts import HomekitPart, parts_of
+from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WireError
+from homebot.errors import RefusedError, UnableError, WireError
 
 READ = ["pr", "ev"]
 ECOBEE, ECOBEE_HOLD = "B7DDB9A3-54BB-4572-91D2-F1F5B0510F8C", "1B300BC2-CFFC-47FF-89F9-BD6CCF5F2853"
@@ -29,13 +30,15 @@ def part(kind: str, values: Mapping[str, object], read_only: str = "", **limits:
 
 
 def values(found: HomekitPart) -> dict[str, PlainValue]:
-    return {name: one.read() for name, one in found.abilities.items()}
+    return {name: row.read_value(found.service) for name, row in found.rows.items()}
 
 
 def written(found: HomekitPart, capability: str, value: PlainValue) -> Mapping[str, float]:
-    write = found.abilities[capability].write
-    assert write is not None
-    return write(value)
+    return found.rows[capability].write_value(found.service, value)
+
+
+def described(found: HomekitPart, capability: str) -> Capability:
+    return next(one for one in found.part.capabilities if one.name == capability)
 
 
 @pytest.mark.parametrize(
@@ -183,20 +186,20 @@ def test_modes_and_setpoints_are_those_that_the_accessory_has() -> None:
         c33={"valid-values": [0, 1]},
         c35={"minValue": 5, "maxValue": 30},
     )
-    assert heater.abilities["thermostat_mode"].capability.options == ("off", "heat")
-    assert heater.abilities["heating_setpoint"].capability.bounds == (5.0, 30.0)
-    assert "cooling_setpoint" not in heater.abilities
+    assert described(heater, "thermostat_mode").options == ("off", "heat")
+    assert described(heater, "heating_setpoint").bounds == (5.0, 30.0)
+    assert "cooling_setpoint" not in heater.rows
 
 
 def test_a_mode_without_alternative_is_the_only_one() -> None:
     """Humidifiers that cannot dry bound their mode by 1 and 1."""
     found = part("BD", {"B0": 0, "B4": 1, "10": 45.0}, cB4={"minValue": 1, "maxValue": 1})
-    assert found.abilities["humidifier_mode"].capability.options == ("humidify",)
+    assert described(found, "humidifier_mode").options == ("humidify",)
 
 
 def test_a_share_of_the_humidity_has_the_bounds_of_the_accessory() -> None:
     found = part("4A", {"F": 0, "33": 0, "11": 20.0, "35": 20.0, "34": 30.0}, c34={"minValue": 20, "maxValue": 50})
-    assert found.abilities["humidity_setpoint"].capability.bounds == (20.0, 50.0)
+    assert described(found, "humidity_setpoint").bounds == (20.0, 50.0)
 
 
 def test_the_sources_of_a_television_are_the_services_beside_it() -> None:
@@ -206,7 +209,7 @@ def test_the_sources_of_a_television_are_the_services_beside_it() -> None:
         for at, (number, name) in enumerate({2: "HDMI", 3: "HDMI", 70_000: "Live TV"}.items())
     )
     (found,) = parts_of(parse_accessories([accessory(1, "TV", television, *inputs)])[1])
-    assert found.abilities["option"].capability.options == ("HDMI", "HDMI 3", "Live TV")
+    assert described(found, "option").options == ("HDMI", "HDMI 3", "Live TV")
     assert (values(found)["option"], written(found, "option", "Live TV")) == ("HDMI", {"E7": 70_000})
 
 
@@ -229,8 +232,10 @@ def test_limits_without_sense_are_none(limits: dict[str, object]) -> None:
 
 
 def test_what_cannot_be_written_cannot_be_set() -> None:
-    on_off = part("49", {"25": True}, read_only="25").abilities["on_off"]
-    assert (on_off.capability.settable, on_off.write) == (False, None)
+    found = part("49", {"25": True}, read_only="25")
+    assert not described(found, "on_off").settable
+    with pytest.raises(UnableError, match="cannot be set"):
+        found.command("on_off", True)
 
 
 def test_values_are_written_in_the_format_and_the_bounds_of_their_characteristic() -> None:

@@ -6,7 +6,7 @@ Source: HomeKit Accessory Protocol Specification R2, chapter 8 (services), among
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
@@ -14,9 +14,9 @@ from homebot.conventions.homekit.accessory import Accessory, HapCharacteristic, 
 from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
-from homebot.conventions.homekit.rows import HomekitAbility, ServiceRow
+from homebot.conventions.homekit.rows import ServiceRow
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.part import Part
+from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import UnableError
 
@@ -100,25 +100,25 @@ _NAME, _CONFIGURED_NAME, _LABEL_INDEX = "23", "E3", "CB"
 
 @dataclass(frozen=True, slots=True)
 class HomekitPart:
-    """A part of an accessory, with its service, and its abilities by their capabilities."""
+    """A part of an accessory, with its service, and the rows of its capabilities by their names."""
 
     part: Part
     service: HapService
-    abilities: Mapping[str, HomekitAbility]
+    rows: Mapping[str, ServiceRow]
 
-    def command(self, capability: str, value: PlainValue) -> tuple[Mapping[HapCharacteristic, float], frozenset[str]]:
+    def command(self, capability: str, value: PlainValue) -> tuple[Mapping[HapCharacteristic, float], list[str]]:
         """Return the values that set *capability*, and the types of the characteristics that it depends on.
 
         Raises:
             UnableError: It cannot be set.
             RefusedError: The value is invalid.
         """
-        ability = self.abilities.get(capability)
-        if ability is None or ability.write is None:
+        row = self.rows.get(capability)
+        if row is None or not self.service.can(row.target, "pw"):
             raise UnableError(f"{capability[:40]} cannot be set")
         known = self.service.characteristics
-        wanted = ability.write(value).items()
-        return {known[kind]: number for kind, number in wanted if kind in known}, ability.watched
+        wanted = row.write_value(self.service, value).items()
+        return {known[kind]: number for kind, number in wanted if kind in known}, row.kinds
 
 
 def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
@@ -126,12 +126,13 @@ def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
     own_name = accessory.information.text(_NAME)
     rows = (*_ROWS, *_source_rows(accessory))
     for service in accessory.services.values():
-        found: dict[str, HomekitAbility] = {}
+        found: dict[str, tuple[Capability, ServiceRow]] = {}
         for row in rows:
-            if row.capability not in found and (ability := row.ability(service)) is not None:
-                found[row.capability] = ability
+            if row.capability not in found and (capability := row.describe(service)) is not None:
+                found[row.capability] = capability, row
         if found:
-            yield HomekitPart(_part(service, own_name, found.values()), service, found)
+            part = _part(service, own_name, tuple(capability for capability, _ in found.values()))
+            yield HomekitPart(part, service, {name: row for name, (_, row) in found.items()})
 
 
 def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
@@ -145,8 +146,8 @@ def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
         yield ServiceRow(_TELEVISION, "option", _SOURCE, _SOURCE, sources)
 
 
-def _part(service: HapService, own_name: str, abilities: Collection[HomekitAbility]) -> Part:
-    first = CAPABILITIES[next(iter(abilities)).capability.name]
+def _part(service: HapService, own_name: str, capabilities: tuple[Capability, ...]) -> Part:
+    first = CAPABILITIES[capabilities[0].name]
     only_heats = service.type == _HEATER and _COOL_TO not in service.characteristics
     name = service.text(_CONFIGURED_NAME) or service.text(_NAME)
     index = service.number(_LABEL_INDEX)
@@ -157,5 +158,5 @@ def _part(service: HapService, own_name: str, abilities: Collection[HomekitAbili
         name=name,
         service_type="thermostat" if only_heats else _TYPE_OF.get(service.type, first.sensor),
         category="diagnostic" if service.type == BATTERY else "",
-        capabilities=tuple(one.capability for one in abilities),
+        capabilities=capabilities,
     )

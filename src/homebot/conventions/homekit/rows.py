@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
@@ -13,28 +12,12 @@ from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
-__all__ = ["HomekitAbility", "ServiceRow", "Writes", "known_values", "read_number"]
+__all__ = ["ServiceRow", "Writes", "known_values", "read_number"]
 
 Writes: TypeAlias = Mapping[str, float]
 """Values of characteristics, by their types."""
 
 _NO_VALUES: Mapping[int, str] = {}
-
-
-@dataclass(frozen=True, slots=True)
-class HomekitAbility:
-    """A capability of a service; see :class:`ServiceRow`.
-
-    Attributes:
-        watched: The types of the characteristics that its value depends on.
-        read: Returns its value, or the last event; None for unknown.
-        write: Returns what sets a value, or raises RefusedError; None if it cannot be set.
-    """
-
-    capability: Capability
-    watched: frozenset[str]
-    read: Callable[[], PlainValue]
-    write: Callable[[PlainValue], Writes] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,27 +48,55 @@ class ServiceRow:
     when: Callable[[HapService], object] | None = None
     unit: str = ""
 
-    def ability(self, service: HapService) -> HomekitAbility | None:
-        """Return the ability of *service* by this row; None if it has none."""
-        first, *_ = watched = self.watched.split()
+    @property
+    def kinds(self) -> list[str]:
+        """The types of the characteristics that its value depends on."""
+        return self.watched.split()
+
+    def describe(self, service: HapService) -> Capability | None:
+        """Return the capability of *service* by this row; None if it has none."""
+        first = self.kinds[0]
         known = service.characteristics.get(first)
         is_of_row = not self.services or service.type in self.services.split()
         if known is None or not is_of_row or (self.when and not self.when(service)):
             return None
         is_settable = service.can(self.target, "pw")
         kind, is_event = CAPABILITIES[self.capability].kind, CAPABILITIES[self.capability].is_event
-        texts = known_values(service, self.target or first, self.values or _NO_VALUES)
-        capability = Capability(
+        return Capability(
             name=self.capability,
             readable=is_event or "pr" in known.perms,
             settable=is_settable,
             unit=self.unit,
             bounds=self._bounds(service) if is_settable and kind == "number" else (),
-            options=self.options(service) if self.options else tuple(texts.values()),
+            options=self.options(service) if self.options else tuple(self._texts(service).values()),
         )
-        read = partial(self.read or partial(_read, self.capability, first, self.values), service)
-        write = partial(self.write or partial(_write, self.capability, self.target, texts, self._bounds), service)
-        return HomekitAbility(capability, frozenset(watched), read, write if is_settable else None)
+
+    def read_value(self, service: HapService) -> PlainValue:
+        """Return the value of its capability, or the last event; None for unknown."""
+        if self.read is not None:
+            return self.read(service)
+        first = self.kinds[0]
+        if self.values is None and CAPABILITIES[self.capability].kind == "number":
+            return read_number(self.capability, first, service)
+        value = service.number(first)
+        if value is None:
+            return None
+        return value != 0 if self.values is None else self.values.get(int(value))
+
+    def write_value(self, service: HapService, value: PlainValue) -> Writes:
+        """Return what sets its capability; raise RefusedError for an invalid value."""
+        if self.write is not None:
+            return self.write(service, value)
+        if texts := self._texts(service):
+            raw = {text: number for number, text in texts.items()}
+            return {self.target: raw[require_option(self.capability, value, raw)]}
+        if CAPABILITIES[self.capability].kind == "number":
+            least, most = self._bounds(service) or (-1e9, 1e9)
+            return {self.target: require_number(self.capability, value, least, most)}
+        return {self.target: float(require_bool(self.capability, value))}
+
+    def _texts(self, service: HapService) -> dict[int, str]:
+        return known_values(service, self.target or self.kinds[0], self.values or _NO_VALUES)
 
     def _bounds(self, service: HapService) -> tuple[float, ...]:
         if self.bounds is not None:
@@ -109,29 +120,3 @@ def read_number(capability: str, kind: str, service: HapService) -> float | None
     least, most = CAPABILITIES[capability].bounds or (-1e9, 1e9)
     value = service.number(kind)
     return round(value, 4) if value is not None and least <= value <= most else None
-
-
-def _read(capability: str, kind: str, values: Mapping[int, str] | None, service: HapService) -> PlainValue:
-    if values is None and CAPABILITIES[capability].kind == "number":
-        return read_number(capability, kind, service)
-    value = service.number(kind)
-    if value is None:
-        return None
-    return value != 0 if values is None else values.get(int(value))
-
-
-def _write(
-    capability: str,
-    kind: str,
-    texts: Mapping[int, str],
-    bounds: Callable[[HapService], tuple[float, ...]],
-    service: HapService,
-    value: PlainValue,
-) -> Writes:
-    if texts:
-        raw = {text: number for number, text in texts.items()}
-        return {kind: raw[require_option(capability, value, raw)]}
-    if CAPABILITIES[capability].kind == "number":
-        least, most = bounds(service) or (-1e9, 1e9)
-        return {kind: require_number(capability, value, least, most)}
-    return {kind: float(require_bool(capability, value))}

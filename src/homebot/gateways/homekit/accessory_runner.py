@@ -182,7 +182,7 @@ class AccessoryRunner(DeviceRunner):
             for aid, accessory in self._accessories.items()
             for part in accessory.parts.values()
             for one in part.service.characteristics.values()
-            if permission in one.perms and any(one.type in ability.watched for ability in part.abilities.values())
+            if permission in one.perms and any(one.type in row.kinds for row in part.rows.values())
         )
 
     def _on_event(self, values: HomekitValues) -> None:

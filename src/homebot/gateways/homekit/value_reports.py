@@ -68,11 +68,9 @@ class ValueReports:
             for one in changed:
                 one.value = values[one.iid]
             kinds = {one.type for one in changed}
-            for (
-                ability
-            ) in part.abilities.values():  # each by itself, as the newest report of each set of capabilities is kept
-                if not ability.watched.isdisjoint(kinds):
-                    await self._devices.report(key, {ability.capability.name: ability.read()}, part.part.id)
+            for row in part.rows.values():  # each by itself: the newest report of each set of capabilities is kept
+                if not kinds.isdisjoint(row.kinds):
+                    await self._devices.report(key, {row.capability: row.read_value(part.service)}, part.part.id)
 
     def _reject(self, problem: str) -> None:
         self._devices.reject(self._server, b"", problem)
