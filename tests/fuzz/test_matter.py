@@ -58,17 +58,17 @@ def test_damaged_nodes_are_refused_or_read(fuzz: Fuzz) -> None:
 
 def check_device(rng: random.Random, device: NodeDevice) -> None:
     for part in device.device.parts:
-        for endpoint, ability in device.abilities[part.id]:
-            capability = ability.capability
+        endpoint, rows = device.rows[part.id]
+        for row, capability in zip(rows, part.capabilities, strict=True):
             assert capability.name in CAPABILITIES
-            if ability.read is not None:
-                value = ability.read(endpoint)
+            if row.read is not None:
+                value = row.read_value(endpoint)
                 assert can_report(part, capability.name, value), (capability.name, value)
                 assert not isinstance(value, float) or math.isfinite(value)
-            if ability.write is not None:
+            if row.write is not None:
                 wanted: PlainValue = rng.choice((*WANTED, *capability.options))
                 try:
-                    orders = ability.write(endpoint, MatterCommand(wanted, rng.choice((0.0, 1.5, 1e5))))
+                    orders = row.write(endpoint, MatterCommand(wanted, rng.choice((0.0, 1.5, 1e5))))
                 except RefusedError:
                     continue
                 for order in orders:

@@ -200,9 +200,7 @@ def test_a_closure_that_covers_a_window_is_a_blind_with_its_panels(tag: int, ser
     panel = {path.replace("1/", "2/", 1): value for path, value in PANEL.items()}
     device = only_device({**CLOSURE, **panel, "1/29/3": [2], "1/29/4": tags})
     assert [one.service_type for one in device.device.parts] == [service_type, service_type]
-    assert [one.capability.name for _, one in (*device.abilities["1"], *device.abilities["2"])] == [
-        *("movement", "position")
-    ]
+    assert [row.capability for part in "12" for row in device.rows[part][1]] == ["movement", "position"]
 
 
 def test_an_oven_tells_whether_it_runs() -> None:

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 
 import pytest
 
-from homebot.conventions.matter.cluster_row import MatterAbility, MatterCommand
-from homebot.conventions.matter.endpoint import MatterEndpoint
+from homebot.conventions.matter.cluster_row import MatterCommand
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.value_check import can_report
-from homebot.gateways.matter.node import MatterNode, NodeDevice
+from homebot.gateways.matter.node import MatterNode, NodeDevice, find_writer
 
 LAMP = {
     "1/29/0": [{"0": 0x010D, "1": 1}],
@@ -58,19 +57,15 @@ def only_device(attributes: Mapping[str, object]) -> NodeDevice:
 
 def readings(device: NodeDevice, part: str = "1") -> dict[str, PlainValue]:
     described = next(one for one in device.device.parts if one.id == part)
-    found = {one.capability.name: one.read(of) for of, one in device.abilities[part] if one.read is not None}
+    endpoint, rows = device.rows[part]
+    found = {row.capability: row.read_value(endpoint) for row in rows if row.read is not None}
     assert all(can_report(described, name, value) for name, value in found.items())
     return found
 
 
-def ability(device: NodeDevice, name: str) -> tuple[MatterEndpoint, MatterAbility]:
-    return next((of, one) for of, one in device.abilities["1"] if one.capability.name == name)
-
-
 def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code: str = "") -> list[dict[str, object]]:
-    endpoint, found = ability(only_device(attributes), name)
-    assert found.write is not None
-    return [dict(one.server_call(5, 1)[1]) for one in found.write(endpoint, MatterCommand(value, code=code))]
+    endpoint, write = find_writer(only_device(attributes), "1", name)
+    return [dict(one.server_call(5, 1)[1]) for one in write(endpoint, MatterCommand(value, code=code))]
 
 
 @pytest.mark.parametrize(
@@ -209,9 +204,8 @@ def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_show
     (args,) = orders(coded, "lock", "unlocked", "1234")
     assert args["payload"] == {"PINCode": "MTIzNA=="}
     assert args["timed_request_timeout_ms"] == 1000
-    endpoint, found = ability(only_device(coded), "lock")
-    assert found.write is not None
-    (order,) = found.write(endpoint, MatterCommand("unlocked", code="1234"))
+    endpoint, write = find_writer(only_device(coded), "1", "lock")
+    (order,) = write(endpoint, MatterCommand("unlocked", code="1234"))
     assert order.is_secret
     assert "MTIzNA" not in repr(order)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.command_values import require_number
@@ -15,7 +14,6 @@ from homebot.support.numbers import finite_number, whole_number
 
 __all__ = [
     "ClusterRow",
-    "MatterAbility",
     "MatterCommand",
     "Reader",
     "WriteValue",
@@ -41,18 +39,6 @@ class MatterCommand(NamedTuple):
 
 WriteValue: TypeAlias = Callable[[MatterEndpoint, MatterCommand], MatterOrders]
 """Returns the orders that set a value; raises RefusedError."""
-
-
-@dataclass(frozen=True, slots=True)
-class MatterAbility:
-    """A capability of an endpoint; see :class:`ClusterRow`."""
-
-    cluster: int
-    capability: Capability
-    read: Callable[[MatterEndpoint], PlainValue] | None = None
-    write: WriteValue | None = None
-    also_read: int | None = None
-    part_suffix: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,31 +69,34 @@ class ClusterRow:
     also_read: int | None = None
     part_suffix: str = ""
 
-    def ability(self, endpoint: MatterEndpoint) -> MatterAbility | None:
-        """Return the ability of *endpoint* by this row; None if it has none."""
+    def describe(self, endpoint: MatterEndpoint) -> Capability | None:
+        """Return the capability of *endpoint* by this row; None if it has none."""
         if not self._is_on(endpoint):
             return None
-        is_settable = self.accepts is None or endpoint.accepts(self.cluster, self.accepts)
-        write = self.write if is_settable else None
-        capability = Capability(
+        is_settable = self.is_settable(endpoint)
+        return Capability(
             name=self.capability,
-            readable=self.read is not None or write is None,
-            settable=write is not None,
+            readable=self.read is not None or not is_settable,
+            settable=is_settable,
             unit=self.unit if isinstance(self.unit, str) else self.unit(endpoint),
             bounds=() if self.bounds is None else self.bounds(endpoint),
             options=self.options if isinstance(self.options, tuple) else self.options(endpoint),
         )
-        read = None if self.read is None else partial(self._read, self.read)
-        return MatterAbility(self.cluster, capability, read, write, self.also_read, self.part_suffix)
+
+    def is_settable(self, endpoint: MatterEndpoint) -> bool:
+        """Return whether an endpoint with the capability lets it be set."""
+        return self.write is not None and (self.accepts is None or endpoint.accepts(self.cluster, self.accepts))
+
+    def read_value(self, endpoint: MatterEndpoint) -> PlainValue:
+        """Return the value of the capability; None for unknown, and for one that is never reported."""
+        raw = None if self.attribute is None else endpoint.value(self.cluster, self.attribute)
+        return None if self.read is None else self.read(endpoint, raw)
 
     def _is_on(self, endpoint: MatterEndpoint) -> bool:
         if not endpoint.has(self.cluster, self.attribute):
             return False
         has_feature = not self.feature or endpoint.features(self.cluster) & self.feature
         return bool(has_feature and (self.when is None or self.when(endpoint)))
-
-    def _read(self, read: Reader, endpoint: MatterEndpoint) -> PlainValue:
-        return read(endpoint, None if self.attribute is None else endpoint.value(self.cluster, self.attribute))
 
 
 def number(divisor: float = 1, least: float = -1e12, most: float = 1e12) -> Reader:

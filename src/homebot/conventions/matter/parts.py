@@ -7,12 +7,12 @@ Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Final
 
 from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import CLIMATE_ROWS
-from homebot.conventions.matter.cluster_row import MatterAbility
+from homebot.conventions.matter.cluster_row import ClusterRow
 from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
 from homebot.conventions.matter.light_clusters import LIGHT_ROWS
 from homebot.conventions.matter.opening_clusters import OPENING_ROWS
@@ -20,10 +20,10 @@ from homebot.conventions.matter.sensor_clusters import BATTERY, PLAIN, SENSOR_RO
 from homebot.conventions.matter.switch_cluster import SWITCH_ROWS
 from homebot.conventions.payload import text_of
 from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.part import Part
+from homebot.devices.part import Capability, Part
 from homebot.support.numbers import whole_number
 
-__all__ = ["find_abilities", "parts_of"]
+__all__ = ["parts_of"]
 
 _ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS, *SWITCH_ROWS)
 _SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
@@ -68,53 +68,45 @@ _COUNTED: Final = frozenset({"row", "column"})
 _LONGEST_NAME: Final = 40
 
 
-def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[MatterAbility, ...]]]:
+def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[ClusterRow, ...]]]:
     """Yield the parts of an endpoint: its main function, and beside that its battery and plain measurements.
 
     Args:
         covers: Whether a closure is a blind, or a panel of one.
     """
-    by_suffix: dict[str, list[MatterAbility]] = {"": []}
-    for ability in find_abilities(endpoint):
-        by_suffix.setdefault(ability.part_suffix, []).append(ability)
-    main = tuple(by_suffix.pop(""))
-    if any(one.read is not None or one.capability.name == "press" for one in main):
-        yield _main_part(endpoint, main, covers=covers), main
+    by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
+    for row in _ROWS:
+        found = by_suffix.setdefault(row.part_suffix, {})
+        if row.capability not in found and (capability := row.describe(endpoint)) is not None:
+            found[row.capability] = row, capability
     for suffix, found in by_suffix.items():
-        yield _extra_part(endpoint, suffix, found), tuple(found)
+        rows, capabilities = (tuple(row for row, _ in found.values()), tuple(one for _, one in found.values()))
+        if suffix and rows:
+            yield _extra_part(endpoint, suffix, capabilities), rows
+        elif any(row.read is not None or row.capability == "press" for row in rows):
+            yield _main_part(endpoint, capabilities, covers=covers), rows
 
 
-def _main_part(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...], *, covers: bool) -> Part:
-    service_type, is_guessed = _service_type(endpoint, abilities)
+def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *, covers: bool) -> Part:
+    service_type, is_guessed = _service_type(endpoint, capabilities)
     return Part(
         id=str(endpoint.id),
         name=_name(endpoint),
         service_type="window_covering" if covers and service_type == "closure" else service_type,
         advertised=_advertised(endpoint),
         guessed=is_guessed,
-        capabilities=tuple(one.capability for one in abilities),
+        capabilities=capabilities,
     )
 
 
-def _extra_part(endpoint: MatterEndpoint, suffix: str, abilities: Iterable[MatterAbility]) -> Part:
+def _extra_part(endpoint: MatterEndpoint, suffix: str, capabilities: tuple[Capability, ...]) -> Part:
     """Return a part beside the main one: the battery, a filter, or a plain measurement of the air."""
-    capabilities = tuple(one.capability for one in abilities)
     part_id = f"{endpoint.id}-{suffix}"
     if suffix == BATTERY:
         return Part(id=part_id, service_type="x_battery", category="diagnostic", capabilities=capabilities)
     name = suffix.replace("_", " ").capitalize()
     service_type = "air_quality_sensor" if suffix in PLAIN.values() else "x_sensor"
     return Part(id=part_id, name=name, service_type=service_type, capabilities=capabilities)
-
-
-def find_abilities(endpoint: MatterEndpoint) -> Iterator[MatterAbility]:
-    """Yield the abilities of an endpoint, each capability of a part once."""
-    seen: set[tuple[str, str]] = set()
-    for row in _ROWS:
-        key = row.part_suffix, row.capability
-        if key not in seen and (ability := row.ability(endpoint)) is not None:
-            seen.add(key)
-            yield ability
 
 
 def _advertised(endpoint: MatterEndpoint) -> str:
@@ -125,12 +117,12 @@ def _advertised(endpoint: MatterEndpoint) -> str:
     return f"{text} ({hot})" if hot else text
 
 
-def _service_type(endpoint: MatterEndpoint, abilities: tuple[MatterAbility, ...]) -> tuple[str, bool]:
+def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
     """Return the type of a part, and whether it is guessed; a meter only if it is nothing else."""
     found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
     if found:
         return next((one for one in found if one != _METER), _METER), False
-    names = {one.capability.name for one in abilities}
+    names = {one.name for one in capabilities}
     return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
 
 

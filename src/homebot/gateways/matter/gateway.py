@@ -170,9 +170,8 @@ class MatterGateway(LinkedGateway):
         self._nodes[node.id] = node
         self._describe(node, why)
         for one in self._described[node.id]:
-            for part, abilities in one.abilities.items():
-                for endpoint in {id(endpoint): endpoint for endpoint, _ in abilities}.values():
-                    await self._report(one, part, endpoint, None, is_old=not node.is_available)
+            for part in one.rows:
+                await self._report(one, part, None, is_old=not node.is_available)
 
     def _describe(self, node: MatterNode, why: str) -> None:
         """Publish the devices of a node, and remove those that it no longer has."""
@@ -219,31 +218,27 @@ class MatterGateway(LinkedGateway):
     def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
         """Return whether the parts of an endpoint differ from those published: a limit may have changed."""
         published = [
-            part
-            for one in self._described[node.id]
-            for part in one.device.parts
-            if one.abilities[part.id][0][0] is endpoint
+            part for one in self._described[node.id] for part in one.device.parts if one.rows[part.id][0] is endpoint
         ]
         return published != [part for part, _ in parts_of(endpoint)]
 
     async def _report_cluster(self, node: MatterNode, endpoint: MatterEndpoint, cluster: int, payload: bytes) -> None:
         for one in self._described[node.id]:
-            parts = [part for part, found in one.abilities.items() if any(of is endpoint for of, _ in found)]
+            parts = [part for part, (of, _) in one.rows.items() if of is endpoint]
             if not parts and one.root is not endpoint:
                 continue
             self.devices.put(one.device, "it reported")
             await self.devices.deliver_raw(one.device.key, payload)
             for part in parts:
-                await self._report(one, part, endpoint, cluster)
+                await self._report(one, part, cluster)
 
-    async def _report(
-        self, device: NodeDevice, part: str, endpoint: MatterEndpoint, cluster: int | None, *, is_old: bool = False
-    ) -> None:
+    async def _report(self, device: NodeDevice, part: str, cluster: int | None, *, is_old: bool = False) -> None:
         """Report the values of a part from one cluster, or from each cluster by itself; None for all clusters."""
         values: dict[int, dict[str, PlainValue]] = {}
-        for _, ability in device.abilities[part]:
-            if ability.read is not None and cluster in {None, ability.cluster, ability.also_read}:
-                values.setdefault(ability.cluster, {})[ability.capability.name] = ability.read(endpoint)
+        endpoint, rows = device.rows[part]
+        for row in rows:
+            if row.read is not None and cluster in {None, row.cluster, row.also_read}:
+                values.setdefault(row.cluster, {})[row.capability] = row.read_value(endpoint)
         for of_cluster in values.values():
             await self.devices.report(device.device.key, of_cluster, part, retained=is_old)
 
@@ -259,7 +254,7 @@ class MatterGateway(LinkedGateway):
             return
         press = press_of(endpoint, event, fields.get("data"))
         for one in self._described[node.id]:
-            if str(endpoint.id) in one.abilities:
+            if str(endpoint.id) in one.rows:
                 self.devices.put(one.device, "it reported")
                 await self.devices.deliver_raw(one.device.key, payload)
                 if press is not None:

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Self, TypeAlias
 
-from homebot.conventions.matter.cluster_row import MatterAbility, WriteValue
+from homebot.conventions.matter.cluster_row import ClusterRow, WriteValue
 from homebot.conventions.matter.endpoint import MatterEndpoint
 from homebot.conventions.matter.opening_clusters import is_covering
 from homebot.conventions.matter.parts import parts_of
@@ -41,7 +41,7 @@ _DEFAULT_SERIALS: Final = frozenset({"", "TEST_SN", "0", "00000000", "**REDACTED
 _BRIDGED_NODE: Final = 0x0013
 _PATH: Final = re.compile(r"([0-9]{1,5})/([0-9]{1,10})/([0-9]{1,10})")
 
-_AbilitiesOfPart: TypeAlias = tuple[tuple[MatterEndpoint, MatterAbility], ...]
+_RowsOfPart: TypeAlias = tuple[MatterEndpoint, tuple[ClusterRow, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,12 +49,12 @@ class NodeDevice:
     """A node, or a device behind it, as a device of the gateway.
 
     Attributes:
-        abilities: The abilities of its parts, each with its endpoint, by the id of the part.
+        rows: By the id of each part: its endpoint, and the rows of its capabilities.
         root: The endpoint with its name, maker and serial number.
     """
 
     device: GatewayDevice
-    abilities: Mapping[str, _AbilitiesOfPart]
+    rows: Mapping[str, _RowsOfPart]
     root: MatterEndpoint
 
 
@@ -144,7 +144,7 @@ class MatterNode:
     def _device(
         self, key: str, root: MatterEndpoint, members: Iterable[MatterEndpoint], bridge: str, place: str
     ) -> NodeDevice:
-        parts, abilities = self._parts(members)
+        parts, rows = self._parts(members)
         cluster = BRIDGED if bridge else BASIC
         facts = {name: root.text(cluster, attribute) for name, attribute in _FACTS.items()} | {"via_device": bridge}
         device = GatewayDevice(
@@ -156,28 +156,29 @@ class MatterNode:
             authenticated=True,  # the owner commissioned it: it has a certificate
             raw_address=f"matter/{key}",
         )
-        return NodeDevice(device, abilities, root)
+        return NodeDevice(device, rows, root)
 
-    def _parts(self, members: Iterable[MatterEndpoint]) -> tuple[list[Part], dict[str, _AbilitiesOfPart]]:
-        """Return the parts that are at the endpoints *members*, and the abilities of each."""
+    def _parts(self, members: Iterable[MatterEndpoint]) -> tuple[list[Part], dict[str, _RowsOfPart]]:
+        """Return the parts that are at the endpoints *members*, and the rows of each."""
         coverings = {
             number for one in self.endpoints.values() if is_covering(one) for number in (one.id, *one.children)
         }
         parts: list[Part] = []
-        abilities: dict[str, _AbilitiesOfPart] = {}
+        rows: dict[str, _RowsOfPart] = {}
         for endpoint in members:
             for part, found in parts_of(endpoint, covers=endpoint.id in coverings):
                 if len(parts) < MAX_PARTS:
                     parts.append(part)
-                    abilities[part.id] = tuple((endpoint, one) for one in found)
-        return parts, abilities
+                    rows[part.id] = endpoint, found
+        return parts, rows
 
 
 def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterEndpoint, WriteValue]:
     """Return the endpoint that has a capability, and the function that encodes its values."""
-    for endpoint, ability in device.abilities.get(part, ()):
-        if ability.capability.name == capability and ability.write is not None:
-            return endpoint, ability.write
+    endpoint, rows = device.rows[part]
+    for row in rows:
+        if row.capability == capability and row.write is not None and row.is_settable(endpoint):
+            return endpoint, row.write
     raise UnableError(f"{capability[:40]} cannot be set")
 
 
