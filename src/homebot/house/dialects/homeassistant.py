@@ -37,27 +37,15 @@ class ComponentTemplate:
     """A component.
 
     Attributes:
-        config: Returns its options for a topic prefix.
+        config: Its options; ``~`` is the base of its topics.
         state: Returns the payload of a state.
         levels: Last levels of the topics on which it takes commands.
     """
 
     component: str
-    config: Callable[[str], Fields]
+    config: Mapping[str, object]
     state: Callable[[DeviceState], Fields]
     levels: tuple[str, ...] = ()
-
-
-def _light(node: str) -> Fields:
-    return {
-        "schema": "json",
-        "state_topic": f"{node}/state",
-        "command_topic": f"{node}/set",
-        "brightness": True,
-        "supported_color_modes": ["color_temp"],
-        "min_mireds": 112,
-        "max_mireds": 666,
-    }
 
 
 def _light_state(lamp: DeviceState) -> Fields:
@@ -69,19 +57,8 @@ def _light_state(lamp: DeviceState) -> Fields:
     }
 
 
-def _cover(device_class: str) -> Callable[[str], Fields]:
-    def config(node: str) -> Fields:
-        return {
-            "device_class": device_class,
-            "state_topic": f"{node}/state",
-            "value_template": "{{ value_json.state }}",
-            "command_topic": f"{node}/set",
-            "position_topic": f"{node}/state",
-            "position_template": "{{ value_json.position }}",
-            "set_position_topic": f"{node}/set_position",
-        }
-
-    return config
+def _cover(device_class: str) -> ComponentTemplate:
+    return ComponentTemplate("cover", {**_COVER, "device_class": device_class}, _cover_state, ("set", "set_position"))
 
 
 def _cover_state(motor: DeviceState) -> Fields:
@@ -89,53 +66,23 @@ def _cover_state(motor: DeviceState) -> Fields:
     return {"state": {1: "opening", -1: "closing"}.get(motor.way, rests), "position": round(motor.position * 100)}
 
 
-def _lock(node: str) -> Fields:
-    return {
-        "state_topic": f"{node}/state",
-        "value_template": "{{ value_json.state }}",
-        "command_topic": f"{node}/set",
+def _binary_sensor(device_class: str, on: str) -> ComponentTemplate:
+    return ComponentTemplate(
+        "binary_sensor",
+        {"device_class": device_class, "state_topic": "~/state", "value_template": "{{ value_json.state }}"},
+        lambda sensor: {"state": "ON" if sensor.text == on else "OFF"},
+    )
+
+
+def _sensor(device_class: str, unit: str) -> ComponentTemplate:
+    config = {
+        "device_class": device_class,
+        "unit_of_measurement": unit,
+        "state_class": "measurement",
+        "state_topic": "~/state",
+        "value_template": "{{ value_json.value }}",
     }
-
-
-def _binary_sensor(device_class: str) -> Callable[[str], Fields]:
-    def config(node: str) -> Fields:
-        topic = f"{node}/state"
-        return {"device_class": device_class, "state_topic": topic, "value_template": "{{ value_json.state }}"}
-
-    return config
-
-
-def _sensor(device_class: str, unit: str) -> Callable[[str], Fields]:
-    def config(node: str) -> Fields:
-        return {
-            "device_class": device_class,
-            "unit_of_measurement": unit,
-            "state_class": "measurement",
-            "state_topic": f"{node}/state",
-            "value_template": "{{ value_json.value }}",
-        }
-
-    return config
-
-
-def _climate(node: str) -> Fields:
-    topic = f"{node}/state"
-    return {
-        "modes": ["heat"],
-        "mode_state_topic": topic,
-        "mode_state_template": "{{ value_json.mode }}",
-        "action_topic": topic,
-        "action_template": "{{ value_json.action }}",
-        "current_temperature_topic": topic,
-        "current_temperature_template": "{{ value_json.temperature }}",
-        "temperature_state_topic": topic,
-        "temperature_state_template": "{{ value_json.target }}",
-        "temperature_command_topic": f"{node}/set_temperature",
-        "min_temp": 5,
-        "max_temp": 30,
-        "temp_step": 0.5,
-        "temperature_unit": "C",
-    }
+    return ComponentTemplate("sensor", config, lambda sensor: {"value": sensor.value})
 
 
 def _climate_state(thermostat: DeviceState) -> Fields:
@@ -147,23 +94,50 @@ def _climate_state(thermostat: DeviceState) -> Fields:
     }
 
 
-_POSITIONED = ("set", "set_position")
+_LIGHT = {
+    "schema": "json",
+    "state_topic": "~/state",
+    "command_topic": "~/set",
+    "brightness": True,
+    "supported_color_modes": ["color_temp"],
+    "min_mireds": 112,
+    "max_mireds": 666,
+}
+_LOCK = {"state_topic": "~/state", "value_template": "{{ value_json.state }}", "command_topic": "~/set"}
+_COVER = {
+    **_LOCK,
+    "position_topic": "~/state",
+    "position_template": "{{ value_json.position }}",
+    "set_position_topic": "~/set_position",
+}
+_CLIMATE = {
+    "modes": ["heat"],
+    "mode_state_topic": "~/state",
+    "mode_state_template": "{{ value_json.mode }}",
+    "action_topic": "~/state",
+    "action_template": "{{ value_json.action }}",
+    "current_temperature_topic": "~/state",
+    "current_temperature_template": "{{ value_json.temperature }}",
+    "temperature_state_topic": "~/state",
+    "temperature_state_template": "{{ value_json.target }}",
+    "temperature_command_topic": "~/set_temperature",
+    "min_temp": 5,
+    "max_temp": 30,
+    "temp_step": 0.5,
+    "temperature_unit": "C",
+}
 
 COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
     {
-        "lamp": ComponentTemplate("light", _light, _light_state, ("set",)),
-        "window": ComponentTemplate("cover", _cover("window"), _cover_state, _POSITIONED),
-        "cover": ComponentTemplate("cover", _cover("shutter"), _cover_state, _POSITIONED),
-        "lock": ComponentTemplate("lock", _lock, lambda lock: {"state": lock.text.upper()}, ("set",)),
-        "contact": ComponentTemplate(
-            "binary_sensor", _binary_sensor("door"), lambda door: {"state": "ON" if door.text == "open" else "OFF"}
-        ),
-        "motion": ComponentTemplate(
-            "binary_sensor", _binary_sensor("motion"), lambda room: {"state": "ON" if room.text == "motion" else "OFF"}
-        ),
-        "lux": ComponentTemplate("sensor", _sensor("illuminance", "lx"), lambda lux: {"value": lux.value}),
-        "power_meter": ComponentTemplate("sensor", _sensor("power", "W"), lambda meter: {"value": meter.value}),
-        "thermostat": ComponentTemplate("climate", _climate, _climate_state, ("set_temperature",)),
+        "lamp": ComponentTemplate("light", _LIGHT, _light_state, ("set",)),
+        "window": _cover("window"),
+        "cover": _cover("shutter"),
+        "lock": ComponentTemplate("lock", _LOCK, lambda lock: {"state": lock.text.upper()}, ("set",)),
+        "contact": _binary_sensor("door", "open"),
+        "motion": _binary_sensor("motion", "motion"),
+        "lux": _sensor("illuminance", "lx"),
+        "power_meter": _sensor("power", "W"),
+        "thermostat": ComponentTemplate("climate", _CLIMATE, _climate_state, ("set_temperature",)),
     }
 )
 """By kind."""
@@ -223,7 +197,8 @@ class HomeAssistantDialect(Dialect):
     def _single(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         node, part = node_name(device), COMPONENTS[device.kind]
         config = {
-            **part.config(node),
+            "~": node,
+            **part.config,
             "name": None,
             "unique_id": f"{node}_{part.component}",
             "availability_topic": f"{node}/status",
@@ -251,7 +226,9 @@ class HomeAssistantDialect(Dialect):
             },
             "o": {"name": "homebot's simulated house"},
             "avty_t": f"{node}/status",
-            "cmps": {device.kind: {**part.config(node), "p": part.component, "name": None, "uniq_id": f"{node}_main"}},
+            "cmps": {
+                device.kind: {"~": node, **part.config, "p": part.component, "name": None, "uniq_id": f"{node}_main"}
+            },
         }
         return OutgoingMessage(f"{self._prefix}/device/{node}/config", as_json(config), retain=True)
 
