@@ -16,6 +16,8 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
 __all__ = [
+    "ALARM_ACTIONS",
+    "ALARM_STATES",
     "EntityComponent",
     "EntityRow",
     "Fields",
@@ -161,7 +163,7 @@ def switch_type(info: Fields) -> str:
 def alarm_commands(info: Fields) -> tuple[str, ...]:
     """Return the states that an alarm panel can be commanded to; Home Assistant and ESPHome have the same features."""
     features = whole_of(info, "supported_features")
-    return tuple(state for state, bit in _ALARM_FEATURES.items() if not bit or features & bit)
+    return tuple(state for state, (bit, _) in ALARM_ACTIONS.items() if not bit or features & bit)
 
 
 def push_row(name: str, command: Fields, when: Callable[[Fields], object] | None = None) -> EntityRow:
@@ -221,13 +223,16 @@ def text_component(read: ReadField, write: WriteField, is_secret: Callable[[Fiel
 
 
 _ANY_NUMBER = (-1e15, 1e15)
-_ALARM_FEATURES: Mapping[str, int] = {
-    "disarmed": 0,
-    "armed_home": 1,
-    "armed_away": 2,
-    "armed_night": 4,
-    "armed_vacation": 32,
-    "armed_custom_bypass": 16,
-    "triggered": 8,
+
+ALARM_ACTIONS: Mapping[str, tuple[int, str]] = {
+    "disarmed": (0, "disarm"),
+    "armed_home": (1, "arm_home"),
+    "armed_away": (2, "arm_away"),
+    "armed_night": (4, "arm_night"),
+    "armed_vacation": (32, "arm_vacation"),
+    "armed_custom_bypass": (16, "arm_custom_bypass"),
+    "triggered": (8, "trigger"),
 }
-"""The bit of ``supported_features`` that each command needs."""
+"""Actions of alarms by the state that each commands: the bit of ``supported_features`` that it needs, and its name."""
+
+ALARM_STATES = (*ALARM_ACTIONS, "pending", "arming", "disarming")

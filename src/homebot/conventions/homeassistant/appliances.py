@@ -11,6 +11,7 @@ from functools import partial
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.homeassistant.actions import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic
@@ -34,18 +35,7 @@ _PERCENT = (0.0, 100.0)
 _LONGEST_MODE = 120
 _DIRECTIONS = ("forward", "reverse")
 _EMPTY_PAYLOADS = (b"", b"None")
-_MOWER_ACTIONS = {"mowing": "start_mowing", "paused": "pause", "docked": "dock"}
-_MOWER_STATES = frozenset({"mowing", "paused", "docked", "returning", "error"})
 _VACUUM_FEATURES = ("start", "stop", "return_home", "battery", "clean_spot")
-_VACUUM_STATES = frozenset({"cleaning", "docked", "paused", "idle", "returning", "error"})
-_VACUUM_COMMANDS = {
-    "cleaning": ("start", "payload_start", "start"),
-    "paused": ("pause", "payload_pause", "pause"),
-    "idle": ("stop", "payload_stop", "stop"),
-    "returning": ("return_home", "payload_return_to_base", "return_to_base"),
-    "spot": ("clean_spot", "payload_clean_spot", "clean_spot"),
-}
-"""By state: the feature that its command needs, the field of its payload, and the default of that."""
 
 
 def build_fan(config: DiscoveryConfig) -> DescribedPart:
@@ -205,14 +195,14 @@ def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
     """Describe a robot that mows; each of its commands has a topic of its own."""
     commands = {
         state: (command, action)
-        for state, action in _MOWER_ACTIONS.items()
+        for state, (_, action) in MOWER_ACTIONS.items()
         if (command := config.command_of(action)) is not None
     }
 
     def read(text: str) -> Readings:
         if text.lower() == "none":
             return {"mower": None}
-        return {"mower": text} if text in _MOWER_STATES else NO_READINGS
+        return {"mower": text} if text in MOWER_STATES else NO_READINGS
 
     def publish(state: str) -> Publications:
         command, action = commands[state]
@@ -253,9 +243,9 @@ def _add_vacuum(
 ) -> None:
     """Add the states of a robot, and those that it can be sent to."""
     payloads = {
-        state: config.text(key, default)
-        for state, (feature, key, default) in _VACUUM_COMMANDS.items()
-        if feature in features
+        state: config.text(f"payload_{action}", action)
+        for state, (_, action) in VACUUM_ACTIONS.items()
+        if action.replace("return_to_base", "return_home") in features
     }
     writer: Writer | None = None
     if command is None:
@@ -269,7 +259,7 @@ def _read_vacuum(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
     message = fields_of(text)
     found: dict[str, PlainValue] = {}
     state, speed, charge = message.get("state", ""), message.get("fan_speed"), number_of(message.get("battery_level"))
-    if state is None or (isinstance(state, str) and state in _VACUUM_STATES):
+    if state is None or (isinstance(state, str) and state in VACUUM_STATES):
         found["vacuum"] = state
     if has_speed and isinstance(speed, str):
         found["fan_mode"] = clean_text(speed, _LONGEST_MODE)

@@ -10,6 +10,8 @@ from hmac import compare_digest
 
 from homebot.conventions.command_values import require_option
 from homebot.conventions.description import DescribedPart, Publications
+from homebot.conventions.entity_rows import ALARM_ACTIONS, ALARM_STATES
+from homebot.conventions.homeassistant.actions import LOCK_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic
@@ -20,22 +22,9 @@ from homebot.support.folding import words_of
 
 __all__ = ["build_alarm_control_panel", "build_lock"]
 
-_LOCK_STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
-"""Of two states with the same payload the later one counts."""
-
 _KEY_LOCKS = frozenset({("child", "lock"), ("keypad", "lock")})
 """The last words of ids and names of locks of keys, not of doors, as those of Zigbee2MQTT."""
 
-_ALARM_ACTIONS = {
-    "disarmed": "disarm",
-    "armed_home": "arm_home",
-    "armed_away": "arm_away",
-    "armed_night": "arm_night",
-    "armed_vacation": "arm_vacation",
-    "armed_custom_bypass": "arm_custom_bypass",
-    "triggered": "trigger",
-}
-_ALARM_STATES = (*_ALARM_ACTIONS, "pending", "arming", "disarming")
 _REMOTE_CODES = frozenset({"REMOTE_CODE", "REMOTE_CODE_TEXT"})
 
 
@@ -48,7 +37,8 @@ def build_lock(config: DiscoveryConfig) -> DescribedPart:
     command = config.required_command()
     if any(words_of(text)[-2:] in _KEY_LOCKS for text in (config.discovery_id, config.text("name"))):
         return _build_key_lock(config, command)
-    states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in _LOCK_STATES}
+    # Of two states with the same payload the later one counts.
+    states: dict[str, str | None] = {config.text(f"state_{state}", state.upper()): state for state in LOCK_STATES}
     states[config.text("payload_reset", "None")] = None
     payloads = {"locked": config.text("payload_lock", "LOCK"), "unlocked": config.text("payload_unlock", "UNLOCK")}
     if config.has("payload_open"):
@@ -85,25 +75,22 @@ def _build_key_lock(config: DiscoveryConfig, command: CommandTopic) -> Described
 def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
     """Describe an alarm. homebot compares the code if the config names one; ``REMOTE_CODE`` is checked by the alarm."""
     source = config.required_source("state_topic")
-    actions = set(_ALARM_ACTIONS.values())
+    actions = {state: action for state, (_, action) in ALARM_ACTIONS.items()}
     if config.has("supported_features"):
-        actions = {"disarm", *config.options("supported_features")}
+        features = {"disarm", *config.options("supported_features")}
+        actions = {state: action for state, action in actions.items() if action in features}
     command = config.required_command()
-    payloads = {
-        state: config.text(f"payload_{action}", action.upper())
-        for state, action in _ALARM_ACTIONS.items()
-        if action in actions
-    }
+    payloads = {state: config.text(f"payload_{action}", action.upper()) for state, action in actions.items()}
     known_code = config.text("code")
     is_coded = {
         state: config.has("code") and config.flag(f"code_{action.partition('_')[0]}_required", default=True)
-        for state, action in _ALARM_ACTIONS.items()
+        for state, action in actions.items()
     }
 
     def read(text: str) -> Readings:
         if text == "None":
             return {"alarm": None}
-        return {"alarm": text} if text in _ALARM_STATES else NO_READINGS
+        return {"alarm": text} if text in ALARM_STATES else NO_READINGS
 
     def write(value: PlainValue, code: str) -> Publications:
         state = require_option("alarm", value, payloads)
@@ -115,7 +102,7 @@ def build_alarm_control_panel(config: DiscoveryConfig) -> DescribedPart:
 
     entity = Entity(config, "x_alarm_panel")
     readable = entity.read_text_from(source, read)
-    entity.add_coded_capability("alarm", write, readable=readable, options=_ALARM_STATES)
+    entity.add_coded_capability("alarm", write, readable=readable, options=ALARM_STATES)
     entity.add_commands(command)
     return entity.build()
 

@@ -9,8 +9,10 @@ lawn_mower.py, lock.py, siren.py, vacuum.py, valve.py.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 
+from homebot.conventions.device_classes import CLOSURE_CLASSES
+from homebot.conventions.entity_rows import ALARM_ACTIONS
+from homebot.conventions.homeassistant.actions import LOCK_STATES, MOWER_ACTIONS, VACUUM_ACTIONS
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     PublishedEntity,
@@ -37,13 +39,11 @@ __all__ = [
 
 Entities = tuple[PublishedEntity, ...]
 
-_LOCK_STATES = ("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
 _LOCK_ROW = Row(
     "lock", "state_topic", "command_topic", commands={"LOCK": "locked", "UNLOCK": "unlocked", "OPEN": "open"}
 )
 _MOVES = {"OPEN": "open", "CLOSE": "closed", "STOP": "stopped"}
 _MOVE_KEYS = {"payload_open": "OPEN", "payload_close": "CLOSE", "payload_stop": "STOP"}
-_CLOSURES = frozenset({"damper", "door", "garage", "gate", "window"})
 _COVERINGS = frozenset({"awning", "blind", "curtain", "shade", "shutter"})
 _COVER_ROWS = (
     Row("position", "position_topic", "set_position_topic", unknown="", is_reported=True),
@@ -62,33 +62,14 @@ _FAN_ROWS = (
     ),
     Row("direction", "direction_state_topic", "direction_command_topic", unknown=""),
 )
-_VACUUM: Mapping[str, tuple[str, str]] = {
-    "start": ("cleaning", "start"),
-    "pause": ("paused", "pause"),
-    "stop": ("idle", "stop"),
-    "return_to_base": ("returning", "return_home"),
-    "clean_spot": ("spot", "clean_spot"),
-}
-"""By payload: the commanded state, and the feature that announces the command."""
-
-_MOWER = {"start_mowing": "mowing", "pause": "paused", "dock": "docked"}
 _CODES = ("code_arm_required", "code_disarm_required", "code_trigger_required")
-_ALARM = {
-    "DISARM": "disarmed",
-    "ARM_HOME": "armed_home",
-    "ARM_AWAY": "armed_away",
-    "ARM_NIGHT": "armed_night",
-    "ARM_VACATION": "armed_vacation",
-    "ARM_CUSTOM_BYPASS": "armed_custom_bypass",
-    "TRIGGER": "triggered",
-}
 
 
 def publish_lock(_part: Part, available: Available, base: str) -> Entities:
     """Publish the bolt, and the latch if the options have ``open``."""
     if not is_settable(available, "lock"):
         return ()
-    entity = PublishedEntity(base, "lock", "", {f"state_{state}": state for state in _LOCK_STATES})
+    entity = PublishedEntity(base, "lock", "", {f"state_{state}": state for state in LOCK_STATES})
     if "open" in available["lock"].options:
         entity.config["payload_open"] = "OPEN"
     entity.add(available.pop("lock"), _LOCK_ROW)
@@ -114,7 +95,7 @@ def publish_cover(part: Part, available: Available, base: str) -> Entities:
 
 def _cover_class(part: Part) -> dict[str, object]:
     if part.service_type == "closure":
-        return {"device_class": part.tag if part.tag in _CLOSURES else "door"}
+        return {"device_class": part.tag if part.tag in CLOSURE_CLASSES else "door"}
     return {"device_class": part.tag} if part.tag in _COVERINGS else {}
 
 
@@ -171,8 +152,8 @@ def publish_vacuum(_part: Part, available: Available, base: str) -> Entities:
     if not is_settable(available, "vacuum"):
         return ()
     vacuum = available.pop("vacuum")
-    payloads = settable_payloads(vacuum, {payload: option for payload, (option, _) in _VACUUM.items()})
-    features = [_VACUUM[payload][1] for payload in payloads]
+    payloads = settable_payloads(vacuum, {action: state for state, (_, action) in VACUUM_ACTIONS.items()})
+    features = [action.replace("return_to_base", "return_home") for action in payloads]
     entity = PublishedEntity(base, "vacuum", "", {"supported_features": features})
     if vacuum.readable:
         features += _add_vacuum_state(entity, available)
@@ -222,7 +203,7 @@ def publish_mower(_part: Part, available: Available, base: str) -> Entities:
     if not is_settable(available, "mower"):
         return ()
     mower = available.pop("mower")
-    payloads = settable_payloads(mower, _MOWER)
+    payloads = settable_payloads(mower, {action: state for state, (_, action) in MOWER_ACTIONS.items()})
     entity = PublishedEntity(base, "lawn_mower")
     if mower.readable:
         entity.add_state("activity_state_topic", "mower")
@@ -235,11 +216,12 @@ def publish_alarm(_part: Part, available: Available, base: str) -> Entities:
     """Publish an alarm. It asks for no code: a client that may command homebot may command it."""
     if not is_settable(available, "alarm"):
         return ()
-    features = [payload.lower() for payload in settable_payloads(available["alarm"], _ALARM) if payload != "DISARM"]
+    payloads = {action.upper(): state for state, (_, action) in ALARM_ACTIONS.items()}
+    features = [one.lower() for one in settable_payloads(available["alarm"], payloads) if one != "DISARM"]
     fields = {"supported_features": features, **dict.fromkeys(_CODES, False)}
     entity = PublishedEntity(base, "alarm_control_panel", "", fields)
     entity.add_state("state_topic", "alarm")  # required
-    entity.add(available.pop("alarm"), Row("alarm", "", "command_topic", commands=_ALARM))
+    entity.add(available.pop("alarm"), Row("alarm", "", "command_topic", commands=payloads))
     return (entity,)
 
 

@@ -12,6 +12,8 @@ from typing import Final
 from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
 from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
+    ALARM_ACTIONS,
+    ALARM_STATES,
     EntityComponent,
     EntityRow,
     Fields,
@@ -27,6 +29,13 @@ from homebot.conventions.entity_rows import (
     quantity_row,
     switch_type,
     text_component,
+)
+from homebot.conventions.homeassistant.actions import (
+    LOCK_STATES,
+    MOWER_ACTIONS,
+    MOWER_STATES,
+    VACUUM_ACTIONS,
+    VACUUM_STATES,
 )
 from homebot.conventions.homeassistant.states.climate import CLIMATE, FAN, HUMIDIFIER, WATER_HEATER
 from homebot.conventions.homeassistant.states.rows import (
@@ -143,9 +152,6 @@ def _write_end_of_tilt(_info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "open_cover_tilt" if percent_open else "close_cover_tilt"}
 
 
-_LOCK_STATES = _named("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed")
-
-
 def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     services = {"locked": "lock", "unlocked": "unlock"} | ({"open": "open"} if has(1)(info) else {})
     service = services[require_option("lock", value, services)]
@@ -154,36 +160,12 @@ def _write_lock(info: Fields, value: PlainValue, code: str) -> Fields:
     return {"service": service, **({"code": code} if code else {})}
 
 
-_ALARM_COMMANDS: Mapping[str, str] = {
-    "disarmed": "alarm_disarm",
-    "armed_home": "alarm_arm_home",
-    "armed_away": "alarm_arm_away",
-    "armed_night": "alarm_arm_night",
-    "armed_vacation": "alarm_arm_vacation",
-    "armed_custom_bypass": "alarm_arm_custom_bypass",
-    "triggered": "alarm_trigger",
-}
-"""State to its service."""
-
-_ALARM_STATES = (*_ALARM_COMMANDS, "pending", "arming", "disarming")
-
-
 def _write_alarm(info: Fields, value: PlainValue, code: str) -> Fields:
     state = require_option("alarm", value, alarm_commands(info))
     is_coded = state == "disarmed" or (state != "triggered" and info.get("code_arm_required") is not False)
     if info.get("code_format") and is_coded and not code:
         raise WrongCodeError(f"alarm {state}", "it needs a code")
-    return {"service": _ALARM_COMMANDS[state], **({"code": code} if code else {})}
-
-
-_VACUUM = {
-    "cleaning": (8192, "start"),
-    "paused": (4, "pause"),
-    "idle": (8, "stop"),
-    "returning": (16, "return_to_base"),
-    "spot": (1024, "clean_spot"),
-}
-_MOWER = {"mowing": (1, "start_mowing"), "paused": (2, "pause"), "docked": (4, "dock")}
+    return {"service": f"alarm_{ALARM_ACTIONS[state][1]}", **({"code": code} if code else {})}
 
 
 def _write_tone(info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -287,25 +269,23 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             ),
         ),
     ),
-    "lock": EntityComponent("door_lock", (EntityRow("lock", read_state(_LOCK_STATES), _write_lock),)),
+    "lock": EntityComponent("door_lock", (EntityRow("lock", read_state(_named(*LOCK_STATES)), _write_lock),)),
     "valve": EntityComponent("water_valve", _opening("valve", "valve")),
     "fan": FAN,
     "humidifier": HUMIDIFIER,
     "vacuum": EntityComponent(
         "robotic_vacuum_cleaner",
         (
-            *moves("vacuum", _VACUUM, "cleaning", "docked", "paused", "idle", "returning", "error"),
+            *moves("vacuum", VACUUM_ACTIONS, *VACUUM_STATES),
             choice("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
             percent("battery", "battery_level", when=has(64)),
             push_row("locate", {"service": "locate"}, has(512)),
         ),
     ),
-    "lawn_mower": EntityComponent(
-        "x_lawn_mower", moves("mower", _MOWER, "mowing", "docked", "paused", "returning", "error")
-    ),
+    "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, *MOWER_STATES)),
     "alarm_control_panel": EntityComponent(
         "x_alarm_panel",
-        (EntityRow("alarm", read_state(_named(*_ALARM_STATES)), _write_alarm, options=_ALARM_STATES),),
+        (EntityRow("alarm", read_state(_named(*ALARM_STATES)), _write_alarm, options=ALARM_STATES),),
     ),
     "siren": EntityComponent(
         "siren",
