@@ -11,7 +11,6 @@ Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 from __future__ import annotations
 
 import operator
-import re
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
@@ -25,6 +24,7 @@ from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTA
 from homebot.conventions.jinja.lists import CHECKS, slice_of, values_of
 from homebot.conventions.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
 from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
+from homebot.conventions.jinja.paths import path_program
 from homebot.conventions.jinja.texts import METHODS, method_of
 from homebot.conventions.jinja.values import (
     MAX_DEPTH,
@@ -46,13 +46,6 @@ _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
 _ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
 _MOST_SHOWN = 60
 _LARGEST_LITERAL = 64
-_LONGEST_PATH = 100
-_PATH_WEIGHT = 2
-"""Of the name and its output; each step adds 1, and 1 for its key if that is in quotes."""
-
-_JSON = frozenset({"value_json"})
-_STEP = re.compile(r"""\.([A-Za-z_][A-Za-z_0-9]*)|\['([\w -]*)'\]|\["([\w -]*)"\]""", re.ASCII)
-_PATH = re.compile(rf"\{{\{{ *value_json((?:{_STEP.pattern})+) *\}}\}}", re.ASCII)
 
 
 def parse(source: str) -> Program:
@@ -62,7 +55,7 @@ def parse(source: str) -> Program:
         TemplateError: It is no template, or uses an unsupported feature; the problem names it, in a few
             words that follow "the template".
     """
-    path = _path_program(source)
+    path = path_program(source)
     if path is not None:
         return path
     _check_brackets(source)
@@ -222,13 +215,11 @@ class _Compiler:
         self.referenced.add(name)
         return lambda run: run.lookup(name, default)
 
-    def visit_list(self, node: nodes.List) -> Evaluate:
-        items = self._all(node.items)
-        return lambda run: run.handle([one(run) for one in items])
+    def _sequence(self, node: nodes.List | nodes.Tuple) -> Evaluate:
+        kind, items = (list if isinstance(node, nodes.List) else tuple), self._all(node.items)
+        return lambda run: run.handle(kind([one(run) for one in items]))
 
-    def visit_tuple(self, node: nodes.Tuple) -> Evaluate:
-        items = self._all(node.items)
-        return lambda run: run.handle(tuple([one(run) for one in items]))
+    visit_list = visit_tuple = _sequence
 
     def visit_dict(self, node: nodes.Dict) -> Evaluate:
         items = [(self._compile(one.key), self._compile(one.value)) for one in node.items]
@@ -389,25 +380,6 @@ def _tree(source: str) -> nodes.Template:
         raise TemplateError("is nested too deeply") from None
     except (ValueError, OverflowError) as error:
         raise TemplateError("has a number or text that cannot be read") from error
-
-
-def _path_program(source: str) -> Program | None:
-    """Return the program of a path in JSON, as nearly all templates are; None for any other.
-
-    Jinja's parser takes ten times as long: 0.2 ms, for each of the thousands of templates of a large house.
-    """
-    if len(source) > _LONGEST_PATH or (found := _PATH.fullmatch(source)) is None:
-        return None
-    steps = _STEP.findall(found[1])
-    path = tuple(map("".join, steps))
-
-    def execute(run: Run) -> None:
-        value = run.lookup("value_json", UNDEFINED)
-        for key in path:
-            value = item(value, key)
-        run.write(value)
-
-    return Program(execute, _JSON, _PATH_WEIGHT + sum([1 if attribute else 2 for attribute, *_ in steps]))
 
 
 def _check_brackets(source: str) -> None:
