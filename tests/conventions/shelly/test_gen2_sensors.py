@@ -79,6 +79,23 @@ def introduce(say: Say, key: str, status: object, config: object) -> tuple[Annou
             {"value": 17.5},
             {"temperature": 17.5},
         ),
+        ({}, "presencezone:200/num_objects", "x_sensor", {"value": True, "num_objects": 2}, {"measurement": 2.0}),
+        (
+            {"type": "analog", "xpercent": {"expr": "x*0.16", "unit": "bar"}},
+            "input:100/xpercent",
+            "x_sensor",
+            {"percent": 25.0, "xpercent": 4.0},
+            {"measurement": 4.0},
+        ),
+        (
+            {"type": "count", "xcounts": {"expr": "x/1000", "unit": "m³"}},
+            "input:2/counts.xtotal",
+            "x_sensor",
+            {"counts": {"total": 56, "xtotal": 0.056}, "freq": 0.5},
+            {"measurement": 0.056},
+        ),
+        ({"type": "count"}, "input:2/freq", "x_sensor", {"counts": {"total": 56}, "freq": 0.5}, {"measurement": 0.5}),
+        ({"xvoltage": {"unit": "pH"}}, "voltmeter:100/xvoltage", "x_sensor", {"xvoltage": 7.1}, {"measurement": 7.1}),
         ({"access": "cr"}, "number:200", "x_sensor", {"value": 3}, {"measurement": 3.0}),
         ({"access": "cr"}, "boolean:200", "x_binary_sensor", {"value": True}, {"state": True}),
         ({}, "switch:0/temperature", "temperature_sensor", {"temperature": {"tC": 40.1}}, {"temperature": 40.1}),
@@ -93,6 +110,13 @@ def test_a_component_reports(
     assert found.codec.read(f"x/status/{key}", json.dumps(status).encode(), retained=False) == expected
     news = json.dumps({"method": "NotifyStatus", "params": {key: status}}).encode()
     assert found.codec.read("x/events/rpc", news, retained=False) == expected
+
+
+def test_a_value_by_a_formula_of_the_owner_has_its_unit(say: Say) -> None:
+    config = {"type": "analog", "xpercent": {"expr": "x*0.16", "unit": "bar"}}
+    found = introduce(say, "input:100", {"percent": 25.0, "xpercent": 4.0}, config)
+    assert part_in(found, "input:100/xpercent").part.capabilities[0].unit == "bar"
+    assert part_in(found, "input:100").part.capabilities[0].unit == "%"
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, text_of
-from homebot.conventions.shelly.gen2_component import PRESSES, Fields, ShellyComponent, measured
+from homebot.conventions.shelly.gen2_component import PRESSES, Fields, ShellyComponent, reader_of
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category
@@ -196,7 +196,7 @@ def _valve_part(component: ShellyComponent) -> JsonPart:
         return component.call("BluTRV.Call", method="TRV.SetTarget", params=params)
 
     part = JsonPart("thermostat", "thermostat", tag="radiator_valve")
-    component.read_status(part, measured("target_C", "heating_setpoint"))
+    component.read_status(part, reader_of("target_C", "heating_setpoint"))
     component.add_command_topic(part)
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)

@@ -13,15 +13,28 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
+from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, percent_of, read_number, text_of
+from homebot.conventions.payload import (
+    NO_READINGS,
+    Readings,
+    as_fields,
+    compact_json,
+    read_number,
+    shown,
+    text_of,
+)
+from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 
 __all__ = [
     "BLUETOOTH",
     "COMPONENTS",
+    "LONGEST_TEXT",
+    "LONGEST_UNIT",
     "PRESSES",
     "Fields",
     "Gen2Topics",
@@ -29,9 +42,7 @@ __all__ = [
     "StatusDecoder",
     "call",
     "components_from",
-    "flag",
-    "measured",
-    "percentage",
+    "reader_of",
 ]
 
 
@@ -69,6 +80,11 @@ PRESSES: Final[Mapping[str, str]] = {
 }
 """Events of a button, in the words of the vocabulary."""
 
+LONGEST_TEXT: Final = 255
+"""Characters of a text that is read or set."""
+
+LONGEST_UNIT: Final = 20
+_ANY_NUMBER = (-1e15, 1e15)
 _NO_FIELDS: Fields = MappingProxyType({})
 
 
@@ -123,6 +139,10 @@ class ShellyComponent:
         """Name in its configuration; empty for none."""
         return text_of(self.config.get("name"))
 
+    def has(self, path: str) -> bool:
+        """Return whether its status has a value at *path*."""
+        return _value_at(self.status, path) is not _NO_FIELDS
+
     def part(
         self, suffix: str, service_type: str, *, name: str = "", tag: str = "", category: Category = ""
     ) -> JsonPart:
@@ -151,7 +171,32 @@ class ShellyComponent:
         self, part: JsonPart, path: str, capability: str, factor: float = 1.0, *, unit: str = "", key: str = ""
     ) -> None:
         """Add *capability*, the number at *path*; see :meth:`add_reading`."""
-        self.add_reading(part, capability, measured(path, capability, factor), unit=unit, key=key)
+        self.add_reading(part, capability, reader_of(path, capability, factor), unit=unit, key=key)
+
+    def add_value(
+        self,
+        part: JsonPart,
+        capability: str,
+        path: str = "value",
+        method: str = "",
+        param: str = "value",
+        *,
+        unit: str = "",
+        bounds: tuple[float, ...] = (),
+        options: tuple[str, ...] = (),
+        **more: object,
+    ) -> None:
+        """Add *capability*, the value at *path*, of the kind that the vocabulary has; see :func:`reader_of`.
+
+        Args:
+            method: The method that sets it; empty if it is not settable.
+            param: The parameter of *method* with the value; *more* are its other ones.
+        """
+        self.read_status(part, reader_of(path, capability))
+        if method:
+            part.add_command_topics(f"{self.topics.prefix}/rpc")
+        writer = _writer(capability, bounds, options, lambda value: self.call(method, **more, **{param: value}))
+        part.add_capability(capability, writer=writer if method else None, unit=unit, bounds=bounds, options=options)
 
     def add_presses(self, part: JsonPart, presses: Mapping[str, str], index: int | None = None) -> None:
         """Add ``press``, read from the component's events, which *presses* translates.
@@ -174,34 +219,48 @@ class ShellyComponent:
         return (call(self.topics.prefix, self.topics.source, method, {"id": self.index, **params}),)
 
 
-def measured(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
-    """Return a reader of the number at *path*, such as ``aenergy.total``; ``null`` is *unknown*."""
+def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
+    """Return a reader of the value at *path*, such as ``aenergy.total``; ``null`` is *unknown*.
+
+    The vocabulary says whether it is a number, which is multiplied by *factor*, a boolean or a text.
+    """
+    kind = CAPABILITIES[capability].kind
 
     def decode(status: Fields) -> Readings:
         value = _value_at(status, path)
-        return NO_READINGS if value is _NO_FIELDS else read_number(capability, value, lambda number: number * factor)
+        if kind == "number" and value is not _NO_FIELDS:
+            return read_number(capability, value, lambda number: number * factor)
+        if value is None or (kind == "bool" and isinstance(value, bool)):
+            return {capability: value}
+        is_text = kind == "text" and isinstance(value, str)
+        return {capability: text_of(value, LONGEST_TEXT)} if is_text else NO_READINGS
 
     return decode
 
 
-def percentage(path: str, capability: str) -> StatusDecoder:
-    """Return a reader of the percentage at *path*; any other value is *unknown*."""
+def _writer(
+    capability: str, bounds: tuple[float, ...], options: tuple[str, ...], publish: Callable[[object], Publications]
+) -> Writer:
+    """Return a writer of numbers, booleans, *options* or texts."""
+    match CAPABILITIES[capability].kind:
+        case "bool":
+            return bool_writer(capability, publish)
+        case "number":
+            return number_writer(
+                capability,
+                bounds or _ANY_NUMBER,
+                "",
+                lambda number: publish(int(number) if number.is_integer() else number),
+            )
+    if options:
+        return option_writer(capability, options, publish)
 
-    def decode(status: Fields) -> Readings:
-        value = _value_at(status, path)
-        return NO_READINGS if value is _NO_FIELDS else {capability: percent_of(value)}
+    def write_text(value: PlainValue, _transition: float) -> Publications:
+        if isinstance(value, str) and len(value) <= LONGEST_TEXT and value.isprintable():
+            return publish(value)
+        raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {LONGEST_TEXT} characters")
 
-    return decode
-
-
-def flag(path: str, capability: str) -> StatusDecoder:
-    """Return a reader of the boolean at *path*; ``null`` is *unknown*."""
-
-    def decode(status: Fields) -> Readings:
-        value = _value_at(status, path)
-        return {capability: value} if value is None or isinstance(value, bool) else NO_READINGS
-
-    return decode
+    return write_text
 
 
 def _value_at(status: Fields, path: str) -> object:

@@ -1,7 +1,7 @@
-"""Switches, covers, thermostats and lamps of Shelly's second generation. Pure.
+"""Switches, covers, thermostats, diffusers and lamps of Shelly's second generation. Pure.
 
-Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, Light, CCT, RGB, RGBW and RGBCCT;
-``transition_duration`` is in seconds.
+Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, Cury, Light, CCT, RGB, RGBW and RGBCCT;
+``transition_duration`` is in seconds. aioshelly, ``cury_set``.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
+from homebot.conventions.command_values import Writer, number_writer, option_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.lamp import (
     LIGHT_CAPABILITIES,
@@ -23,11 +23,11 @@ from homebot.conventions.lamp import (
 )
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, percent_of
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, flag, measured
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, reader_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
-__all__ = ["LIGHTS", "build_cover", "build_light", "build_switch", "build_thermostat"]
+__all__ = ["LIGHTS", "build_cover", "build_diffuser", "build_light", "build_switch", "build_thermostat"]
 
 
 _MOVEMENTS = ("open", "closed", "opening", "closing", "stopped")
@@ -40,9 +40,7 @@ def build_switch(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a relay: a light if the user's settings name one as its load, or a plug if it is a socket."""
     is_light = component.load.startswith("light")
     part = component.part("", "light" if is_light else "plug" if component.topics.is_plug else "switch")
-    component.read_status(part, flag("output", "on_off"))
-    component.add_command_topic(part)
-    part.add_capability("on_off", writer=bool_writer("on_off", lambda on: component.call("Switch.Set", on=on)))
+    component.add_value(part, "on_off", "output", "Switch.Set", "on")
     return (part,)
 
 
@@ -79,7 +77,7 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
         return component.call("Thermostat.SetConfig", config={"enable": chosen == mode})
 
     part = component.part("", "thermostat")
-    component.read_status(part, measured("target_C", setpoint))
+    component.read_status(part, reader_of("target_C", setpoint))
     component.read_status(part, partial(_decode_thermostat, mode, action))
     component.add_command_topic(part)
     writer = number_writer(setpoint, _THERMOSTAT_BOUNDS, "°C", set_target)
@@ -88,6 +86,24 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part.add_capability("thermostat_mode", writer=option_writer("thermostat_mode", modes, set_mode), options=modes)
     part.add_capability("thermostat_action", options=(action, "idle"))
     return (part,)
+
+
+def build_diffuser(component: ShellyComponent) -> tuple[JsonPart, ...]:
+    """Describe the slots of a diffuser of two scents: switch, intensity, and what is left in the vial."""
+    return tuple(part for slot in ("left", "right") for part in _build_slot(component, slot))
+
+
+def _build_slot(component: ShellyComponent, slot: str) -> tuple[JsonPart, ...]:
+    path = f"slots.{slot}"
+    switch = component.part(slot, "switch", name=slot)
+    component.add_value(switch, "on_off", f"{path}.on", "Cury.Set", "on", slot=slot)
+    intensity = component.part(f"{slot}/intensity", "x_setting", name=f"{slot} intensity", category="config")
+    component.add_value(
+        intensity, "number", f"{path}.intensity", "Cury.Set", "intensity", unit="%", bounds=_PERCENT, slot=slot
+    )
+    vial = component.part(f"{slot}/vial", "x_sensor", name=f"{slot} vial", category="diagnostic")
+    component.add_value(vial, "measurement", f"{path}.vial.level", unit="%")
+    return switch, intensity, vial
 
 
 def _decode_cover(status: Fields) -> Readings:

@@ -29,13 +29,14 @@ from homebot.conventions.shelly.gen2_component import (
 from homebot.conventions.shelly.gen2_controls import (
     LIGHTS,
     build_cover,
+    build_diffuser,
     build_light,
     build_switch,
     build_thermostat,
 )
-from homebot.conventions.shelly.gen2_diffuser import build_diffuser
 from homebot.conventions.shelly.gen2_sensors import (
     SENSORS,
+    build_further,
     build_input,
     build_meters,
     build_own_temperature,
@@ -148,8 +149,8 @@ _BUILDERS: Mapping[str, tuple[_Build, ...]] = {
     "cover": (build_cover, *_LOAD),
     **dict.fromkeys(LIGHTS, (build_light, *_LOAD)),
     **dict.fromkeys(("pm1", "em", "em1"), (build_meters,)),
-    **dict.fromkeys(SENSORS, (build_sensor, build_own_temperature)),
-    "input": (build_input,),
+    **dict.fromkeys(SENSORS, (build_sensor, build_further, build_own_temperature)),
+    "input": (build_input, build_further),
     "devicepower": (build_power,),
     **dict.fromkeys(VIRTUAL, (build_virtual,)),
     "button": (build_virtual_button,),

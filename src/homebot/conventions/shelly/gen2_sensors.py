@@ -10,12 +10,20 @@ from collections.abc import Mapping
 from functools import partial
 
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text
-from homebot.conventions.shelly.gen2_component import PRESSES, Fields, ShellyComponent, flag, measured, percentage
+from homebot.conventions.payload import Readings, as_fields, text_of
+from homebot.conventions.shelly.gen2_component import (
+    LONGEST_UNIT,
+    PRESSES,
+    Fields,
+    ShellyComponent,
+    StatusDecoder,
+    reader_of,
+)
 from homebot.conventions.units import sensor_type
 
 __all__ = [
     "SENSORS",
+    "build_further",
     "build_input",
     "build_meters",
     "build_own_temperature",
@@ -25,7 +33,6 @@ __all__ = [
 
 Parts = tuple[JsonPart, ...]
 
-_FLAGS = frozenset({"smoke", "water_leak", "occupancy", "power_detected"})
 SENSORS: Mapping[str, tuple[str, str]] = {
     "smoke": ("alarm", "smoke"),
     "flood": ("alarm", "water_leak"),
@@ -57,20 +64,41 @@ def build_sensor(component: ShellyComponent) -> Parts:
     field, capability = SENSORS[component.kind]
     if component.kind == "illuminance" and field not in component.status and "illumination" in component.status:
         field, capability = "illumination", "value"
+    if component.kind == "presencezone" and "value" in component.status:
+        field = "value"  # from firmware 1.8 on
     part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "")
-    component.add_reading(part, capability, partial(_decode_sensor, field, capability))
+    component.add_reading(part, capability, partial(_decode_sensor, reader_of(field, capability), capability))
     return (part,)
 
 
-def _decode_sensor(field: str, capability: str, status: Fields) -> Readings:
-    if status.get("errors"):
-        return {capability: None}  # the number beside them is invalid: a display without sensor reports -275 °C
-    if capability == "value":
-        text = status.get(field)
-        return {capability: clean_text(text)} if isinstance(text, str) else NO_READINGS
-    if capability == "occupancy" and field not in status:
-        field = "value"  # the name of the field from firmware 1.8 on
-    return (flag if capability in _FLAGS else measured)(field, capability)(status)
+def _decode_sensor(read: StatusDecoder, capability: str, status: Fields) -> Readings:
+    """Read a sensor; the number beside an error is invalid: a display without sensor reports -275 °C."""
+    return {capability: None} if status.get("errors") else read(status)
+
+
+_FURTHER: Mapping[str, tuple[tuple[str, str, str], ...]] = {
+    "presencezone": (("num_objects", "objects", ""),),
+    "voltmeter": (("xvoltage", "value", "xvoltage"),),
+    "input": (
+        ("xpercent", "value", "xpercent"),
+        ("counts.xtotal", "value", "xcounts"),
+        ("freq", "frequency", ""),
+        ("xfreq", "rate", "xfreq"),
+    ),
+}
+"""Path and name of further values by kind, and the formula of the owner by which they are calculated, with its unit."""
+
+
+def build_further(component: ShellyComponent) -> Parts:
+    """Describe the further values that the component reports."""
+    parts: list[JsonPart] = []
+    for path, name, formula in _FURTHER.get(component.kind, ()):
+        if component.has(path):
+            part = component.part(path, "x_sensor", name=name)
+            unit = text_of(as_fields(component.config.get(formula)).get("unit"), LONGEST_UNIT)
+            component.add_value(part, "measurement", path, unit=unit or ("Hz" if path == "freq" else ""))
+            parts.append(part)
+    return tuple(parts)
 
 
 def build_power(component: ShellyComponent) -> Parts:
@@ -78,11 +106,11 @@ def build_power(component: ShellyComponent) -> Parts:
     status = component.status
     part = component.part("", "x_battery", category="diagnostic")
     if "battery" in status or "external" not in status:
-        component.add_reading(part, "battery", percentage("battery.percent", "battery"))
+        component.add_value(part, "battery", "battery.percent")
     if "V" in as_fields(status.get("battery")):
         component.add_measure(part, "battery.V", "voltage")
     if isinstance(status.get("external"), dict):
-        component.add_reading(part, "plugged_in", flag("external.present", "plugged_in"))
+        component.add_value(part, "plugged_in", "external.present")
     return (part,)
 
 
@@ -107,7 +135,7 @@ def _build_measured_input(component: ShellyComponent, key: str, unit: str) -> Pa
 def _build_binary_input(component: ShellyComponent, *, is_button: bool) -> Parts:
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
     if not is_button or component.status.get("state") is not None:
-        component.add_reading(part, "state", flag("state", "state"))
+        component.add_value(part, "state", "state")
     if is_button:
         component.add_presses(part, PRESSES)
     return (part,)

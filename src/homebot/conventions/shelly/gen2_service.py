@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from homebot.conventions.command_values import number_writer, option_writer
+from homebot.conventions.command_values import option_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, measured
+from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
 from homebot.conventions.shelly.gen2_virtual import bounds_of, options_of
 
 __all__ = ["OF_THERMOSTAT", "TARGET", "build_service_thermostat"]
@@ -31,34 +31,16 @@ def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
     """Describe the thermostat of the components with these *roles*, among them :data:`TARGET`."""
     target = roles[TARGET]
     part = target.part("", "thermostat")
-    target.add_command_topic(part)
     mode = _ServiceMode(roles.get("enable"), roles.get("working_mode"))
-    bounds = bounds_of(target.config)
-    limits = bounds or _USUAL
-
-    def set_target(celsius: float) -> Publications:
-        return target.call("Number.Set", value=int(celsius) if celsius.is_integer() else celsius)
-
+    bounds = bounds_of(target.config) or _USUAL
     for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in mode.options else ())):
-        target.read_status(part, measured("value", setpoint))
-        part.add_capability(setpoint, writer=number_writer(setpoint, limits, "°C", set_target), bounds=bounds)
+        target.add_value(part, setpoint, method="Number.Set", bounds=bounds)
     if (room := roles.get("current_temperature")) is not None:
-        target.add_measure(part, "value", "local_temperature", key=room.key)
+        room.add_value(part, "local_temperature")
     mode.add_to(part)
     if (fan := roles.get("fan_speed")) is not None:
-        _add_fan(part, fan)
+        fan.add_value(part, "fan_mode", method="Enum.Set", options=options_of(fan.config))
     return part
-
-
-def _add_fan(part: JsonPart, fan: ShellyComponent) -> None:
-    speeds = options_of(fan.config)
-
-    def decode(status: Fields) -> Readings:
-        return {"fan_mode": speed} if (speed := status.get("value")) in speeds else NO_READINGS
-
-    fan.read_status(part, decode)
-    writer = option_writer("fan_mode", speeds, lambda speed: fan.call("Enum.Set", value=speed))
-    part.add_capability("fan_mode", writer=writer, options=speeds)
 
 
 @dataclass(slots=True)

@@ -9,20 +9,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from homebot.conventions.command_values import (
-    Writer,
-    bool_writer,
-    number_writer,
-    option_writer,
-    push_writer,
-)
+from homebot.conventions.command_values import number_writer, option_writer, push_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, clean_text, percent_of, shown, text_of
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, StatusDecoder
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, text_of
+from homebot.conventions.shelly.gen2_component import LONGEST_TEXT, LONGEST_UNIT, Fields, ShellyComponent
 from homebot.conventions.units import sensor_type
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
 __all__ = ["VIRTUAL", "bounds_of", "build_virtual", "build_virtual_button", "options_of", "role_of"]
@@ -56,9 +48,6 @@ _VALVE_POSITION = "position"
 
 _ZONE = re.compile(r"zone[0-9]{1,2}")
 _VALVES = ("open", "closed")
-_ANY_NUMBER = (-1e15, 1e15)
-_LONGEST_TEXT = 255
-_LONGEST_UNIT = 20
 _MOST_OPTIONS = 100
 
 
@@ -87,46 +76,16 @@ def build_virtual_button(component: ShellyComponent) -> Parts:
 def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
     kind, config = component.kind, component.config
     service_type, capability = _CONTROLLED.get((kind, role), ("x_setting", VIRTUAL[kind][0]))
-    bounds = bounds_of(config) if kind == "number" else ()
-    options = options_of(config) if kind == "enum" else ()
     part = component.part("", service_type, category="config" if service_type == "x_setting" else "")
-    component.read_status(part, _value_decoder(kind, capability))
-    component.add_command_topic(part)
-    part.add_capability(
+    component.add_value(
+        part,
         capability,
-        writer=_setting_writer(component, capability, bounds, options),
+        method=f"{kind.capitalize()}.Set",
         unit=_unit(config) if capability == "number" else "",
-        bounds=bounds,
-        options=options,
+        bounds=bounds_of(config) if kind == "number" else (),
+        options=options_of(config) if kind == "enum" else (),
     )
     return part
-
-
-def _setting_writer(
-    component: ShellyComponent, capability: str, bounds: tuple[float, ...], options: tuple[str, ...]
-) -> Writer:
-    def publish(value: PlainValue) -> Publications:
-        return component.call(f"{component.kind.capitalize()}.Set", value=value)
-
-    def write_text(value: PlainValue, _transition: float) -> Publications:
-        if isinstance(value, str) and len(value) <= _LONGEST_TEXT and value.isprintable():
-            return publish(value)
-        raise RefusedError(f"{capability} {shown(value)}", f"it takes a text of at most {_LONGEST_TEXT} characters")
-
-    match component.kind:
-        case "boolean":
-            return bool_writer(capability, publish)
-        case "number":
-            return number_writer(
-                capability,
-                bounds or _ANY_NUMBER,
-                "",
-                lambda number: publish(int(number) if number.is_integer() else number),
-            )
-        case "enum" if options:
-            return option_writer(capability, options, publish)
-        case _:
-            return write_text
 
 
 def _build_sensor(component: ShellyComponent, role: str) -> JsonPart:
@@ -135,7 +94,7 @@ def _build_sensor(component: ShellyComponent, role: str) -> JsonPart:
     own_unit = _unit(component.config) if plain == "measurement" else ""
     capability, unit = _MEASURED.get(role if component.kind == "number" else "", (plain, own_unit))
     part = component.part("", sensor_type(capability))
-    component.add_reading(part, capability, _value_decoder(component.kind, capability), unit=unit)
+    component.add_value(part, capability, unit=unit)
     return part
 
 
@@ -180,35 +139,20 @@ def role_of(config: Fields) -> str:
     return role if is_makers and isinstance(role, str) else ""
 
 
-def _value_decoder(kind: str, capability: str) -> StatusDecoder:
-    def decode(status: Fields) -> Readings:
-        value = status.get("value")
-        found: PlainValue = None
-        if kind == "number":
-            found = to_number(value)
-        elif kind == "boolean":
-            found = value if isinstance(value, bool) else None
-        elif isinstance(value, str):
-            found = clean_text(value, _LONGEST_TEXT)
-        return NO_READINGS if found is None else {capability: found}
-
-    return decode
-
-
 def options_of(config: Fields) -> tuple[str, ...]:
     """Return the options of an enum."""
     options = config.get("options")
     if not isinstance(options, list):
         return ()
     return tuple(
-        option for option in options[:_MOST_OPTIONS] if isinstance(option, str) and len(option) <= _LONGEST_TEXT
+        option for option in options[:_MOST_OPTIONS] if isinstance(option, str) and len(option) <= LONGEST_TEXT
     )
 
 
 def _unit(config: Fields) -> str:
     """Return the unit of a number in the device's own pages; empty for none."""
     unit = as_fields(as_fields(config.get("meta")).get("ui")).get("unit")
-    return text_of(unit, _LONGEST_UNIT)
+    return text_of(unit, LONGEST_UNIT)
 
 
 def bounds_of(config: Fields) -> tuple[float, ...]:
