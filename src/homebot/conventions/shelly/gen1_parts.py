@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from homebot.conventions.description import DescribedPart, Publication
-from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.part_builder import BytesPart, JsonPart
 from homebot.conventions.shelly.gen1_controls import (
     Presses,
     build_gas_valve,
@@ -76,7 +76,7 @@ def build_parts(
         suffixes: The known topics below its own.
         presses: Reports of each of its inputs, which outlive the description.
     """
-    parts = [
+    parts: list[BytesPart | JsonPart] = [
         part for channel in _channels(suffixes) for part in _build_channel(topics, channel, suffixes, model, presses)
     ]
     if "relay/power" in suffixes and "relay/0/power" not in suffixes:

@@ -5,15 +5,16 @@ Source: Shelly Gen1 API, MQTT, also of Motion and TRV; iobroker.shelly 12.0, ``l
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
 from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.part_builder import BytesPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
+from homebot.conventions.part_builder import BytesPart, JsonPart
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_text
 from homebot.conventions.shelly.gen1_models import Gen1Topics
+from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
@@ -139,19 +140,18 @@ def _read_measure(capability: str, factor: float, payload: bytes) -> Readings:
 
 
 _VALVE_BOUNDS = (4.0, 31.0)
-_UNCLEAR = object()
 
 
-def build_motion(topics: Gen1Topics, *, has_thermometer: bool) -> tuple[BytesPart, ...]:
+def build_motion(topics: Gen1Topics, *, has_thermometer: bool) -> tuple[JsonPart, ...]:
     """Describe the values in the one ``status`` of a motion sensor."""
     return tuple(
-        _status_part(topics, part_id, capability, find, category)
-        for part_id, capability, find, category in _MOTION
+        _status_part(topics, part_id, capability, decode)
+        for part_id, capability, decode in _MOTION
         if has_thermometer or capability != "temperature"
     )
 
 
-def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
+def build_valve(topics: Gen1Topics) -> tuple[JsonPart, ...]:
     """Describe a radiator valve. Its commands are in the unit of its reports."""
     topic = topics.at("thermostat/0/command/target_t")
     reader = _ValveReader()
@@ -160,7 +160,7 @@ def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
         degrees = to_fahrenheit(celsius) if reader.is_fahrenheit else celsius
         return (Publication(topic, f"{round(degrees, 1):g}".encode()),)
 
-    part = BytesPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
+    part = JsonPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
     part.read_from(topics.at("status"), reader.read)
     part.read_from(topics.at("info"), reader.read)
     part.add_command_topics(topic)
@@ -168,56 +168,40 @@ def build_valve(topics: Gen1Topics) -> tuple[BytesPart, ...]:
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("position")
-    return part, _status_part(topics, "battery", "battery", _battery, "diagnostic")
+    return part, _status_part(topics, "battery", "battery", _read_battery)
 
 
-def _flag(status: Mapping[str, object], name: str) -> PlainValue | object:
-    value = status.get(name)
-    return value if isinstance(value, bool) else _UNCLEAR
+def _read_battery(status: Fields) -> Readings:
+    return reader_of("bat.value" if isinstance(status.get("bat"), dict) else "bat", "battery")(status)
 
 
-def _number(value: object) -> PlainValue | object:
-    number = to_number(value)
-    return _UNCLEAR if number is None else number
+def _read_temperature(capability: str, status: Fields) -> Readings:
+    temperature = as_fields(status.get("tmp"))
+    return {capability: None} if temperature.get("is_valid") is False else _read_degrees(capability, temperature)
 
 
-def _battery(status: Mapping[str, object]) -> PlainValue | object:
-    battery = status.get("bat")
-    return _number(battery.get("value") if isinstance(battery, dict) else battery)
-
-
-def _temperature(status: Mapping[str, object]) -> PlainValue | object:
-    temperature = status.get("tmp")
-    if not isinstance(temperature, dict):
-        return _UNCLEAR
-    return None if temperature.get("is_valid") is False else _degrees(temperature)
-
-
-def _degrees(fields: Mapping[str, object]) -> PlainValue | object:
+def _read_degrees(capability: str, fields: Fields) -> Readings:
     number = to_number(fields.get("value"))
     if number is None:
-        return _UNCLEAR
-    return to_celsius(number) if fields.get("units") == "F" else number
+        return NO_READINGS
+    return {capability: to_celsius(number) if fields.get("units") == "F" else number}
 
 
-_Find = Callable[[Mapping[str, object]], PlainValue | object]
-_MOTION: tuple[tuple[str, str, _Find, Category], ...] = (
-    ("motion", "occupancy", lambda status: _flag(status, "motion"), ""),
-    ("vibration", "vibration", lambda status: _flag(status, "vibration"), ""),
-    ("lux", "illuminance", lambda status: _number(status.get("lux")), ""),
-    ("temperature", "temperature", _temperature, ""),
-    ("battery", "battery", _battery, "diagnostic"),
+_MOTION: tuple[tuple[str, str, StatusDecoder], ...] = (
+    ("motion", "occupancy", reader_of("motion", "occupancy")),
+    ("vibration", "vibration", reader_of("vibration", "vibration")),
+    ("lux", "illuminance", reader_of("lux", "illuminance")),
+    ("temperature", "temperature", partial(_read_temperature, "temperature")),
+    ("battery", "battery", _read_battery),
 )
 
 
-def _status_part(topics: Gen1Topics, part_id: str, capability: str, find: _Find, category: Category) -> BytesPart:
-    def read(payload: bytes) -> Readings:
-        value = find(as_fields(to_json(payload)))
-        return {capability: value} if value is None or isinstance(value, (bool, float)) else NO_READINGS
-
-    part = BytesPart(part_id, sensor_type(capability), advertised="status", category=category)
-    for topic in ("status", "info") if part_id == "battery" else ("status",):
-        part.read_from(topics.at(topic), read)
+def _status_part(topics: Gen1Topics, part_id: str, capability: str, decode: StatusDecoder) -> JsonPart:
+    is_battery = part_id == "battery"
+    category: Category = "diagnostic" if is_battery else ""
+    part = JsonPart(part_id, sensor_type(capability), advertised="status", category=category)
+    for topic in ("status", "info") if is_battery else ("status",):
+        part.read_from(topics.at(topic), decode)
     part.add_capability(capability)
     return part
 
@@ -228,19 +212,12 @@ class _ValveReader:
     def __init__(self) -> None:
         self.is_fahrenheit = False
 
-    def read(self, payload: bytes) -> Readings:
-        status = as_fields(to_json(payload))
+    def read(self, status: Fields) -> Readings:
         listed = status.get("thermostats")
-        valve = listed[0] if isinstance(listed, list) and listed and isinstance(listed[0], dict) else status
-        found: dict[str, PlainValue] = {}
+        valve = as_fields(listed[0]) if isinstance(listed, list) and listed else status
         target = as_fields(valve.get("target_t"))
-        setpoint = _degrees(target)
-        if isinstance(setpoint, float):
+        setpoint = _read_degrees("heating_setpoint", target)
+        if setpoint:
             self.is_fahrenheit = target.get("units") == "F"
-            found["heating_setpoint"] = setpoint
-        temperature = _temperature(valve)
-        if temperature is None or isinstance(temperature, float):
-            found["local_temperature"] = temperature
-        if to_number(valve.get("pos")) is not None:
-            found["position"] = percent_of(valve["pos"])
-        return found
+        position = {"position": percent_of(valve["pos"])} if to_number(valve.get("pos")) is not None else {}
+        return {**setpoint, **_read_temperature("local_temperature", valve), **position}

@@ -13,7 +13,7 @@ from __future__ import annotations
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
 from homebot.conventions.payload import as_fields, parse_object, shown, text_of, to_json
-from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, call, components_from
+from homebot.conventions.shelly.gen2_component import COMPONENTS, call, components_from
 from homebot.conventions.shelly.gen2_device import (
     Gen2Device,
     is_config_change,
@@ -22,6 +22,7 @@ from homebot.conventions.shelly.gen2_device import (
     mac_in,
     page_name,
 )
+from homebot.conventions.shelly.status import Fields
 from homebot.errors import WireError
 
 __all__ = ["MAX_ANSWER_BYTES", "Gen2"]

@@ -19,7 +19,8 @@ from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, text_of
-from homebot.conventions.shelly.gen2_component import PRESSES, Fields, ShellyComponent, reader_of
+from homebot.conventions.shelly.gen2_component import PRESSES, ShellyComponent
+from homebot.conventions.shelly.status import Fields, reader_of
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category

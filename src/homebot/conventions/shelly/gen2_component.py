@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
-from typing import Final, TypeAlias
+from typing import Final
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
@@ -21,10 +20,10 @@ from homebot.conventions.payload import (
     Readings,
     as_fields,
     compact_json,
-    read_number,
     shown,
     text_of,
 )
+from homebot.conventions.shelly.status import LONGEST_TEXT, NO_FIELDS, Fields, StatusDecoder, reader_of, value_at
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
@@ -33,16 +32,12 @@ from homebot.errors import RefusedError
 __all__ = [
     "BLUETOOTH",
     "COMPONENTS",
-    "LONGEST_TEXT",
     "LONGEST_UNIT",
     "PRESSES",
-    "Fields",
     "Gen2Topics",
     "ShellyComponent",
-    "StatusDecoder",
     "call",
     "components_from",
-    "reader_of",
 ]
 
 
@@ -63,12 +58,6 @@ def components_from(offset: int) -> Mapping[str, object]:
     return {"dynamic_only": True, "include": ["status", "config"], "offset": offset}
 
 
-Fields: TypeAlias = Mapping[str, object]
-"""A status or a configuration, or a part of one."""
-
-StatusDecoder: TypeAlias = Callable[[Fields], Readings]
-"""Reads a status, or the changed fields of one. Never raises."""
-
 BLUETOOTH: Final = ("blutrv", "bthomesensor", "bthomedevice")
 """The components of Bluetooth devices; answers have what the Shelly last received of them."""
 
@@ -80,12 +69,8 @@ PRESSES: Final[Mapping[str, str]] = {
 }
 """Events of a button, in the words of the vocabulary."""
 
-LONGEST_TEXT: Final = 255
-"""Characters of a text that is read or set."""
-
 LONGEST_UNIT: Final = 20
 _ANY_NUMBER = (-1e15, 1e15)
-_NO_FIELDS: Fields = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +126,7 @@ class ShellyComponent:
 
     def has(self, path: str) -> bool:
         """Return whether its status has a value at *path*."""
-        return _value_at(self.status, path) is not _NO_FIELDS
+        return value_at(self.status, path) is not NO_FIELDS
 
     def part(
         self, suffix: str, service_type: str, *, name: str = "", tag: str = "", category: Category = ""
@@ -219,25 +204,6 @@ class ShellyComponent:
         return (call(self.topics.prefix, self.topics.source, method, {"id": self.index, **params}),)
 
 
-def reader_of(path: str, capability: str, factor: float = 1.0) -> StatusDecoder:
-    """Return a reader of the value at *path*, such as ``aenergy.total``; ``null`` is *unknown*.
-
-    The vocabulary says whether it is a number, which is multiplied by *factor*, a boolean or a text.
-    """
-    kind = CAPABILITIES[capability].kind
-
-    def decode(status: Fields) -> Readings:
-        value = _value_at(status, path)
-        if kind == "number" and value is not _NO_FIELDS:
-            return read_number(capability, value, lambda number: number * factor)
-        if value is None or (kind == "bool" and isinstance(value, bool)):
-            return {capability: value}
-        is_text = kind == "text" and isinstance(value, str)
-        return {capability: text_of(value, LONGEST_TEXT)} if is_text else NO_READINGS
-
-    return decode
-
-
 def _writer(
     capability: str, bounds: tuple[float, ...], options: tuple[str, ...], publish: Callable[[object], Publications]
 ) -> Writer:
@@ -263,17 +229,9 @@ def _writer(
     return write_text
 
 
-def _value_at(status: Fields, path: str) -> object:
-    """Return the value at *path*; ``_NO_FIELDS`` if it is missing."""
-    *parents, field = path.split(".")
-    for parent in parents:
-        status = as_fields(status.get(parent))
-    return status.get(field, _NO_FIELDS)
-
-
 def _unrepeated(decode: StatusDecoder) -> StatusDecoder:
     """Return *decode* without a status that comes again: nothing was received since."""
-    last: Fields = _NO_FIELDS
+    last: Fields = NO_FIELDS
 
     def read(status: Fields) -> Readings:
         nonlocal last
@@ -292,7 +250,7 @@ def _read_answer(result: Fields, key: str, decode: StatusDecoder) -> Readings:
     listed = result.get("components")
     if not isinstance(listed, list):
         return _read(result, key, decode)
-    component = next((fields for fields in map(as_fields, listed) if fields.get("key") == key), _NO_FIELDS)
+    component = next((fields for fields in map(as_fields, listed) if fields.get("key") == key), NO_FIELDS)
     return _read({key: component.get("status")}, key, decode)
 
 

@@ -23,7 +23,8 @@ from homebot.conventions.lamp import (
 )
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, percent_of
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent, reader_of
+from homebot.conventions.shelly.gen2_component import ShellyComponent
+from homebot.conventions.shelly.status import Fields, reader_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 

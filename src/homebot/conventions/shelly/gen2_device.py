@@ -20,7 +20,6 @@ from homebot.conventions.shelly.gen2_bluetooth import group_by_address
 from homebot.conventions.shelly.gen2_component import (
     BLUETOOTH,
     COMPONENTS,
-    Fields,
     Gen2Topics,
     ShellyComponent,
     call,
@@ -45,6 +44,7 @@ from homebot.conventions.shelly.gen2_sensors import (
 )
 from homebot.conventions.shelly.gen2_service import OF_THERMOSTAT, TARGET, build_service_thermostat
 from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button, role_of
+from homebot.conventions.shelly.status import Fields
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.support.numbers import to_number
 

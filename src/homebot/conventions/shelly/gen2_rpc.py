@@ -14,8 +14,8 @@ from typing import Literal, TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, compact_json, parse_object
-from homebot.conventions.shelly.gen2_component import Fields
 from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, sleeps
+from homebot.conventions.shelly.status import Fields
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number

@@ -11,14 +11,8 @@ from functools import partial
 
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, text_of
-from homebot.conventions.shelly.gen2_component import (
-    LONGEST_UNIT,
-    PRESSES,
-    Fields,
-    ShellyComponent,
-    StatusDecoder,
-    reader_of,
-)
+from homebot.conventions.shelly.gen2_component import LONGEST_UNIT, PRESSES, ShellyComponent
+from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type
 
 __all__ = [

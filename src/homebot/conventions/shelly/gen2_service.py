@@ -12,8 +12,9 @@ from homebot.conventions.command_values import option_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings
-from homebot.conventions.shelly.gen2_component import Fields, ShellyComponent
+from homebot.conventions.shelly.gen2_component import ShellyComponent
 from homebot.conventions.shelly.gen2_virtual import bounds_of, options_of
+from homebot.conventions.shelly.status import Fields
 
 __all__ = ["OF_THERMOSTAT", "TARGET", "build_service_thermostat"]
 

@@ -13,7 +13,8 @@ from homebot.conventions.command_values import number_writer, option_writer, pus
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, text_of
-from homebot.conventions.shelly.gen2_component import LONGEST_TEXT, LONGEST_UNIT, Fields, ShellyComponent
+from homebot.conventions.shelly.gen2_component import LONGEST_UNIT, ShellyComponent
+from homebot.conventions.shelly.status import LONGEST_TEXT, Fields
 from homebot.conventions.units import sensor_type
 from homebot.support.numbers import to_number
 

@@ -14,10 +14,11 @@ import anyio
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
-from homebot.conventions.shelly.gen2_component import COMPONENTS, Fields, components_from
+from homebot.conventions.shelly.gen2_component import COMPONENTS, components_from
 from homebot.conventions.shelly.gen2_device import is_prefix
 from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, PartKey, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
+from homebot.conventions.shelly.status import Fields
 from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
