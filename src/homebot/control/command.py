@@ -242,7 +242,11 @@ class KnownState(NamedTuple):
 
 
 def known_state(
-    command: IssuedCommand, asked: Iterable[str], unsure_since: Mapping[str, float], lost_at: float = -inf
+    command: IssuedCommand,
+    asked: Iterable[str],
+    last: Mapping[str, PlainValue],
+    unsure_since: Mapping[str, float],
+    lost_at: float,
 ) -> KnownState:
     """Return the certain values of the commanded part, of the capabilities *asked*.
 
@@ -251,6 +255,7 @@ def known_state(
     After a failed command older values are not certain, and newer ones are not recent.
 
     Args:
+        last: The last value of each capability, certain or not.
         unsure_since: The time of the last failed command for each capability, in seconds since the Unix epoch.
         lost_at: The time of the last loss of the connection, in seconds since the Unix epoch.
     """
@@ -265,12 +270,8 @@ def known_state(
         if state is None or not (state.live or is_online):
             continue
         told_at, unsure_at = state.told_at.to_seconds(), unsure_since.get(capability, -inf)
-        is_recent = is_recent and unsure_at == -inf and _is_recent(state, told_at, lost_at, command.issued_at)
-        is_recent = is_recent and told_at >= back_at
+        is_fresh = state.live and abs(command.issued_at - told_at) <= durations.FRESH
+        is_recent = is_recent and is_fresh and unsure_at == -inf and lost_at < told_at >= back_at
         if told_at > (unsure_at if is_online else max(unsure_at, lost_at)):
-            values[capability] = state.value.plain()
+            values[capability] = last[capability]
     return KnownState(values, is_recent)
-
-
-def _is_recent(state: State, told_at: float, lost_at: float, now: float) -> bool:
-    return state.live and told_at > lost_at and abs(now - told_at) <= durations.FRESH

@@ -247,10 +247,10 @@ class CommandExecutor:
             is_at_rest = is_at_rest and settings.keys().isdisjoint(command.settings)
             is_sure = is_sure and not _contradicts(settings, command)
         known = KnownState({}, is_recent=False)
-        if is_sure:
-            asked = dict.fromkeys((*order.settings, *order.wanted))
-            known = known_state(command, asked, timeline.unsure_since, self._feed.last_loss(command.part.routes).wall)
         last = {capability: state.value.plain() for capability, state in command.states.items()}
+        if is_sure:
+            asked, lost = dict.fromkeys((*order.settings, *order.wanted)), self._feed.last_loss(command.part.routes)
+            known = known_state(command, asked, last, timeline.unsure_since, lost.wall)
         progress = timeline.command(order, self._clock.monotonic(), known.values, last)
         progress.must_answer = not progress.wanted and self._feed.is_answering(command.part.routes)
         opened = self._open[command.id] = OpenCommand(command, timeline, progress, self._limits)

@@ -17,7 +17,9 @@ from homebot.control.timeline.evidence import SendingPlan, next_step, outcome_of
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.devices.command_sender import CommandSender
+from homebot.devices.gateway_messages import Command
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
+from homebot.devices.value import Value
 from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
@@ -121,6 +123,7 @@ class Sending:
         """Send the settings in their order; return the outcome if that fails."""
         command, clock, is_repeated = sent.command, self._clock, plan.attempts > 1
         profile = sent.timeline.profile
+        ineffective = profile.ineffective if profile.failures else ()
         began = clock.monotonic()
         self._journal.record("sent", command, "again" if is_repeated else "")
         sent.progress.send(began)
@@ -133,19 +136,19 @@ class Sending:
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
-                route = await self._sender.send(
-                    command.device,
-                    command.part,
-                    capability,
-                    value,
-                    command.transition,
-                    command.code,
-                    plan.began + plan.lasts - began if is_repeated else plan.lasts,
-                    command.id,
-                    plan.keeps_for if plan.attempts < plan.tries else 0.0,
+                order = Command(
+                    key="",
+                    part="",
+                    capability=capability,
+                    value=Value.of(value),
+                    transition=command.transition,
+                    code=command.code,
+                    expires_after=plan.began + plan.lasts - began if is_repeated else plan.lasts,
+                    id=command.id,
+                    kept_for=plan.keeps_for if plan.attempts < plan.tries else 0.0,
                     repeated=is_repeated,
-                    ineffective=profile.ineffective if profile.failures else (),
                 )
+                route = await self._sender.send(command.device, command.part, order, ineffective)
                 if len(command.part.routes) > 1:
                     sent.progress.routes.append(route.name)
         except UnansweredError:

@@ -9,8 +9,8 @@ from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.device import Device, DevicePart, Route
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import OWNER, PREFER, GatewayNames
-from homebot.devices.value import PlainValue, Value
 from homebot.errors import (
+    HomebotError,
     InvalidNameError,
     LinkError,
     RefusedError,
@@ -37,78 +37,57 @@ class CommandSender:
         self._clients: dict[str, Client[Command, SendCommandResponse]] = {}
 
     async def send(
-        self,
-        device: Device,
-        part: DevicePart,
-        capability: str,
-        value: PlainValue,
-        transition: float,
-        code: str = "",
-        expires_after: float = 0.0,
-        command_id: str = "",
-        kept_for: float = 0.0,
-        *,
-        repeated: bool = False,
-        ineffective: Collection[str] = (),
+        self, device: Device, part: DevicePart, command: Command, ineffective: Collection[str] = ()
     ) -> Route:
-        """Set *capability* to *value* within *transition* seconds; return the route that accepted the command.
-
-        A gateway that has not carried it out within *expires_after* seconds gives up. For a device that is away the
-        network keeps it for *kept_for* seconds; *repeated* is a command that was sent before and had no effect: it
-        begins with the second route, for the first accepted it. Routes named in *ineffective* come after those that
-        work, unless the owner prefers their gateway.
+        """Send *command*; return the route that accepted it, which fills in its key, part and approval.
 
         The next route is tried if one cannot do that, and sent nothing, or cannot reach the device; a command that a
         gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
-        pressed it.
+        pressed it. A repeated command begins with the second route, for the first accepted it.
+
+        Args:
+            ineffective: Names of routes that come after those that work, unless the owner prefers their gateway.
 
         Raises:
             RefusedError: The gateway or the part refuses, or the part is disputed.
             UnansweredError: A gateway sent it, and its network has not acknowledged it.
             LinkError: It was not sent: no gateway of the part is running and connected; it may work later.
         """
-        routes = _routes(device, part, capability, ineffective, is_repeated=repeated)
-        problem, unable, is_away, silence = f"its gateway {routes[0].gateway} is not running", "", False, ""
+        capability, failures = command.capability, list[SendCommandResponse]()
+        routes = _routes(device, part, capability, ineffective, is_repeated=command.repeated)
         for route in routes:
-            command = Command(
-                key=route.key,
-                part=route.part,
-                approved=route.approved,
-                capability=capability,
-                value=Value.of(value),
-                transition=transition,
-                code=code,
-                expires_after=expires_after,
-                id=command_id,
-                kept_for=kept_for,
-                repeated=repeated,
-            )
+            by_route = {"key": route.key, "part": route.part, "approved": route.approved}
             try:
                 client = self._clients.get(route.gateway) or self._client(route.gateway)
-                limit = expires_after + _ANSWERS_WITHIN
-                response = await client.call(command, timeout=limit, cancel_with_caller=True)
+                response = await client.call(
+                    command.model_copy(update=by_route),
+                    timeout=command.expires_after + _ANSWERS_WITHIN,
+                    cancel_with_caller=True,
+                )
             except (InvalidNameError, ServiceError) as exc:
                 response = _failure(exc)
             if response.success:
                 return route
-            if response.problem in {"unreachable", "unanswered"}:
-                is_away, problem = True, response.message or problem
-                silence = problem if response.problem == "unanswered" else silence
-                if capability in MOMENTARY and not response.unable:
-                    break
-            elif response.unable:
-                unable = unable or response.message
-            else:
-                raise RefusedError(f"{capability} of {device.id}", response.message)
-        if silence:
-            raise UnansweredError(f"{capability} was sent to {device.id}: {silence}")
-        if unable and not is_away:
-            raise RefusedError(f"{capability} of {device.id}", unable)
-        raise LinkError(f"{capability} was not sent to {device.id}: {problem}")
+            failures.append(response)
+            if not response.unable and (response.problem == "refused" or capability in MOMENTARY):
+                break
+        raise _error(capability, device.id, failures, f"its gateway {routes[0].gateway} is not running")
 
     def _client(self, gateway: str) -> Client[Command, SendCommandResponse]:
         client = self._clients[gateway] = self._node.create_client(SendCommand, GatewayNames(gateway).send_command)
         return client
+
+
+def _error(capability: str, device: str, failures: Sequence[SendCommandResponse], why: str) -> HomebotError:
+    """Return the error of a command that no route accepted; *why* is the reason if no gateway gives one."""
+    last = failures[-1]
+    if last.problem == "refused" and not last.unable:
+        return RefusedError(f"{capability} of {device}", last.message)
+    if silent := [one.message for one in failures if one.problem == "unanswered"]:
+        return UnansweredError(f"{capability} was sent to {device}: {silent[-1]}")
+    if away := [one.message for one in failures if one.problem == "unreachable"]:
+        return LinkError(f"{capability} was not sent to {device}: {next(filter(None, reversed(away)), why)}")
+    return RefusedError(f"{capability} of {device}", failures[0].message)
 
 
 def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:

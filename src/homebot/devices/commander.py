@@ -21,6 +21,7 @@ from homebot.devices.command_messages import (
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
+from homebot.devices.gateway_messages import Command
 from homebot.devices.hold import hold_part
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
@@ -184,9 +185,15 @@ class Commander:
         began = self._clock.monotonic()
         try:
             for one in request.settings:
-                await self._sender.send(
-                    device, part, one.capability, one.value.plain(), request.transition, request.code
+                command = Command(
+                    key="",
+                    part="",
+                    capability=one.capability,
+                    value=one.value,
+                    transition=request.transition,
+                    code=request.code,
                 )
+                await self._sender.send(device, part, command)
         except UnansweredError:
             return NoAnswer(self._clock.monotonic() - began, is_unacknowledged=True)
         except LinkError as exc:

@@ -8,8 +8,9 @@ from tests.devices.handles.conftest import House
 from homebot.devices import Route
 from homebot.devices.command_sender import CommandSender
 from homebot.devices.device import EVERYTHING
-from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.gateway_messages import Command, SendCommandResponse
 from homebot.devices.handles import Handle, Light
+from homebot.devices.value import Value
 
 pytestmark = pytest.mark.virtual_time
 
@@ -60,10 +61,12 @@ async def test_a_command_that_had_no_effect_is_repeated_by_the_next_route(house:
     for one in ("hub", "radio"):
         house.gateway(one)
     sender = CommandSender(house.node)
-    for repeated in (False, True):
-        await sender.send(house.device("a", lamp), lamp, "on_off", True, 0.0, repeated=repeated)
+    first = Command(key="", part="", capability="on_off", value=Value.of(True))
+    again = first.model_copy(update={"repeated": True})
+    for command in (first, again):
+        await sender.send(house.device("a", lamp), lamp, command)
     house.answers["radio"] = SendCommandResponse(success=False, message="it left", problem="unreachable")
-    await sender.send(house.device("a", lamp), lamp, "on_off", True, 0.0, repeated=True)
+    await sender.send(house.device("a", lamp), lamp, again)
     assert [one[0] for one in house.told] == ["hub", "radio", "hub"]
 
 
