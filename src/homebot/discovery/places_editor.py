@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, final
 
 from homebot.devices.query.terms import AreaIs
@@ -49,84 +49,31 @@ class PlacesEditor:
         """Return whether there is a device of that id."""
         return device_id in self._table.entries
 
-    def place(self, device_id: str, room: str, now: float, *, at: str = "", is_new: bool = False) -> str:
-        """Set the room of a device, its position, or both; return the room that it is in now.
+    def place(
+        self, device: str, room: str, now: float, *, at: str = "", is_new: bool = False, may_be_absent: bool = False
+    ) -> str:
+        """Set the room of a device, its position, or both; return the room that it is in now, or will be.
 
         Args:
+            device: Its id; of one that is not there yet as :meth:`future_name` returns it.
             room: The room, or a floor; empty for none.
             now: Seconds since the Unix epoch.
             at: The position, as text; empty for none.
             is_new: Whether it may be a room with a name one typo away from that of another.
+            may_be_absent: Whether the device need not be there yet.
 
         Raises:
             RefusedError: There is no such device, or there are too many statements.
             UsageError: The name cannot be one, or is probably a typo; or there is no such position.
         """
-        entry = self._entry(device_id)
-        facts = self._where(room, at, now, is_new=is_new, device_id=device_id)
+        entry = self._found(device, may_be_absent=may_be_absent)
+        facts = self._where(device, room, at, now, is_new=is_new)
         replaced = {fact.name for fact in facts}
+        others = [fact for fact in self._stated(device, entry) if fact.name not in replaced]
         where = " at ".join(fact.value for fact in facts)
-        others = [fact for fact in self.stated(entry) if fact.name not in replaced]
-        self.state(entry, [*facts, *others], f"the owner placed it {'in' if room else 'at'} {where}")
-        return entry.to_device(self._table.topics).area
+        return self._place(device, entry, [*facts, *others], f"the owner placed it {'in' if room else 'at'} {where}")
 
-    def place_absent(
-        self, device: str, room: str, now: float, *, at: str = "", is_new: bool = False
-    ) -> tuple[str, str]:
-        """Set the room of a device that is not there yet, its position, or both.
-
-        Args:
-            device: The name or the id that it will have, or its hardware address, such as ``mac:a4cf12f04ab1``.
-
-        Returns:
-            The id or hardware address by which it will be known, and the room as the plan spells it.
-
-        Raises:
-            RefusedError: There are too many statements.
-            UsageError: As for :meth:`place`, or the device cannot be called so.
-        """
-        facts = self._where(room, at, now, is_new=is_new)
-        key = _future_name(check_name(device))
-        self._state_absent(key, facts, {fact.name for fact in facts})
-        return key, next((fact.value for fact in facts if fact.name == "area"), "")
-
-    def _where(self, room: str, at: str, now: float, *, is_new: bool, device_id: str = "") -> list[OwnerFact]:
-        facts = []
-        if room or not at:
-            name = self._spelled(check_name(room), device_id)
-            if not is_new:
-                self._check_typo(name)
-            facts.append(OwnerFact("area", name, "command", now))
-        if at:
-            facts.append(OwnerFact("position", stated_position(at, self._table.owner.plan), "command", now))
-        return facts
-
-    def unplace_absent(self, device: str) -> str:
-        """Take back the room of a device that is not there; return the id or hardware address that was meant.
-
-        Raises:
-            RefusedError: No command and no import stated a room.
-            UsageError: *device* cannot be a name.
-        """
-        key = _future_name(check_name(device))
-        if not any(fact.name in _WHERE for fact in self._table.owner.stated_of((key,))):
-            raise RefusedError("taking back the room", f"there is no device {device}, and no command stated its room")
-        self._state_absent(key, (), _WHERE)
-        return key
-
-    def absent(self) -> Iterator[tuple[str, str]]:
-        """Yield the id or hardware address of each device that is not there, and the room that is stated of it."""
-        known = set(self._table.entries)
-        known.update(one for source in self._table.sources.values() for one in source.sighting.identifiers)
-        known.update(self._table.owner.known_as(key) for key in self._table.sources)
-        for key, facts in self._table.owner.unknown(known):
-            yield from ((key, fact.value) for fact in facts if fact.name == "area")
-
-    def _state_absent(self, key: str, facts: Iterable[OwnerFact], replaced: Container[FactName]) -> None:
-        others = [one for one in self._table.owner.stated_of((key,)) if one.name not in replaced]
-        self._table.owner.put_unknown((key,), [*facts, *others], self._table.owners)
-
-    def unplace(self, device_id: str) -> str:
+    def unplace(self, device: str, *, may_be_absent: bool = False) -> str:
         """Take back the room and position that a command or an import stated, or the room that a tag taught.
 
         Returns:
@@ -135,16 +82,33 @@ class PlacesEditor:
         Raises:
             RefusedError: There is no such device, or no room was stated or taught.
         """
-        entry = self._entry(device_id)
-        stated = self.stated(entry)
-        facts = [fact for fact in stated if fact.name not in _WHERE]
-        if len(facts) == len(stated):
-            facts = [fact for fact in stated if fact.name not in _TAUGHT]
-        if len(facts) == len(stated):
-            where = self._where_configured("area", entry)
-            raise RefusedError("taking back the room", where or f"no command stated the room of {device_id}")
-        self.state(entry, facts, "the owner took back its room")
-        return entry.to_device(self._table.topics).area
+        entry = self._found(device, may_be_absent=may_be_absent)
+        stated = self._stated(device, entry)
+        for names in (_WHERE, _TAUGHT):
+            facts = [fact for fact in stated if fact.name not in names]
+            if len(facts) < len(stated):
+                return self._place(device, entry, facts, "the owner took back its room")
+        reason = f"there is no device {device}, and no command stated its room"
+        if entry is not None:
+            reason = self._where_configured("area", entry) or f"no command stated the room of {device}"
+        raise RefusedError("taking back the room", reason)
+
+    def future_name(self, device: str) -> str:
+        """Return the id of a device, or that of one that is not there yet by its name; a hardware address as it is.
+
+        Raises:
+            UsageError: *device* cannot be a name.
+        """
+        name = device if self.has(device) else check_name(device)
+        return name if self.has(name) or ":" in name or "/" in name else id_of_name(name)
+
+    def absent(self) -> Iterator[tuple[str, str]]:
+        """Yield the id or hardware address of each device that is not there, and the room that is stated of it."""
+        known = set(self._table.entries)
+        known.update(one for source in self._table.sources.values() for one in source.sighting.identifiers)
+        known.update(self._table.owner.known_as(key) for key in self._table.sources)
+        for key, facts in self._table.owner.unknown(known):
+            yield from ((key, fact.value) for fact in facts if fact.name == "area")
 
     def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float) -> tuple[str, bool]:
         """Remember what a tag at a device says of its place; it counts where neither the owner nor the device does.
@@ -296,6 +260,31 @@ class PlacesEditor:
             entry.invalidate_description()
             self._table.record_change("changed", entry, why)
 
+    def _found(self, device: str, *, may_be_absent: bool) -> Entry | None:
+        return None if may_be_absent and not self.has(device) else self._entry(device)
+
+    def _stated(self, device: str, entry: Entry | None) -> tuple[OwnerFact, ...]:
+        return self._table.owner.stated_of((device,)) if entry is None else self.stated(entry)
+
+    def _place(self, device: str, entry: Entry | None, facts: list[OwnerFact], why: str) -> str:
+        """State *facts* of a device; return its room."""
+        if entry is None:
+            self._table.owner.put_unknown((device,), facts, self._table.owners)
+            return next((fact.value for fact in facts if fact.name == "area"), "")
+        self.state(entry, facts, why)
+        return entry.to_device(self._table.topics).area
+
+    def _where(self, device: str, room: str, at: str, now: float, *, is_new: bool) -> list[OwnerFact]:
+        facts = []
+        if room or not at:
+            name = self._spelled(check_name(room), device)
+            if not is_new:
+                self._check_typo(name)
+            facts.append(OwnerFact("area", name, "command", now))
+        if at:
+            facts.append(OwnerFact("position", stated_position(at, self._table.owner.plan), "command", now))
+        return facts
+
     def _values(self, entry: Entry, name: FactName) -> tuple[str, ...]:
         facts = self._table.owner.of(entry.id, entry.sources.values())
         return tuple(fact.value for fact in facts if fact.name == name)
@@ -330,11 +319,6 @@ class PlacesEditor:
         if entry is None:
             raise RefusedError(f"a statement on {device_id!r}", "there is no device of that id")
         return entry
-
-
-def _future_name(device: str) -> str:
-    """Return the id that a device of that name will have; an id or a hardware address as it is."""
-    return device if ":" in device or "/" in device else id_of_name(device)
 
 
 def _announced_commands(source: SourceRecord) -> tuple[str, ...]:

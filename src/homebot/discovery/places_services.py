@@ -98,18 +98,14 @@ class PlacesServices:
         )
 
     def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
-        places, now, device = self._index.places, self._clock.now(), request.device
-        is_absent = request.may_be_absent and not places.has(device)
-        absent = room = ""
-        if not (request.room or request.at) and is_absent:
-            absent = places.unplace_absent(device)
-        elif not (request.room or request.at):
-            room = places.unplace(device)
-        elif is_absent:
-            absent, room = places.place_absent(device, request.room, now, at=request.at, is_new=request.is_new)
+        places, may_be_absent = self._index.places, request.may_be_absent
+        device = places.future_name(request.device) if may_be_absent else request.device
+        if request.room or request.at:
+            more = {"is_new": request.is_new, "may_be_absent": may_be_absent}
+            room = places.place(device, request.room, self._clock.now(), at=request.at, **more)
         else:
-            room = places.place(device, request.room, now, at=request.at, is_new=request.is_new)
-        return PlaceDeviceResponse(success=True, room=room, absent=absent)
+            room = places.unplace(device, may_be_absent=may_be_absent)
+        return PlaceDeviceResponse(success=True, room=room, absent="" if places.has(device) else device)
 
     def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
         if not request.remove:
