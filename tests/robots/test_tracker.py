@@ -48,6 +48,16 @@ ALL = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 STILL = Vector3(x=0.0, y=0.0, z=0.0)
 
 
+class PassingClock(SetClock):
+    """A clock that passes between two readings too, as a real one does."""
+
+    passed = 0.0
+
+    def monotonic(self) -> float:
+        self.passed += 1e-6
+        return super().monotonic() + self.passed
+
+
 class House:
     """A graph with a tracker, a robot's node, and the poses that are published."""
 
@@ -77,7 +87,7 @@ class House:
 async def house(
     *robots: str, settings: dict[str, RobotSettings] | None = None, clock: Clock | None = None
 ) -> AsyncIterator[House]:
-    graph = Graph(clock)
+    graph = Graph(clock or PassingClock(1_750_000_000.0))
     owners = RobotOwners(dict.fromkeys(robots or ("rosie",), ()))
     async with Node(graph, "robots") as node, Node(graph, "a_robot") as robot, anyio.create_task_group() as tasks:
         tracker = RobotTracker(node, owners, lambda: HOUSE, settings)

@@ -128,7 +128,7 @@ class PoseTopics:
 
     def _on_tf(self, robot: str, topic: str, messages: Sequence[TFMessage]) -> None:
         """Insert the last transform of each frame; a message with one that is another's counts as none."""
-        last = {}
+        last, now = {}, self._now()  # one time: else no frame of a chain is known at the time of another
         for message in messages:
             if foreign := self._owners.foreign(topic, message, (robot,) if robot else self._owners.names):
                 self._refuse(topic, f"{foreign} may not be stated there")
@@ -138,7 +138,7 @@ class PoseTopics:
             if self._is_ahead(topic, transform.header):
                 continue
             try:
-                owner = self._frames.add(transform, robot, self._now(), is_static=topic.endswith("/tf_static"))
+                owner = self._frames.add(transform, robot, now, is_static=topic.endswith("/tf_static"))
                 self._robots[owner].add_life()
             except TransformException as exc:
                 self._refuse(topic, str(exc))
