@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import zlib
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -94,12 +96,16 @@ async def test_a_vacuum_that_is_lost_is_nowhere_at_once() -> None:
         )
 
 
-async def test_a_vacuum_beside_every_room_is_in_the_nearest_marked() -> None:
+async def test_a_vacuum_beside_every_room_is_in_the_nearest_marked_and_farther_away_in_none() -> None:
+    elsewhere = json.loads(zlib.decompress(VIOMI))
+    elsewhere["entities"][0]["points"] = [0, 0]
     async with vacuum(vacuum=BASE) as dusty:
         await dusty.say("$state", "ready")
         await dusty.say("MapData/map-data", VIOMI)
         [pose] = (await dusty.ask()).pose
         assert (pose.room, pose.is_nearest_room) == ("room1", True)
+        await dusty.say("MapData/map-data", json.dumps(elsewhere))
+        assert not (await dusty.ask()).success
 
 
 async def test_with_its_map_in_the_house_it_has_a_position_and_places_other_poses() -> None:

@@ -151,10 +151,11 @@ class Vacuum:
         if (here := found.segment_at(at.x, at.y)) is not None:
             room = self._name_of(here[0]) or f"{robot.name} room {here[0].id}"
             place.update(room=room, is_nearest_room=here[1] > 0)
-        if place:
-            limit = _ACTIVE_LIMIT if self._status in _ACTIVE else _IDLE_LIMIT
-            age = robot.now() - self._received_at
-            robot.place(self._source, limit, position, age=age, by_robot=True, **place)
+        if not place:
+            robot.drop(self._source)
+            return
+        limit = _ACTIVE_LIMIT if self._status in _ACTIVE else _IDLE_LIMIT
+        robot.place(self._source, limit, position, age=robot.now() - self._received_at, by_robot=True, **place)
 
 
 def _decoded(
