@@ -458,11 +458,15 @@ def test_a_command_that_nobody_awaits_fails_its_test(pytester: pytest.Pytester) 
             Light.turn_off(None)
             gc.collect()
 
+        async def test_forgets_a_step_of_its_own(house):
+            house.run_for("1h")
+            gc.collect()
+
         async def test_that_is_well():
             pass
         """
     )
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=1)
+    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=2)
 
 
 def test_a_hold_that_nobody_enters_fails_its_test(pytester: pytest.Pytester) -> None:

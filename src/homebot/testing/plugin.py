@@ -28,7 +28,7 @@ _MARK_HELP = (
 )
 _KINDS = (
     "AirConditioner|AlarmPanel|Closure|DoorLock|Fan|Handle|LawnMower|Light|Plug|RoboticVacuumCleaner|Siren|Switch"
-    "|Thermostat|WaterValve|WindowCovering|_Opening|_Switchable"
+    "|Thermostat|WaterValve|WindowCovering|_Opening|_Switchable|TestHouse|VirtualHouse|TestBroker"
 )
 _FORGOTTEN_COMMANDS = (
     f"error:coroutine '({_KINDS})[.].* was never awaited:RuntimeWarning",
@@ -38,7 +38,7 @@ _shown = pytest.StashKey[bool]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the mark, also for ``--strict-markers``, and fail tests with a command that is never awaited."""
+    """Register the mark, also for ``--strict-markers``, and fail tests with a step that is never awaited."""
     config.addinivalue_line("markers", _MARK_HELP)
     for warning in _FORGOTTEN_COMMANDS:
         config.addinivalue_line("filterwarnings", warning)

@@ -128,6 +128,7 @@ class VirtualHouse(TestHouse):
         Raises:
             UsageError: *duration* is not a duration.
         """
+        __tracebackhide__ = True
         await anyio.sleep(parse_duration(duration))
         await self.settle()
 
@@ -141,6 +142,7 @@ class VirtualHouse(TestHouse):
         Raises:
             UsageError: *when* is not a time, or has passed.
         """
+        __tracebackhide__ = True
         moment = next_moment(self.now, when)
         await anyio.sleep(max(0.0, moment.timestamp() - self.clock.now()))
         await self.settle()
@@ -151,6 +153,7 @@ class VirtualHouse(TestHouse):
         Raises:
             UsageError: There is no such device or command; the message lists those that there are.
         """
+        __tracebackhide__ = True
         placed = self._placed(device_id)
         if not placed.device.knows(command):
             known = ", ".join(placed.device.commands()) or "nothing by hand"
@@ -168,6 +171,7 @@ class VirtualHouse(TestHouse):
         Raises:
             UsageError: There is no such device, or it does not sense this; the message says what it senses.
         """
+        __tracebackhide__ = True
         device = unwrap(self._placed(device_id).device)
         word, kind = device.senses or ("nothing", bool)
         given = ", ".join(f"{name}={value!r}" for name, value in values.items())
@@ -186,6 +190,7 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     def _placed(self, device_id: str) -> Placed:
+        __tracebackhide__ = True
         placed = self.world.devices.get(device_id)
         if placed is None:
             there = ", ".join(self.world.devices) or "none"
