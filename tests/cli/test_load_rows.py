@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.cli.commands.top import samples
-from homebot.cli.load_rows import Load
+from homebot.cli.commands.top import Load, samples
 
 
 def answer(at: float, published: dict[str, int], queues: list[dict[str, object]] | None = None) -> dict[str, object]:

@@ -20,7 +20,7 @@ from rich.cells import cell_len
 from tests.cli.conftest import Homebot, _lamp
 
 from homebot.cli import main
-from homebot.cli.load_rows import HEADINGS, TopicRow
+from homebot.cli.commands.top import HEADINGS, TopicRow
 from homebot.cli.terminal import print_line, print_rows, print_table, progress, show_live, to_lines, to_table
 from homebot.clock import Clock, ManualClock
 from homebot.devices import QUERY_DEVICES, Found, QueryDevices

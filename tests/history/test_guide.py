@@ -13,7 +13,7 @@ from tests.ports import reserve_door
 from tests.system.attack_probe import until
 from tests.test_readme import environment, run
 
-from homebot.cli.history_plot import plot_lines
+from homebot.cli.commands.history import plot_lines
 
 pytestmark = pytest.mark.slow
 

@@ -8,8 +8,8 @@ import pytest
 
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
-from homebot.house.floor_map import occupancy_grid
 from homebot.house.rooms import Room, Rooms
+from homebot.house.ros_robot import occupancy_grid
 from homebot.messages.builtin_interfaces import Time
 from homebot.places import FloorPlan, HousePlan, Places
 from homebot.runtime.simulated_house import HouseOfRun

@@ -9,8 +9,8 @@ import pytest
 
 from homebot.errors import UsageError
 from homebot.messages import Time
-from homebot.recording.line_buffer import LineBuffer
 from homebot.recording.lines import LostLines, RecordingHeader, RecordingLine, line_text
+from homebot.recording.recorder import LineBuffer
 from homebot.recording.recording import load_recording
 from homebot.recording.recording_file import RecordingFile
 

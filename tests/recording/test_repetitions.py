@@ -11,8 +11,8 @@ from homebot.devices.value import Reading, Value
 from homebot.errors import UsageError
 from homebot.messages import Time
 from homebot.messages.message import Message
-from homebot.recording.line_buffer import LineBuffer
 from homebot.recording.lines import LostLines, RecordingLine, line_text, read_line
+from homebot.recording.recorder import LineBuffer
 from homebot.recording.repetitions import Repetition, Repetitions
 
 

@@ -18,7 +18,7 @@ from typing import Annotated, Final, Literal, NamedTuple, TypeAlias
 from PIL import Image, ImageDraw
 from pydantic import BaseModel, Field
 
-from homebot.cli.yaml_file import read_yaml
+from homebot.cli.yaml import read_yaml
 from homebot.config import parse_settings
 from homebot.errors import ConfigError, UsageError
 from homebot.messages.json import message_from_json

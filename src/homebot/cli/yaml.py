@@ -1,16 +1,40 @@
-"""Messages as YAML, as ``ros2 topic echo`` prints them."""
+"""Messages as YAML, as ``ros2 topic echo`` prints them, and files in YAML that a person gives to a command."""
 
 from __future__ import annotations
 
 import json
 import math
 import re
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
-__all__ = ["to_yaml"]
+from homebot.errors import UsageError
+
+__all__ = ["read_yaml", "to_yaml"]
 
 _PLAIN = re.compile(r"[A-Za-z_/][A-Za-z0-9_/.+@ -]*(?<! )")
 _RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
+
+
+def read_yaml(file: str) -> object:
+    """Return the content of *file*, ``-`` for the standard input.
+
+    Raises:
+        UsageError: It cannot be read, is no YAML, or has aliases, by which a short file may be of any size.
+    """
+    import yaml  # noqa: PLC0415 - few commands read a file
+
+    try:
+        text = sys.stdin.read() if file == "-" else Path(file).read_text("utf-8")
+        if any(isinstance(event, yaml.AliasEvent) for event in yaml.parse(text)):
+            raise UsageError(f"{file} has an alias (*NAME): write the value itself there")
+        return yaml.safe_load(text)
+    except yaml.MarkedYAMLError as exc:
+        line = f"line {exc.problem_mark.line + 1}: " if exc.problem_mark else ""
+        raise UsageError(f"{file} cannot be read: {line}{exc.problem}") from exc
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as exc:
+        raise UsageError(f"{file} cannot be read: {getattr(exc, 'strerror', None) or exc}") from exc
 
 
 def to_yaml(value: object) -> str:

@@ -16,7 +16,6 @@ from homebot.cli.arguments import duration, set_client_command, whole
 from homebot.cli.device_queries import device_or_similar, find_devices, house_time, note_near_matches, why_none
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.graph_queries import entities
-from homebot.cli.history_plot import plot_lines
 from homebot.cli.terminal import print_table
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
@@ -30,13 +29,16 @@ from homebot.support.similar import did_you_mean
 if TYPE_CHECKING:
     from homebot.devices.history_messages import EnergyOfDay, HistorySeries, ReadHistoryResponse
 
-__all__ = ["add_arguments"]
+__all__ = ["add_arguments", "plot_lines"]
 
 _ROWS = 24
 _MATCHES = 50
 _MOST = 5000
 _NARROWEST, _WIDEST = 40, 120
 _DAY = 86_400.0
+_BLOCKS = " ▁▂▃▄▅▆▇█"
+_PLOT_LINES = 8
+_LABEL = 9
 _BEGINS_WITHIN = 5.0
 """Seconds after its start in which homebot begins a history."""
 
@@ -240,3 +242,38 @@ def _span_text(seconds: float) -> str:
         if seconds >= 2 * size:
             return f"{seconds / size:.0f} {unit}"
     return f"{seconds:.0f} s"
+
+
+def plot_lines(
+    times: Sequence[float], values: Sequence[float], since: float, until: float, width: int, height: int = _PLOT_LINES
+) -> list[str]:
+    """Return a plot of the mean *values* from *since* to *until*, in seconds since 1970; a pause is left blank.
+
+    Args:
+        width: Characters of a line.
+        height: Lines of the plot, without the axis.
+    """
+    columns = max(width - _LABEL - 2, 10)
+    sums: dict[int, list[float]] = {}
+    for at, value in zip(times, values, strict=True):
+        column = min(int((at - since) / (until - since) * columns), columns - 1)
+        sums.setdefault(max(column, 0), []).append(value)
+    means = {column: sum(found) / len(found) for column, found in sums.items()}
+    low, high = min(means.values(), default=0.0), max(means.values(), default=0.0)
+    return [*_plot_rows(means, low, high, columns, height), _axis(since, until, columns)]
+
+
+def _plot_rows(means: dict[int, float], low: float, high: float, columns: int, height: int) -> Iterator[str]:
+    steps = len(_BLOCKS) - 1
+    reach = (high - low) or 1.0
+    filled = {column: 1 + round((mean - low) / reach * (height * steps - 1)) for column, mean in means.items()}
+    for row in range(height - 1, -1, -1):
+        label = f"{high:.5g}" if row == height - 1 else f"{low:.5g}" if row == 0 else ""
+        signs = (_BLOCKS[min(max(filled.get(column, 0) - row * steps, 0), steps)] for column in range(columns))
+        yield f"{label:>{_LABEL}} │{''.join(signs)}".rstrip()
+
+
+def _axis(since: float, until: float, columns: int) -> str:
+    form = "%H:%M" if until - since < _DAY else "%d %b %H:%M" if until - since <= 30 * _DAY else "%d %b %Y"
+    first, last = (datetime.fromtimestamp(one).astimezone().strftime(form) for one in (since, until))
+    return f"{'':{_LABEL}} └{first}{'─' * max(columns - len(first) - len(last), 1)}{last}"

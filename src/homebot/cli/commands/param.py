@@ -11,7 +11,7 @@ from typing import Any, Final, cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.door_client import DoorClient, door_command
 from homebot.cli.flow import parse_flow
-from homebot.cli.yaml import to_yaml
+from homebot.cli.yaml import read_yaml, to_yaml
 from homebot.errors import PeerError, UsageError, WireError
 from homebot.names import absolute_name
 from homebot.plugins import check_extra
@@ -134,8 +134,6 @@ def _read_params(file: str, node: str) -> dict[str, object]:
         UsageError: It cannot be read, or has none for the node.
     """
     check_extra("`homebot param load`", "maps", "yaml")
-    from homebot.cli.yaml_file import read_yaml  # noqa: PLC0415 - few commands read a file
-
     found: dict[str, dict[str, object]] = {}
     for keys, value in _leaves(read_yaml(file)):
         node_name, marker, name = ".".join(keys).partition(".ros__parameters.")
