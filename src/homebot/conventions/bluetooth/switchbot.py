@@ -12,13 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
-from homebot.conventions.bluetooth.broadcast import (
-    Advertisement,
-    Broadcast,
-    BroadcastParser,
-    BroadcastValue,
-    full_uuid,
-)
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue, full_uuid
 from homebot.conventions.units import sensor_type
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue

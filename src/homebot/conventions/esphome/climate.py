@@ -19,13 +19,7 @@ from homebot.conventions.entity_rows import (
     options_of,
     whole_of,
 )
-from homebot.conventions.esphome.entity import (
-    choice_row,
-    flag_row,
-    number_of,
-    numbers_of,
-    read_named,
-)
+from homebot.conventions.esphome.entity import choice_row, flag_row, number_of, numbers_of, read_named
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError

@@ -5,15 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeAlias
 
-from homebot.conventions.entity_rows import (
-    Fields,
-    text_of,
-    whole_of,
-)
-from homebot.conventions.esphome.entity import (
-    EsphomeEntity,
-    key_of,
-)
+from homebot.conventions.entity_rows import Fields, text_of, whole_of
+from homebot.conventions.esphome.entity import EsphomeEntity, key_of
 from homebot.conventions.esphome.kinds import KINDS
 from homebot.conventions.secrets import names_secret
 from homebot.devices.identity import identifiers

@@ -11,19 +11,8 @@ from collections.abc import Iterable, Mapping
 from typing import Final
 
 from homebot.conventions.command_values import require_color, require_number, require_option
-from homebot.conventions.entity_rows import (
-    EntityComponent,
-    EntityRow,
-    Fields,
-    options_of,
-)
-from homebot.conventions.esphome.entity import (
-    choice_row,
-    flag_row,
-    number_of,
-    numbers_of,
-    read_percent,
-)
+from homebot.conventions.entity_rows import EntityComponent, EntityRow, Fields, options_of
+from homebot.conventions.esphome.entity import choice_row, flag_row, number_of, numbers_of, read_percent
 from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturation, to_hue_saturation
 from homebot.devices.value import PlainValue
 

@@ -13,14 +13,7 @@ from functools import partial
 
 from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.lamp import (
-    LIGHT_CAPABILITIES,
-    LightCommand,
-    LightFeatures,
-    WhiteRange,
-    read_lamp,
-    read_rgb,
-)
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange, read_lamp, read_rgb
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import (
     NO_READINGS,

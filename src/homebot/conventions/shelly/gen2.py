@@ -14,14 +14,7 @@ from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
 from homebot.conventions.payload import as_fields, parse_object, shown, text_of, to_json
 from homebot.conventions.shelly.gen2_component import COMPONENTS, call, components_from
-from homebot.conventions.shelly.gen2_device import (
-    Gen2Device,
-    is_config_change,
-    is_prefix,
-    kind_of,
-    mac_in,
-    page_name,
-)
+from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, is_prefix, kind_of, mac_in, page_name
 from homebot.conventions.shelly.status import Fields
 from homebot.errors import WireError
 

@@ -15,14 +15,7 @@ from typing import Final
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import JsonPart
-from homebot.conventions.payload import (
-    NO_READINGS,
-    Readings,
-    as_fields,
-    compact_json,
-    shown,
-    text_of,
-)
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, shown, text_of
 from homebot.conventions.shelly.status import LONGEST_TEXT, NO_FIELDS, Fields, StatusDecoder, reader_of, value_at
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Category

@@ -13,14 +13,7 @@ from functools import partial
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer
 from homebot.conventions.description import Publications
-from homebot.conventions.lamp import (
-    LIGHT_CAPABILITIES,
-    LightCommand,
-    LightFeatures,
-    WhiteRange,
-    read_lamp,
-    read_rgb,
-)
+from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange, read_lamp, read_rgb
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import Readings, as_fields, percent_of
 from homebot.conventions.shelly.gen2_component import ShellyComponent

@@ -16,14 +16,7 @@ from typing import Final, NamedTuple
 from homebot.conventions.command_values import require_bool, require_option, require_transition
 from homebot.conventions.lamp import LightFeatures
 from homebot.conventions.payload import Readings, as_fields, clean_text, text_of
-from homebot.conventions.wled.segment import (
-    LONGEST_NAME,
-    MASTER,
-    MASTER_FEATURES,
-    Fields,
-    find_segments,
-    read_master,
-)
+from homebot.conventions.wled.segment import LONGEST_NAME, MASTER, MASTER_FEATURES, Fields, find_segments, read_master
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue

@@ -13,14 +13,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
-from homebot.house.dialects.wire import (
-    as_json,
-    as_object,
-    as_text,
-    device_orders,
-    hardware_address,
-    scaled,
-)
+from homebot.house.dialects.wire import as_json, as_object, as_text, device_orders, hardware_address, scaled
 from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 

@@ -15,9 +15,7 @@ from aioesphomeapi.client import APIClient
 from aioesphomeapi.model_conversions import STATE_TYPE_TO_INFO_TYPE
 from pydantic import SecretStr
 
-from homebot.conventions.entity_rows import (
-    Fields,
-)
+from homebot.conventions.entity_rows import Fields
 from homebot.conventions.esphome.device import ListedEntity
 from homebot.conventions.payload import clean_text
 from homebot.errors import LinkError, RefusedError, WireError

@@ -10,9 +10,7 @@ import anyio
 from anyio import to_thread
 from pydantic import SecretStr
 
-from homebot.conventions.entity_rows import (
-    Fields,
-)
+from homebot.conventions.entity_rows import Fields
 from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
