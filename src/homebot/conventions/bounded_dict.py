@@ -21,7 +21,7 @@ class BoundedDict(Generic[T]):
         dropped: Number of dropped and refused values.
     """
 
-    def __init__(self, room: int, forget: Callable[[T], None] | None = None) -> None:
+    def __init__(self, room: int, forget: Callable[[T], object] | None = None) -> None:
         self.dropped = 0
         self._room = room
         self._forget = forget

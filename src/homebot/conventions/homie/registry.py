@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -17,9 +16,10 @@ __all__ = ["RegisteredDevice", "Registry"]
 
 @dataclass(slots=True)
 class RegisteredDevice:
-    """A device of a registry."""
+    """A device of a registry; *size* is the memory that it takes."""
 
     is_described: bool = False
+    size: int = 0
 
 
 DeviceT = TypeVar("DeviceT", bound=RegisteredDevice)
@@ -28,15 +28,20 @@ DeviceT = TypeVar("DeviceT", bound=RegisteredDevice)
 class Registry(Generic[DeviceT]):
     """Devices by topic; described ones are never dropped.
 
+    Args:
+        most: The most devices.
+        memory: The most characters that they take together.
+
     Attributes:
         ignored: Number of invalid nodes and properties.
         refused: Number of refused attributes and documents.
     """
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, most: int, memory: int) -> None:
         self.ignored = 0
         self.refused = 0
-        self.devices: BoundedDict[DeviceT] = BoundedDict(most, self._release)
+        self.devices: BoundedDict[DeviceT] = BoundedDict(most, lambda device: self.reserve(device, 0))
+        self._left = memory
 
     @property
     def dropped(self) -> int:
@@ -59,9 +64,14 @@ class Registry(Generic[DeviceT]):
         was_described, device.is_described = device.is_described, False
         return (DeviceWithdrawn(name, why, is_final=is_final),) if was_described else ()
 
-    @abstractmethod
-    def _release(self, device: DeviceT) -> None:
-        """Release the memory of *device*."""
+    def reserve(self, device: DeviceT, size: int) -> bool:
+        """Let *device* take *size* of the memory; return False, and count that, if it is not there."""
+        if size - device.size > self._left:
+            self.refused += 1
+            return False
+        self._left -= size - device.size
+        device.size = size
+        return True
 
 
 def _describe(device: HomieDevice, domain: str, *, is_alive: bool) -> DeviceAnnounced | None:

@@ -20,10 +20,8 @@ from homebot.conventions.homie.model import (
     PROPERTY_ATTRIBUTES,
     STATES,
     HomieDevice,
-    HomieNode,
-    HomieProperty,
-    make_property,
 )
+from homebot.conventions.homie.node_reader import NodeReader
 from homebot.conventions.homie.registry import RegisteredDevice, Registry
 from homebot.conventions.payload import clean_text, shown, to_text
 from homebot.errors import WireError
@@ -36,76 +34,50 @@ _LISTED = re.compile(r"[A-Za-z0-9_-]{1,100}(?:\[\])?")
 _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 
 
-class _AttributeCollector:
-    """Collector of the nodes of one device from its attributes, by topic below its own.
+def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
+    """Return the nodes of a device as a document of version 5 has them; None while an announced attribute is missing.
 
-    Attributes:
-        ignored: Number of invalid properties.
+    Args:
+        attributes: The attributes of the device, by topic below its own.
     """
-
-    def __init__(self, topic: str, attributes: Mapping[str, str]) -> None:
-        self.ignored = 0
-        self._topic = topic
-        self._attributes = attributes
-        self._count = 0
-
-    def nodes(self) -> tuple[HomieNode, ...] | None:
-        """Return the nodes; None while an announced attribute is missing."""
-        found: list[HomieNode] = []
-        listed = _listed(self._attributes.get("$nodes"))
-        for name in listed or ():
-            node_id = name.removesuffix("[]")
-            elements = self._elements(node_id) if name.endswith("[]") else (node_id,)
-            properties = _listed(self._attributes.get(f"{node_id}/$properties"))
-            if elements is None or properties is None:
-                return None
-            for element in elements:
-                node = self._node(node_id, element, properties)
-                if node is None:
-                    return None
-                found.append(node)
-        return None if listed is None else tuple(found)
-
-    def _elements(self, node_id: str) -> tuple[str, ...] | None:
-        match = _ARRAY.fullmatch(self._attributes.get(f"{node_id}/$array", ""))
-        if match is None:
+    found: dict[str, object] = {}
+    listed = _listed(attributes.get("$nodes"))
+    for name in listed or ():
+        node_id = name.removesuffix("[]")
+        elements = _elements(attributes, node_id) if name.endswith("[]") else (node_id,)
+        properties = _listed(attributes.get(f"{node_id}/$properties"))
+        if elements is None or properties is None:
             return None
-        first, last = int(match[1]), int(match[2])
-        return tuple(f"{node_id}_{index}" for index in range(first, min(last, first + _MAX_ARRAY - 1) + 1))
+        if not all(f"{node_id}/{one}/$datatype" in attributes for one in properties):
+            return None
+        described = {one: _property(attributes, f"{node_id}/{one}") for one in properties}
+        for element in elements:
+            found[element] = {
+                "name": attributes.get(f"{element}/$name", attributes.get(f"{node_id}/$name", "")),
+                "type": attributes.get(f"{node_id}/$type", ""),
+                "properties": described,
+            }
+    return None if listed is None else found
 
-    def _node(self, node_id: str, element: str, listed: tuple[str, ...]) -> HomieNode | None:
-        properties: list[HomieProperty] = []
-        for prop_id in listed:
-            if f"{node_id}/{prop_id}/$datatype" not in self._attributes:
-                return None
-            try:
-                properties.append(self._property(node_id, element, prop_id))
-            except WireError:
-                self.ignored += 1
-        own = self._attributes.get(f"{element}/$name")
-        return HomieNode(
-            id=element,
-            name=clean_text(own if own is not None else self._attributes.get(f"{node_id}/$name", "")),
-            type=clean_text(self._attributes.get(f"{node_id}/$type", "")),
-            properties=tuple(properties),
-        )
 
-    def _property(self, node_id: str, element: str, prop_id: str) -> HomieProperty:
-        self._count += 1
-        if self._count > MAX_PROPERTIES:
-            raise WireError(f"a device has more than {MAX_PROPERTIES} properties")
+def _elements(attributes: Mapping[str, str], node_id: str) -> tuple[str, ...] | None:
+    """Return the ids of the nodes of an array."""
+    match = _ARRAY.fullmatch(attributes.get(f"{node_id}/$array", ""))
+    if match is None:
+        return None
+    first, last = int(match[1]), int(match[2])
+    return tuple(f"{node_id}_{index}" for index in range(first, min(last, first + _MAX_ARRAY - 1) + 1))
 
-        def field(name: str) -> str:
-            return self._attributes.get(f"{node_id}/{prop_id}/${name}", "")
 
-        return make_property(
-            lambda name: "" if name == "format" and field("datatype") == "boolean" else field(name),
-            prop_id=prop_id,
-            topic=f"{self._topic}/{element}/{prop_id}",
-            is_settable=field("settable").casefold() == "true",
-            is_retained=field("retained").casefold() != "false",
-            names_form=False,
-        )
+def _property(attributes: Mapping[str, str], path: str) -> dict[str, object]:
+    fields: dict[str, object] = {name: attributes.get(f"{path}/${name}", "") for name in _TEXTS}
+    if fields["datatype"] == "boolean":
+        del fields["format"]
+    settable, retained = (attributes.get(f"{path}/${name}", "").casefold() for name in ("settable", "retained"))
+    return {**fields, "settable": settable == "true", "retained": retained != "false"}
+
+
+_TEXTS = ("name", "datatype", "format", "unit")
 
 
 def _listed(text: str | None) -> tuple[str, ...] | None:
@@ -127,7 +99,6 @@ _FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version
 @dataclass(slots=True)
 class _Homie4Device(RegisteredDevice):
     attributes: dict[str, str] = field(default_factory=dict)
-    size: int = 0
     datatypes: int = 0
     is_changed: bool = True
 
@@ -139,8 +110,7 @@ class Version4(Registry[_Homie4Device]):
     """
 
     def __init__(self) -> None:
-        super().__init__(_MAX_DEVICES)
-        self._size = 0
+        super().__init__(_MAX_DEVICES, _MAX_CHARACTERS)
 
     def read_attribute(
         self, domain: str, device_id: str, attribute: str, payload: bytes
@@ -171,14 +141,14 @@ class Version4(Registry[_Homie4Device]):
         if known == text:
             return attribute == "$state"
         grown = len(text) + len(attribute) - (0 if known is None else len(known) + len(attribute))
-        if self._size + grown > _MAX_CHARACTERS or (known is None and len(device.attributes) >= _MAX_ATTRIBUTES):
+        if known is None and len(device.attributes) >= _MAX_ATTRIBUTES:
             self.refused += 1
+            return False
+        if not self.reserve(device, device.size + grown):
             return False
         if known is None and attribute.endswith("/$datatype"):
             device.datatypes += 1
         device.attributes[attribute] = text
-        device.size += grown
-        self._size += grown
         device.is_changed = device.is_changed or attribute != "$state"
         return True
 
@@ -186,12 +156,13 @@ class Version4(Registry[_Homie4Device]):
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()
-        collector = _AttributeCollector(f"{domain}/{device_id}", device.attributes)
-        nodes = collector.nodes()
-        if nodes is None:
+        fields = _nodes(device.attributes)
+        if fields is None:
             return ()
         device.is_changed = False
-        self.ignored += collector.ignored
+        reader = NodeReader(f"{domain}/{device_id}", _ID, names_form=False)
+        nodes = reader.nodes(fields)
+        self.ignored += reader.ignored
         whole = HomieDevice(
             id=device_id,
             name=clean_text(device.attributes.get("$name", "")) or device_id,
@@ -210,11 +181,8 @@ class Version4(Registry[_Homie4Device]):
         if device is None:
             return ()
         self.devices.remove(name)
-        self._release(device)
+        self.reserve(device, 0)
         return self.withdraw(device, name, "its state was removed", is_final=True)
-
-    def _release(self, device: _Homie4Device) -> None:
-        self._size -= device.size
 
 
 def _is_known(attribute: str) -> bool:

@@ -11,17 +11,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeVar
 
 from homebot.conventions.description import AnnouncementEvent
-from homebot.conventions.homie.model import (
-    MAX_PROPERTIES,
-    STATES,
-    HomieDevice,
-    HomieNode,
-    HomieProperty,
-    make_property,
-)
+from homebot.conventions.homie.model import STATES, HomieDevice
+from homebot.conventions.homie.node_reader import LONGEST_TYPE, NodeReader, optional
 from homebot.conventions.homie.registry import RegisteredDevice, Registry
 from homebot.conventions.payload import clean_text, parse_object, shown
 from homebot.errors import WireError
@@ -29,11 +22,8 @@ from homebot.errors import WireError
 __all__ = ["Document", "Version5", "parse_document"]
 
 
-T = TypeVar("T")
-
 _ID = re.compile(r"[a-z0-9-]{1,100}")
 _VERSION = re.compile(r"5\.[0-9]{1,5}")
-_LONGEST_TYPE = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,17 +49,17 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
     version = fields.get("homie")
     if not isinstance(version, str) or not _VERSION.fullmatch(version):
         raise WireError(f"homie is {shown(version)}, not 5.x")
-    _optional(fields, "version", int)
+    optional(fields, "version", int)
     for name in ("children", "extensions"):
-        _optional(fields, name, list)
+        optional(fields, name, list)
     root, parent = _relatives(fields, device_id)
     topic = f"{domain}/5/{device_id}"
-    reader = _DocumentReader(topic)
-    nodes = reader.nodes(_optional(fields, "nodes", dict) or {})
+    reader = NodeReader(topic, _ID)
+    nodes = reader.nodes(optional(fields, "nodes", dict) or {})
     device = HomieDevice(
         id=device_id,
-        name=clean_text(_optional(fields, "name", str) or "") or device_id,
-        type=(_optional(fields, "type", str) or "")[:_LONGEST_TYPE],
+        name=clean_text(optional(fields, "name", str) or "") or device_id,
+        type=(optional(fields, "type", str) or "")[:LONGEST_TYPE],
         topic=topic,
         nodes=nodes,
         root=f"{domain}/5/{root}" if root else "",
@@ -80,86 +70,11 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
 
 def _relatives(fields: Mapping[str, object], device_id: str) -> tuple[str, str]:
     """Return the ids of the root and the parent of a device, each empty for none."""
-    root = _optional(fields, "root", str) or ""
-    parent = _optional(fields, "parent", str) or root
+    root = optional(fields, "root", str) or ""
+    parent = optional(fields, "parent", str) or root
     if not all(_is_id(relative) for relative in (root, parent) if relative):
         raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
     return root if root != device_id else "", parent if parent != device_id else ""
-
-
-class _DocumentReader:
-    def __init__(self, topic: str) -> None:
-        self.ignored = 0
-        self._topic = topic
-        self._count = 0
-
-    def nodes(self, fields: Mapping[str, object]) -> tuple[HomieNode, ...]:
-        found = []
-        for node_id, node in fields.items():
-            if self._count >= MAX_PROPERTIES:
-                self.ignored += 1
-                continue
-            try:
-                found.append(self._node(node_id, node))
-            except WireError:
-                self.ignored += 1
-        return tuple(found)
-
-    def _node(self, node_id: str, fields: object) -> HomieNode:
-        name = _legal_id(node_id)
-        if not isinstance(fields, dict):
-            raise WireError(f"node {shown(name)} is {shown(fields)}, not an object")
-        return HomieNode(
-            id=name,
-            name=clean_text(_optional(fields, "name", str) or ""),
-            type=clean_text(_optional(fields, "type", str) or "", _LONGEST_TYPE),
-            properties=self._properties(name, _optional(fields, "properties", dict) or {}),
-        )
-
-    def _properties(self, node_id: str, fields: Mapping[str, object]) -> tuple[HomieProperty, ...]:
-        found = []
-        for prop_id, prop in fields.items():
-            try:
-                if self._count >= MAX_PROPERTIES:
-                    raise WireError(f"more than {MAX_PROPERTIES} properties")  # noqa: TRY301 - as any other flaw
-                found.append(self._property(node_id, prop_id, prop))
-            except WireError:
-                self.ignored += 1
-            else:
-                self._count += 1
-        return tuple(found)
-
-    def _property(self, node_id: str, prop_id: str, fields: object) -> HomieProperty:
-        name = _legal_id(prop_id)
-        if not isinstance(fields, dict):
-            raise WireError(f"property {shown(name)} is {shown(fields)}, not an object")
-        return make_property(
-            lambda key: _optional(fields, key, str) or "",
-            prop_id=name,
-            topic=f"{self._topic}/{node_id}/{name}",
-            is_settable=_optional(fields, "settable", bool) or False,
-            is_retained=_optional(fields, "retained", bool) is not False,
-        )
-
-
-def _optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | None:
-    """Return a field; None if it is missing.
-
-    Raises:
-        WireError: It is of another type. A boolean is no number.
-    """
-    if name not in fields:
-        return None
-    value = fields[name]
-    if isinstance(value, kind) and (kind is bool or not isinstance(value, bool)):
-        return value
-    raise WireError(f"{name} is {shown(value)}, not a {kind.__name__}")
-
-
-def _legal_id(value: str) -> str:
-    if _is_id(value):
-        return value
-    raise WireError(f"{shown(value)} is not a valid id")
 
 
 _MAX_DEVICES = 5000
@@ -187,8 +102,7 @@ class Version5(Registry[_Homie5Device]):
     """
 
     def __init__(self) -> None:
-        super().__init__(_MAX_DEVICES)
-        self._waiting = 0
+        super().__init__(_MAX_DEVICES, _MAX_WAITING)
 
     def read_attribute(
         self, domain: str, device_id: str, attribute: str, payload: bytes
@@ -224,7 +138,7 @@ class Version5(Registry[_Homie5Device]):
         if not device.waiting or not device.is_ready:
             return None
         document = parse_document(domain, device_id, device.waiting)
-        self._release(device)
+        self._keep(device, b"")
         return document
 
     def _on_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
@@ -233,30 +147,23 @@ class Version5(Registry[_Homie5Device]):
         if device.document_hash == document_hash:
             return None
         document = parse_document(domain, device_id, payload)
-        self._release(device)
-        device.document_hash = document_hash
-        if device.is_ready:
-            return document
-        self._store(device, payload)
-        return None
+        is_kept = self._keep(device, b"" if device.is_ready else payload)
+        device.document_hash = document_hash if is_kept else None
+        return document if device.is_ready else None
 
-    def _store(self, device: _Homie5Device, payload: bytes) -> None:
-        if self._waiting + len(payload) > _MAX_WAITING:
-            device.document_hash = None
-            self.refused += 1
-            return
-        device.waiting = payload
-        self._waiting += len(payload)
-
-    def _release(self, device: _Homie5Device) -> None:
-        self._waiting -= len(device.waiting)
-        device.waiting = b""
+    def _keep(self, device: _Homie5Device, waiting: bytes) -> bool:
+        """Keep a document that waits, or none; return False if there is too little memory."""
+        is_kept = self.reserve(device, len(waiting))
+        if not is_kept:
+            self.reserve(device, 0)
+        device.waiting = waiting if is_kept else b""
+        return is_kept
 
     def _removed(self, name: str, attribute: str) -> tuple[AnnouncementEvent, ...]:
         device = self.devices.get(name)
         if device is None:
             return ()
-        self._release(device)
+        self._keep(device, b"")
         if attribute == "$state":
             self.devices.remove(name)
             return self.withdraw(device, name, "its state was removed", is_final=True)
