@@ -20,6 +20,7 @@ from homebot.conventions.tasmota.parts import build_parts
 from homebot.conventions.tasmota.sensors import Leaf, read_leaves
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["MAX_DEVICES", "MAX_WAITING", "TasmotaReader"]
 
@@ -50,7 +51,7 @@ class TasmotaReader:
         self._prefix = prefix
         self._configs: dict[str, TasmotaConfig] = {}
         self._leaves: dict[str, tuple[Leaf, ...]] = {}
-        self._waiting: dict[str, tuple[Leaf, ...]] = {}
+        self._waiting: BoundedMap[str, tuple[Leaf, ...]] = BoundedMap(MAX_WAITING)
         self._devices: dict[str, DeviceAnnounced] = {}
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - announcements are retained
@@ -85,12 +86,9 @@ class TasmotaReader:
                 return ()
             self._leaves[mac] = leaves
             return (self._described(mac),)
-        self._waiting.pop(mac, None)
-        if leaves:
-            self._waiting[mac] = leaves
-        if len(self._waiting) > MAX_WAITING:
-            del self._waiting[next(iter(self._waiting))]
+        if len(self._waiting) == MAX_WAITING and mac not in self._waiting:
             self.forgotten += 1
+        self._waiting[mac] = leaves
         return ()
 
     def _described(self, mac: str) -> DeviceAnnounced:

@@ -33,7 +33,7 @@ from homebot.devices.query.terms import (
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, is_typo
 
-__all__ = ["PartFacets", "compares", "fits"]
+__all__ = ["COMPARISONS", "PartFacets", "compares", "fits"]
 
 
 class PartFacets:
@@ -166,12 +166,12 @@ def compares(term: StateIs, value: PlainValue) -> bool:
     if isinstance(value, str):
         value = fold(value)
     if isinstance(value, float) and isinstance(wanted, float):
-        return _COMPARISONS[term.operator](value, wanted)
+        return COMPARISONS[term.operator](value, wanted)
     is_comparable = isinstance(value, str | bool) and type(value) is type(wanted)
     return is_comparable and (value == wanted) == (term.operator == "=")
 
 
-_COMPARISONS: Final[Mapping[Operator, Callable[[float, float], bool]]] = {
+COMPARISONS: Final[Mapping[Operator, Callable[[float, float], bool]]] = {
     "=": operator.eq,
     "!=": operator.ne,
     "<": operator.lt,
@@ -179,6 +179,7 @@ _COMPARISONS: Final[Mapping[Operator, Callable[[float, float], bool]]] = {
     ">": operator.gt,
     ">=": operator.ge,
 }
+"""The comparison of two numbers by each operator."""
 
 
 def _fits_type(query: TypeIs, device: Facets | PartFacets) -> bool:

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import operator
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import compress
 from typing import final
 
 from homebot.devices.query import StateIs
-from homebot.devices.query.matching import compares
+from homebot.devices.query.matching import COMPARISONS, compares
 from homebot.devices.value import PlainValue, Value
 from homebot.messages import Time
 
@@ -83,18 +81,8 @@ class Column:
         if isinstance(wanted, bool) and term.operator == "=":
             fits = [value is wanted for value in values]
         elif isinstance(wanted, float):
-            holds = _HOLDS[term.operator]
+            holds = COMPARISONS[term.operator]
             fits = [isinstance(value, float) and holds(value, wanted) for value in values]
         else:
             fits = [compares(term, value) for value in values]
         return set(compress(self._devices, fits))
-
-
-_HOLDS: dict[str, Callable[[float, float], bool]] = {
-    "=": operator.eq,
-    "!=": operator.ne,
-    "<": operator.lt,
-    "<=": operator.le,
-    ">": operator.gt,
-    ">=": operator.ge,
-}

@@ -15,6 +15,7 @@ from homebot.devices.query import (
     FreshnessIs,
     HasText,
     InArea,
+    NameIs,
     Not,
     Or,
     Query,
@@ -111,13 +112,14 @@ def _scorer(term: Query) -> Callable[[Facets], float] | None:
             return lambda facets: 1.0 if name in (facets.settable if settable else facets.capabilities) else 0.0
         case InArea(area):
             return lambda facets: _IN_AREA if area in facets.areas else _weigh(term, facets)[0]
-        case HasText() | FactIs():
+        case HasText() | NameIs() | FactIs():
             return lambda facets: _weigh(term, facets)[0]
         case _:
             return None
 
 
 _BEST = 3.0
+_CALLED = 6.0
 _IN_AREA = 2.0
 _FULL: dict[type[Query], float] = {TypeIs: _BEST, InArea: _IN_AREA, CanDo: 1.0, HasText: 4.0, FactIs: 1.0}
 """The scores of terms that fit in full; to be called by a word alone is no more."""
@@ -133,6 +135,8 @@ def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
             return (_IN_AREA, f"it is in {area}") if area in facets.areas else (1.0, f"its room is {facets.areas[0]}")
         case CanDo(name) if fits(term, facets):
             return 1.0, f"it has {name}"
+        case NameIs(name) if fits(term, facets):
+            return _CALLED, f"it is called {name}"
         case FactIs(name, value) if fits(term, facets):
             return 1.0, f"its {name} is {value}"
         case _:
@@ -155,7 +159,7 @@ def _weigh_type(term: TypeIs, facets: Facets) -> tuple[float, str]:
 def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
     name = words_of(facets.name)
     if name == (word,):
-        return 6.0, f"it is called {word}"
+        return _CALLED, f"it is called {word}"
     if word in name:
         return 4.0, f"its name has {word}"
     if word in facets.words:

@@ -42,84 +42,61 @@ class SimulatedHomieNode:
         return {"type": f"{PROFILE}/{self.type}", "properties": dict(self.properties)}
 
 
+_FLAG = {"datatype": "boolean", "settable": True}
 _PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
 _DIRECTION = {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False}
 _ACTIONS = {"up": "open", "down": "close", "stop": "stop", "lock": "lock", "unlock": "unlock"}
 _TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable": True}
 _WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
 
-_LAMP = {
-    "switch": SimulatedHomieNode(
-        "switch", {"state": {"datatype": "boolean", "settable": True}}, lambda lamp: {"state": _boolean(lamp.is_on)}
-    ),
-    "level": SimulatedHomieNode(
-        "level", {"value": _PERCENT}, lambda lamp: {"value": number_text(lamp.brightness * 100, 0)}
-    ),
-    "color": SimulatedHomieNode(
-        "color", {"color-temperature": _WARMTH}, lambda lamp: {"color-temperature": number_text(1e6 / lamp.kelvin, 0)}
-    ),
-}
-_MOTOR = {
-    "shutter": SimulatedHomieNode(
-        "shutter",
-        {"position": _PERCENT, "action": _DIRECTION},
-        lambda motor: {"position": number_text(motor.position * 100, 0)},
-    )
-}
+
+def _boolean(value: bool) -> str:  # noqa: FBT001 - it is the value that is spelled
+    return "true" if value else "false"
+
+
+def _node(
+    name: str,
+    prop: str,
+    form: Mapping[str, object],
+    value: Callable[[DeviceState], str],
+    **others: Mapping[str, object],
+) -> dict[str, SimulatedHomieNode]:
+    """Return a node with one value, and with *others*, properties that have none; its type is its name."""
+    return {name: SimulatedHomieNode(name, {prop: form, **others}, lambda state: {prop: value(state)})}
+
+
+_MOTOR = _node("shutter", "position", _PERCENT, lambda motor: number_text(motor.position * 100, 0), action=_DIRECTION)
 
 NODES: Mapping[str, Mapping[str, SimulatedHomieNode]] = MappingProxyType(
     {
-        "lamp": _LAMP,
+        "lamp": {
+            **_node("switch", "state", _FLAG, lambda lamp: _boolean(lamp.is_on)),
+            **_node("level", "value", _PERCENT, lambda lamp: number_text(lamp.brightness * 100, 0)),
+            **_node("color", "color-temperature", _WARMTH, lambda lamp: number_text(1e6 / lamp.kelvin, 0)),
+        },
         "window": _MOTOR,
         "cover": _MOTOR,
-        "lock": {
-            "lock": SimulatedHomieNode(
-                "lock",
-                {"state": {"datatype": "boolean", "settable": True}},
-                lambda lock: {"state": _boolean(lock.text == "locked")},
-            )
-        },
-        "contact": {
-            "contact": SimulatedHomieNode(
-                "contact", {"state": {"datatype": "boolean"}}, lambda door: {"state": _boolean(door.text == "open")}
-            )
-        },
-        "motion": {
-            "motion": SimulatedHomieNode(
-                "motion", {"motion": {"datatype": "boolean"}}, lambda room: {"motion": _boolean(room.text == "motion")}
-            )
-        },
-        "lux": {
-            "illuminance": SimulatedHomieNode(
-                "illuminance",
-                {"illuminance": {"datatype": "float", "unit": "lx"}},
-                lambda lux: {"illuminance": number_text(lux.value)},
-            )
-        },
-        "power_meter": {
-            "powermeter": SimulatedHomieNode(
-                "powermeter",
-                {"power": {"datatype": "float", "unit": "W"}},
-                lambda meter: {"power": number_text(meter.value)},
-            )
-        },
+        "lock": _node("lock", "state", _FLAG, lambda lock: _boolean(lock.text == "locked")),
+        "contact": _node("contact", "state", {"datatype": "boolean"}, lambda door: _boolean(door.text == "open")),
+        "motion": _node("motion", "motion", {"datatype": "boolean"}, lambda room: _boolean(room.text == "motion")),
+        "lux": _node(
+            "illuminance", "illuminance", {"datatype": "float", "unit": "lx"}, lambda lux: number_text(lux.value)
+        ),
+        "power_meter": _node(
+            "powermeter", "power", {"datatype": "float", "unit": "W"}, lambda meter: number_text(meter.value)
+        ),
         "thermostat": {
-            "thermostat": SimulatedHomieNode(
-                "thermostat", {"set-temperature": _TARGET}, lambda room: {"set-temperature": number_text(room.target)}
-            ),
-            "climate": SimulatedHomieNode(
+            **_node("thermostat", "set-temperature", _TARGET, lambda room: number_text(room.target)),
+            **_node(
                 "climate",
-                {"temperature": {"datatype": "float", "unit": "°C"}},
-                lambda room: {"temperature": number_text(room.celsius, 1)},
+                "temperature",
+                {"datatype": "float", "unit": "°C"},
+                lambda room: number_text(room.celsius, 1),
             ),
         },
     }
 )
 """By kind and by the node's id."""
-
-
-def _boolean(value: bool) -> str:  # noqa: FBT001 - it is the value that is spelled
-    return "true" if value else "false"
 
 
 class HomieDialect(Dialect):
