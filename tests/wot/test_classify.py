@@ -16,7 +16,9 @@ from homebot.wot.payload import decode_document, encode_document
 HTTP = RequestBinding(frozenset({"http"}))
 
 
-def parts(properties: dict[str, Any], types: tuple[str, ...] = (), title: str = "T") -> tuple[ClassifiedPart, ...]:
+def parts(
+    properties: dict[str, Any], types: tuple[str, ...] = (), title: str = "T", **actions: str
+) -> tuple[ClassifiedPart, ...]:
     described = {
         "@context": "https://www.w3.org/2022/wot/td/v1.1",
         "title": title,
@@ -24,6 +26,7 @@ def parts(properties: dict[str, Any], types: tuple[str, ...] = (), title: str = 
         "securityDefinitions": {"none": {"scheme": "nosec"}},
         "security": "none",
         "properties": {name: {"forms": [{"href": f"http://h/{name}"}], **one} for name, one in properties.items()},
+        "actions": {name: {"@type": kind, "forms": [{"href": f"http://h/{name}"}]} for name, kind in actions.items()},
     }
     return parts_of(read_thing(described), HTTP)
 
@@ -286,3 +289,14 @@ def test_a_lamp_with_a_brightness_alone_is_off_at_zero_where_its_range_has_that(
         with pytest.raises(RefusedError, match="its brightness is never below 1, and it has no switch"):
             encode_document(level.capability, level.affordance, 0.0)
     assert encode_document(level.capability, level.affordance, 100.0) == 100
+
+
+def test_the_actions_of_a_lock_are_its_commands() -> None:
+    """Source: w3c/wot-testing, WebThings, lock: its state is only read."""
+    state = {"type": "string", "@type": "LockedProperty", "enum": ["locked", "unlocked", "jammed"], "readOnly": True}
+    (lock,) = parts({"locked": state}, ("Lock",), lock="LockAction", unlock="UnlockAction")
+    assert lock.part.service_type == "door_lock"
+    by, form, value = lock.settable["lock"].request("unlocked")
+    assert (by.affordance.kind, form.href, value) == ("action", "http://h/unlock", True)
+    with pytest.raises(RefusedError, match="it takes locked or unlocked"):
+        lock.settable["lock"].request("open")

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
+from homebot.conventions.payload import shown
 from homebot.conventions.units import conversion_of
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
+from homebot.devices.value import PlainValue
+from homebot.errors import RefusedError
 from homebot.support.folding import fold, words_of
 from homebot.wot.binding import Binding
 from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of
 from homebot.wot.thing import Affordance, DataSchema, Form, Thing
-from homebot.wot.vocabulary import CAPABILITY_TYPES, LONE_TYPES, NAMES, OWNED, THING_TYPES
+from homebot.wot.vocabulary import CAPABILITY_TYPES, LOCK_ACTIONS, LONE_TYPES, NAMES, OWNED, THING_TYPES
 
 __all__ = ["ClassifiedAffordance", "ClassifiedPart", "parts_of"]
 
@@ -39,12 +42,27 @@ class ClassifiedAffordance:
     Attributes:
         observed: The form of its values; None if the protocol has none, or it is never read.
         written: The form of its commands; None if the protocol has none, or it is never written.
+        actions: The actions that set it in place of that, by value.
     """
 
     capability: Capability
     affordance: Affordance
     observed: Form | None
     written: Form | None
+    actions: Mapping[str, ClassifiedAffordance] = field(default_factory=dict)
+
+    def request(self, value: PlainValue) -> tuple[ClassifiedAffordance, Form, PlainValue]:
+        """Return the affordance that sets it to *value*, with the form and the value for that.
+
+        Raises:
+            RefusedError: None does.
+        """
+        if isinstance(value, str) and value in self.actions:
+            return self.actions[value].request(value=True)
+        if self.written is None:
+            what = " or ".join(self.actions) or "no values"
+            raise RefusedError(f"{self.capability.name} {shown(value)}", f"it takes {what}")
+        return self, self.written, value
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,9 +73,9 @@ class ClassifiedPart:
     affordances: tuple[ClassifiedAffordance, ...]
 
     @property
-    def written(self) -> dict[str, tuple[ClassifiedAffordance, Form]]:
-        """Those that can be set by capability, each with the form for that."""
-        return {one.capability.name: (one, one.written) for one in self.affordances if one.written is not None}
+    def settable(self) -> dict[str, ClassifiedAffordance]:
+        """Those that can be set, by capability."""
+        return {one.capability.name: one for one in self.affordances if one.written is not None or one.actions}
 
 
 @dataclass(slots=True)
@@ -76,6 +94,7 @@ class _Candidate:
     doubt: int = 0
     service_type: str = ""
     part_id: str = ""
+    actions: dict[str, _Candidate] = field(default_factory=dict)
 
     @property
     def name(self) -> str:
@@ -84,8 +103,12 @@ class _Candidate:
         return f"{self.affordance.name}/{member}" if member else self.affordance.name
 
     @property
-    def is_settable(self) -> bool:
+    def is_written(self) -> bool:
         return bool(self.written) and not self.affordance.read_only
+
+    @property
+    def is_settable(self) -> bool:
+        return self.is_written or bool(self.actions)
 
     @property
     def is_readable(self) -> bool:
@@ -106,6 +129,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     found = [one for affordance in thing.affordances for one in _split(affordance, binding)]
     for one in found:
         _find_meaning(one, main)
+    found = _with_lock_actions(found)
     main_is_guess = not main
     if main_is_guess:
         unknown = [one for one in found if not one.service_type]
@@ -127,6 +151,16 @@ def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
     for name, schema in members:
         title = f"{affordance.title} {name}" if affordance.title else ""
         yield _Candidate(replace(affordance, title=title, schema=replace(schema, members=members)), observed, ())
+
+
+def _with_lock_actions(found: list[_Candidate]) -> list[_Candidate]:
+    """Return *found* with the actions of a lock, whose state is only read, as its commands."""
+    lock = next((one for one in found if one.capability == "lock" and not one.is_settable), None)
+    if lock is not None:
+        acting = [(one, name) for one in found for name in one.affordance.types if name in LOCK_ACTIONS and one.written]
+        lock.actions = {LOCK_ACTIONS[name]: one for one, name in acting}
+        found = [one for one in found if not any(one is each for each in lock.actions.values())]
+    return found
 
 
 def _find_meaning(one: _Candidate, main: str) -> None:
@@ -315,10 +349,14 @@ def _part(thing: Thing, part_id: str, members: list[_Candidate], main: str, *, m
         guessed=guessed,
         capabilities=tuple(one.capability for one in found),
         reads=_distinct(form.filter for one in members for form in one.observed),
-        writes=_distinct(form.topic for one in members for form in one.written),
+        writes=_distinct(form.topic for one in _with_actions(members) for form in one.written),
         payloads=_payloads(found),
     )
     return ClassifiedPart(part, found)
+
+
+def _with_actions(members: Iterable[_Candidate]) -> list[_Candidate]:
+    return [each for one in members for each in (one, *one.actions.values())]
 
 
 def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
@@ -335,9 +373,10 @@ def _advertised_type(thing: Thing, first: _Candidate | None) -> str:
 def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
     """Return the digest of the written payloads and their addresses; empty if nothing can be set."""
     written = [
-        (one.capability.name, one.affordance.name, one.affordance.schema, one.written)
+        (one.capability.name, each.affordance.name, each.affordance.schema, each.written)
         for one in found
-        if one.written is not None
+        for each in (one, *one.actions.values())
+        if each.written is not None
     ]
     return payload_digest(written) if written else ""
 
@@ -361,7 +400,9 @@ def _classified(one: _Candidate) -> ClassifiedAffordance:
         options=() if options == known.options else options,
     )
     observed = one.observed[0] if one.is_readable else None
-    return ClassifiedAffordance(capability, one.affordance, observed, one.written[0] if one.is_settable else None)
+    written = one.written[0] if one.is_written else None
+    actions = {value: _classified(action) for value, action in one.actions.items()}
+    return ClassifiedAffordance(capability, one.affordance, observed, written, actions)
 
 
 def _options(one: _Candidate) -> tuple[str, ...]:

@@ -9,7 +9,17 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final
 
-__all__ = ["CAPABILITY_TYPES", "DEVICE_TYPE_NAMES", "LONE_TYPES", "NAMES", "OWNED", "THING_TYPES", "UNITS", "WEBTHINGS"]
+__all__ = [
+    "CAPABILITY_TYPES",
+    "DEVICE_TYPE_NAMES",
+    "LOCK_ACTIONS",
+    "LONE_TYPES",
+    "NAMES",
+    "OWNED",
+    "THING_TYPES",
+    "UNITS",
+    "WEBTHINGS",
+]
 
 WEBTHINGS: Final = "https://webthings.io/schemas"
 
@@ -69,6 +79,9 @@ CAPABILITY_TYPES: Mapping[str, str] = {
     "push": "PushedProperty",
 }
 """The semantic type of a property for each capability that has one."""
+
+LOCK_ACTIONS: Mapping[str, str] = {"LockAction": "locked", "UnlockAction": "unlocked"}
+"""The state of a lock that each semantic type of an action sets; its property is only read."""
 
 OWNED: Mapping[str, frozenset[str]] = {
     "light": frozenset({"on_off", "level", "color", "color_temperature", "effect"}),

@@ -113,14 +113,15 @@ class ThingDevice:
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the thing has accepted it."""
-        written = next((one.written for one in self._parts if one.part.id == command.part), {})
-        if command.capability not in written:
+        settable = next((one.settable for one in self._parts if one.part.id == command.part), {})
+        if command.capability not in settable:
             raise UnableError(f"{command.capability[:40]} of {command.part[:40]!r} cannot be set")
-        values = implied_settings(command.capability, command.value.plain(), written)
+        values = implied_settings(command.capability, command.value.plain(), settable)
         for name, _ in values:
-            await self._learn_unit(command.part, written[name][0])
-        requests = [(*written[name], self._payload(command.part, *written[name], value)) for name, value in values]
-        for one, form, payload in requests:
+            await self._learn_unit(command.part, settable[name])
+        requests = [(settable[name], *settable[name].request(value)) for name, value in values]
+        payloads = [(one, form, self._payload(command.part, by, form, value)) for one, by, form, value in requests]
+        for one, form, payload in payloads:
             await self._port.write(form, payload)
             if any(one is each for source in self._asked for _, each in source.affordances):
                 self._asks_now.set()

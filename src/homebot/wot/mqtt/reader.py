@@ -22,7 +22,7 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError, RefusedError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
-from homebot.wot.classify import ClassifiedPart, parts_of
+from homebot.wot.classify import ClassifiedAffordance, ClassifiedPart, parts_of
 from homebot.wot.parse import read_thing
 from homebot.wot.payload import PayloadFormat, PayloadFormats, basic_formats, decode_document, encode_document
 from homebot.wot.thing import OBSERVE_OPS, WRITE_OPS, Affordance, Form, Thing, facts_of, identifiers_of
@@ -121,8 +121,9 @@ def _with_checked_topics(classified: ClassifiedPart) -> ClassifiedPart:
     for one in classified.affordances:
         if one.observed is not None:
             reads[_checked(one.affordance.name, one.observed.filter, validate_filter)] = None
-        if one.written is not None:
-            writes[_checked(one.affordance.name, one.written.topic, validate_topic)] = None
+        for each in (one, *one.actions.values()):
+            if each.written is not None:
+                writes[_checked(each.affordance.name, each.written.topic, validate_topic)] = None
     name = clean_text(classified.part.name)
     part = classified.part.model_copy(update={"name": name, "reads": tuple(reads), "writes": tuple(writes)})
     return ClassifiedPart(part, classified.affordances)
@@ -149,10 +150,7 @@ def _thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
             table = event_readers if one.affordance.kind == "event" else readers
             reader = partial(_read, one.capability, one.affordance, format_)
             table[observed.filter] = (*table.get(observed.filter, ()), reader)
-    spelt: dict[str, Callable[[PlainValue], Publication]] = {}
-    for name, (one, written) in part.written.items():
-        if (format_ := basic_formats(written.content_type)) is not None:
-            spelt[name] = partial(_spell, one.capability, one.affordance, written, format_)
+    spelt = {name: partial(_spell, one) for name, one in part.settable.items()}
     writers: dict[str, Writer] = {name: partial(_write, spelt, name) for name in spelt}
     return TableCodec(raw_bytes, readers, event_readers, writers)
 
@@ -173,12 +171,12 @@ def _write(
     return tuple(spelt[name](one) for name, one in implied_settings(capability, value, spelt))
 
 
-def _spell(
-    capability: Capability, affordance: Affordance, form: Form, format_: PayloadFormat, value: PlainValue
-) -> Publication:
-    if affordance.kind == "action":
+def _spell(one: ClassifiedAffordance, value: PlainValue) -> Publication:
+    by, form, value = one.request(value)
+    payload = b""
+    if by.affordance.kind == "action":
         if value is not True:
-            raise RefusedError(f"{capability.name} {shown(value)}", "it takes only true")
-        return Publication(form.topic, b"", form.qos, form.retain)
-    payload = format_.encode(encode_document(capability, affordance, value))
+            raise RefusedError(f"{by.capability.name} {shown(value)}", "it takes only true")
+    elif (format_ := basic_formats(form.content_type)) is not None:
+        payload = format_.encode(encode_document(by.capability, by.affordance, value))
     return Publication(form.topic, payload, form.qos, form.retain)
