@@ -103,8 +103,16 @@ async def home_with(hub: Machine, pairings: Path) -> AsyncIterator[Home]:
             yield home
 
 
-def accessory(machine: Machine, folder: Path) -> AbstractAsyncContextManager[Program]:
-    command = (sys.executable, "-P", str(ACCESSORY), machine.address, "51826", str(folder / "accessory.state"))
+def accessory(machine: Machine, folder: Path, slowness: str = "0") -> AbstractAsyncContextManager[Program]:
+    command = (
+        sys.executable,
+        "-P",
+        str(ACCESSORY),
+        machine.address,
+        "51826",
+        str(folder / "accessory.state"),
+        slowness,
+    )
     return machine.program(*command, ready="ready")
 
 
@@ -146,6 +154,15 @@ COMMANDS: tuple[tuple[str, PlainValue, str], ...] = (
     ("color", (120.0, 80.0), "lamp Hue 120"),
     ("on_off", False, "lamp On 0"),
 )
+
+
+async def test_an_accessory_may_be_as_slow_as_a_homebridge_with_a_plug_in_that_hangs(
+    lan: Lan, hub: Machine, tmp_path: Path
+) -> None:
+    async with accessory(lan.machine("device"), tmp_path, "9"), home_with(hub, tmp_path / "pairings.json") as home:
+        await home.found(KEY, has_parts=False)
+        await home.pair_for_sure()
+        await home.until(LAMP, "on_off", False)
 
 
 async def test_an_accessory_of_another_controller_says_so(lan: Lan, hub: Machine, tmp_path: Path) -> None:
@@ -195,7 +212,7 @@ async def test_a_command_that_expires_on_a_dead_network_does_not_come_when_it_is
         await home.until(LAMP, "on_off", False)
         lan.unplug(device)
         answer = await home.send(LAMP, "level", 70.0, expires_after=1.5)
-        assert (answer.success, answer.problem) == (False, "unreachable")
+        assert (answer.success, answer.problem) == (False, "unanswered")
         lan.plug(device)
         await home.until(LAMP, "reachable", False)
         await home.until(LAMP, "reachable", True)

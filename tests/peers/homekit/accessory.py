@@ -1,11 +1,12 @@
 """A HomeKit accessory by HAP-python: a bridge with a lamp and a lock. Each write that comes to it is printed.
 
-Arguments: its address, its port, and the file that it keeps its pairings in.
+Arguments: its address, its port, the file that it keeps its pairings in, and the seconds that its description takes.
 """
 
 from __future__ import annotations
 
 import sys
+import time
 from functools import partial
 
 from pyhap.accessory import Accessory, Bridge
@@ -51,8 +52,15 @@ class Lock(Accessory):  # type: ignore[misc]
         self.driver.loop.call_later(0.5, self.state.set_value, value)
 
 
-address, port, file = sys.argv[1:]
-driver = AccessoryDriver(
+class Driver(AccessoryDriver):  # type: ignore[misc]
+    def get_accessories(self, **limits: bool) -> object:
+        """Describe the accessories; that for its own announcement takes no time."""
+        time.sleep(0.0 if limits else float(slowness))
+        return super().get_accessories(**limits)
+
+
+address, port, file, slowness = sys.argv[1:]
+driver = Driver(
     address=address,
     listen_address=address,
     advertised_address=address,

@@ -117,7 +117,8 @@ class _PairedLink(HomekitLink):
 class _IpLink(_PairedLink):
     """A connection by TCP."""
 
-    answers_within = 8.0
+    answers_within = 15.0
+    """Homebridge waits 9 s for a plug-in that hangs (HAP-NodeJS, ``TIMEOUT_WARNING``, ``TIMEOUT_AFTER_WARNING``)."""
 
     _transport: asyncio.Transport | None = None
 
