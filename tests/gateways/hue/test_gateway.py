@@ -173,7 +173,9 @@ async def test_an_ended_pairing_takes_its_devices_and_its_key(tmp_path: Path) ->
         await home.install("lamp", DeviceState(text="off"))
         lamp = await home.sighting("The lamp")
         sightings = home.sightings()
+        states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=100)
         assert (await home.unpair()).success
+        assert "was found" not in (await receive(states, lambda one: one.state == "unavailable")).reason
         await receive(sightings, lambda one: (one.key, one.kind) == (lamp.key, "removed"))
         assert json.loads((tmp_path / "pairings.json").read_text()) == {}
         assert not (await home.send(lamp.key, "on_off", True)).success

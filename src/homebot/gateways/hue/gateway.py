@@ -191,7 +191,8 @@ class HueGateway(Gateway):
             self.publish_state("active")
         else:
             problems = (f"{one.name}: {one.problem}" for one in self._bridges.values() if one.problem)
-            self.publish_state("unavailable", next(problems, problem or _NONE))
+            unknown = "not connected yet" if self._bridges else _NONE
+            self.publish_state("unavailable", next(problems, problem or unknown))
         self._tried.set()
 
     async def _perform(self, command: Command) -> None:
