@@ -13,13 +13,13 @@ from homebot.messages import ParameterEvent, ParameterValue, Time
 
 
 @pytest.fixture
-def events() -> list[tuple[str, Parameter]]:
+def events() -> list[tuple[object, ...]]:
     return []
 
 
 @pytest.fixture
-def parameters(events: list[tuple[str, Parameter]]) -> ParameterSet:
-    return ParameterSet("/node", {"given": 7, "wrong": "x"}, lambda kind, parameter: events.append((kind, parameter)))
+def parameters(events: list[tuple[object, ...]]) -> ParameterSet:
+    return ParameterSet("/node", {"given": 7, "wrong": "x"}, lambda kind, given: events.append((kind, *given)))
 
 
 def test_a_declared_parameter_has_its_default(parameters: ParameterSet) -> None:
@@ -160,11 +160,16 @@ def test_the_newest_check_is_asked_first_and_the_first_no_counts(parameters: Par
         parameters.declare("q", 1)
 
 
-def test_only_changes_are_announced(parameters: ParameterSet, events: list[tuple[str, Parameter]]) -> None:
+def test_only_changes_are_announced_and_those_made_together_at_once(
+    parameters: ParameterSet, events: list[tuple[object, ...]]
+) -> None:
     parameters.declare("p", 1)
     parameters.set("p", 1)
     parameters.set("p", 2)
     assert events == [("new", Parameter("p", 1)), ("changed", Parameter("p", 2))]
+    parameters.declare("q", 1)
+    parameters.set_atomically({"p": 3, "q": 4})
+    assert events[-1] == ("changed", Parameter("p", 3), Parameter("q", 4))
 
 
 @pytest.mark.parametrize(

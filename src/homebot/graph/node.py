@@ -21,7 +21,7 @@ The class is long because it offers all operations of a node, as rclpy's does; e
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from functools import partial
 from types import TracebackType
 from typing import Literal, Self, TypeVar
@@ -83,7 +83,7 @@ class Node:
         graph.add_node(self)
         self._events = self.create_publisher(ParameterEvent, "/parameter_events", qos_profile_parameter_events)
         self.parameters = ParameterSet(
-            self.full_name, parameters or {}, self._announce_parameter, self._record_check_failure
+            self.full_name, parameters or {}, self._announce_parameters, self._record_check_failure
         )
 
     def create_publisher(
@@ -378,14 +378,14 @@ class Node:
     def _record_check_failure(self, name: str, error: Exception) -> None:
         self.graph.failures.record(self.full_name, f"check of parameter {name}", error, "the value is refused")
 
-    def _announce_parameter(self, kind: Literal["new", "changed"], parameter: Parameter) -> None:
-        message = (parameter.to_message(),)
+    def _announce_parameters(self, kind: Literal["new", "changed"], parameters: Sequence[Parameter]) -> None:
+        messages = tuple(parameter.to_message() for parameter in parameters)
         self._events.publish(
             ParameterEvent(
                 stamp=Time.from_seconds(self.graph.clock.now()),
                 node=self.full_name,
-                new_parameters=message if kind == "new" else (),
-                changed_parameters=message if kind == "changed" else (),
+                new_parameters=messages if kind == "new" else (),
+                changed_parameters=messages if kind == "changed" else (),
                 deleted_parameters=(),
             )
         )

@@ -61,6 +61,7 @@ class ParameterSet:
 
     Args:
         overrides: Start-up values by name; they replace the defaults at declaration.
+        on_event: Called with the parameters that are declared or set together.
         on_failure: Called with the name of a parameter and the exception of its check.
     """
 
@@ -68,7 +69,7 @@ class ParameterSet:
         self,
         node: str,
         overrides: Mapping[str, Value],
-        on_event: Callable[[Kind, Parameter], None],
+        on_event: Callable[[Kind, Sequence[Parameter]], None],
         on_failure: Callable[[str, Exception], None] = lambda _name, _error: None,
     ) -> None:
         self._node = node
@@ -96,7 +97,7 @@ class ParameterSet:
         self._check(parameter)
         declared.value = parameter.value
         self._declared[name] = declared
-        self._on_event("new", parameter)
+        self._on_event("new", (parameter,))
         return parameter
 
     def has(self, name: str) -> bool:
@@ -132,11 +133,10 @@ class ParameterSet:
     def set_atomically(self, values: Mapping[str, Value]) -> tuple[Parameter, ...]:
         """Set all of *values*, or none of them; otherwise as :meth:`set`."""
         parameters = tuple(self._settable(name, value) for name, value in values.items())
-        for parameter in parameters:
-            declared = self._declared[parameter.name]
-            if parameter.value != declared.value:
-                declared.value = parameter.value
-                self._on_event("changed", parameter)
+        if changed := [one for one in parameters if one.value != self._declared[one.name].value]:
+            for parameter in changed:
+                self._declared[parameter.name].value = parameter.value
+            self._on_event("changed", changed)
         return parameters
 
     def names(self) -> tuple[str, ...]:

@@ -15,6 +15,7 @@ from homebot.devices.tags import TagTap
 from homebot.errors import RefusedError, ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.messages.json import validation_problem
 from homebot.places.rigid import MapPose
 from homebot.robots.robot import MOTION_LIMIT, TAG_LIMIT, TrackedRobot
 from homebot.robots.settings import JsonPose
@@ -56,10 +57,7 @@ async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
             told = JsonPose.model_validate_json(message.payload[:_LONGEST_POSE])
         except ValidationError as exc:
             if log.allows(NOT_READ) is not None:
-                error = exc.errors(include_url=False)[0]
-                problem = (
-                    f"{'.'.join(map(str, error['loc']))} {error['msg']}, got {str(error['input'])[:100]!r}".strip()
-                )
+                problem = validation_problem(exc)
                 node.log.warning(NOT_READ, message=f"a pose on {message.address} is not read: {problem}")
             return
         limit = settings.limit if told.limit is None else told.limit
