@@ -9,7 +9,9 @@ device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``compon
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from functools import lru_cache, partial
 
@@ -216,44 +218,58 @@ def _build_picture(config: DiscoveryConfig, topic: str) -> DescribedPart:
 def build_update(config: DiscoveryConfig) -> DescribedPart:
     """Describe the installed and the latest version of a device's software, which homebot does not install."""
     source = config.required_source("state_topic").without_payload()
-    latest = config.source("latest_version_topic", "latest_version_template")
+    versions = _Versions()
     entity = Entity(config, "x_update")
-    if entity.read_text_from(source, partial(_read_versions, is_all=latest is None)):
-        entity.add_capability("version")
-        entity.add_capability("update_available", readable=latest is None)
-    has_latest = entity.read_text_from(latest, _read_latest)
-    entity.add_capability("latest_version", readable=has_latest or not source.problem)
+    has_state = entity.read_text_from(source, versions.read)
+    has_latest = entity.read_text_from(
+        config.source("latest_version_topic", "latest_version_template"), versions.read_latest
+    )
+    entity.add_capability("version", readable=has_state)
+    entity.add_capability("update_available", readable=has_state)
+    entity.add_capability("latest_version", readable=has_state or has_latest)
+    entity.remembers()
     return entity.build()
 
 
-def _read_versions(text: str, *, is_all: bool) -> Readings:
-    if not text or text == "{}":
-        return NO_READINGS
-    if not text.lstrip().startswith("{"):
-        return {"version": None if text == "None" else clean_text(text, _LONGEST)}
-    message = fields_of(text)
-    installed, latest = (_version(message.get(key)) for key in ("installed_version", "latest_version"))
-    known = {"version": installed, "latest_version": latest}
-    found: dict[str, PlainValue] = {name: version for name, version in known.items() if version is not None}
-    if found and is_all:
-        found["update_available"] = _is_newer(latest, installed)
-    return found
+@dataclass(slots=True)
+class _Versions:
+    """Reader of the installed and the latest version, which may come on two topics."""
+
+    known: dict[str, PlainValue] = field(default_factory=dict)
+
+    def read(self, text: str) -> Readings:
+        """Read the installed version, or an object with both."""
+        if text.lstrip().startswith("{"):
+            message = fields_of(text)
+            versions = {name: _version(message.get(key)) for name, key in _VERSION_KEYS.items()}
+            return self._found({name: version for name, version in versions.items() if version is not None})
+        return self._found({"version": _version(text)} if text else {})
+
+    def read_latest(self, text: str) -> Readings:
+        """Read the latest version."""
+        return self._found({"latest_version": _version(text)} if text else {})
+
+    def _found(self, found: dict[str, PlainValue]) -> Readings:
+        if not found:
+            return NO_READINGS
+        self.known.update(found)
+        latest, installed = (self.known.get(name, "") for name in ("latest_version", "version"))
+        return found if "" in (latest, installed) else {**found, "update_available": _is_newer(latest, installed)}
 
 
-def _read_latest(text: str) -> Readings:
-    return {"latest_version": None if text == "None" else clean_text(text, _LONGEST)} if text else NO_READINGS
+_VERSION_KEYS = {"version": "installed_version", "latest_version": "latest_version"}
+_NUMBERS = re.compile(r"v?([0-9]{1,9}(?:\.[0-9]{1,9}){0,9})(?![0-9A-Za-z])")
 
 
 def _version(value: object) -> str | None:
-    if isinstance(value, (int, float)):
-        return shown(value)
-    return clean_text(value, _LONGEST) if isinstance(value, str) else None
+    if isinstance(value, str):
+        return None if value == "None" else clean_text(value, _LONGEST)
+    return str(value) if isinstance(value, float) else shown(value) if isinstance(value, int) else None
 
 
-def _is_newer(latest: str | None, installed: str | None) -> bool | None:
-    """Return whether a version is newer: numbers are compared, other versions are newer if they differ."""
-    if latest is None or installed is None:
+def _is_newer(latest: PlainValue, installed: PlainValue) -> bool | None:
+    """Return whether a version is newer: by the numbers at its beginning, or else if it differs; None for unknown."""
+    if not isinstance(latest, str) or not isinstance(installed, str):
         return None
-    if latest.isdecimal() and installed.isdecimal():
-        return int(latest) > int(installed)
-    return latest != installed
+    numbers = [tuple(map(int, found[1].split("."))) for one in (latest, installed) if (found := _NUMBERS.match(one))]
+    return latest != installed and (len(numbers) < 2 or numbers[0] >= numbers[1])
