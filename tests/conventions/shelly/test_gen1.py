@@ -193,9 +193,10 @@ def test_a_new_name_replaces_the_old_one(say: Say) -> None:
     assert described(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"
 
 
-def test_a_sleeping_device_has_no_availability(say: Say) -> None:
-    thermometer = described(say("shellies/announce", {"id": "shellyht-077A17", "model": "SHHT-1"}))
-    assert thermometer.availability is None
+@pytest.mark.parametrize(("device_id", "model"), [("shellyht-077A17", "SHHT-1"), ("shellysmoke2-077A17", "SHSM-02")])
+def test_a_sleeping_device_has_no_availability(say: Say, device_id: str, model: str) -> None:
+    device = described(say("shellies/announce", {"id": device_id, "model": model}))
+    assert device.availability is None
 
 
 def test_a_repeated_press_is_none(say: Say) -> None:

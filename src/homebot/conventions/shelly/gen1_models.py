@@ -2,7 +2,7 @@
 
 Topics of accessories, such as ``ext_temperature/0``, are added when they appear.
 
-Source: iobroker.shelly 12.0, ``lib/devices/gen1``; Shelly Gen1 API.
+Source: iobroker.shelly 12.0, ``lib/devices/gen1``; Shelly Gen1 API; aioshelly 13.35, ``const.py``.
 """
 
 from __future__ import annotations
@@ -98,6 +98,7 @@ MODELS: tuple[Gen1Model, ...] = (
         modes={"relay": f"{_each(_METERED, 2)} {_each(_INPUT, 2)}", "roller": _ROLLER},
     ),
     _model("SHSW-44", "shelly4pro", _each(_METERED, 4), _each("input/{0}", 4)),
+    _model("SHAIR-1", "shellyair", _each(_METERED, 1), _each(_INPUT, 1)),
     _model("SHPLG-1", "shellyplug", _each(_METERED, 1), is_plug=True),
     _model("SHPLG2-1", "shellyplug", _each(_METERED, 1), is_plug=True),
     _model("SHPLG-S", "shellyplug-s", _each(_METERED, 1), _HEAT, is_plug=True),
@@ -110,8 +111,10 @@ MODELS: tuple[Gen1Model, ...] = (
     _model("SHBTN-2", "shellybutton1", "input_event/0 sensor/battery", sleeps=True),
     _model("SHDM-1", "shellydimmer", "light/0 light/0/status light/0/power", _each(_INPUT, 2), _HEAT),
     _model("SHDM-2", "shellydimmer2", "light/0 light/0/status light/0/power", _each(_INPUT, 2), _HEAT),
+    _model("SHDIMW-1", "shellydimmerw1", "light/0 light/0/status light/0/power", _each(_INPUT, 1), _HEAT),
     _model("SHBDUO-1", "shellybulbduo", _LIGHT),
     _model("SHVIN-1", "shellyvintage", _LIGHT),
+    _model("SHBVIN-1", "shellyvintage", _LIGHT),
     _model("SHBLB-1", "shellybulb", _BULB),
     _model("SHCB-1", "shellycolorbulb", _BULB),
     _model("SH2LED", "shelly2led", _BULB),
@@ -125,6 +128,7 @@ MODELS: tuple[Gen1Model, ...] = (
     _model("SHHT-1", "shellyht", "sensor/temperature sensor/humidity sensor/battery", sleeps=True),
     _model("SHWT-1", "shellyflood", "sensor/flood sensor/temperature sensor/battery", sleeps=True),
     _model("SHSM-01", "shellysmoke", "sensor/smoke sensor/temperature sensor/battery", sleeps=True),
+    _model("SHSM-02", "shellysmoke2", "sensor/smoke sensor/battery", sleeps=True),
     _model("SHGS-1", "shellygas", "sensor/gas sensor/concentration"),
     _model(
         "SHDW-1",
