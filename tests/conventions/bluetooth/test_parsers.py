@@ -64,6 +64,26 @@ def test_parts_of_all_packets_are_kept() -> None:
     assert found.silence == TRIGGER_BASED
 
 
+@pytest.mark.parametrize(
+    ("name", "packet", "expected"),
+    [
+        (
+            "SBTR-001AEU",
+            "45b200" + "45b900",
+            {("target_temperature", "heating_setpoint"): 17.8, ("temperature", "temperature"): 18.5},
+        ),
+        ("SBWS-90CM", "2001" + "44c800", {("rain", "state"): True, ("speed", "measurement"): 2.0}),
+        ("Cellar", "2001" + "44c800", {("water_leak", "water_leak"): True, ("speed", "measurement"): 2.0}),
+    ],
+)
+def test_objects_mean_what_they_mean_in_a_model(
+    name: str, packet: str, expected: dict[tuple[str, str], object]
+) -> None:
+    """The target of a valve is not the temperature of its room, and rain is no leak."""
+    found = read(BTHomeParser({}), "440001" + packet, name=name)
+    assert {(one.part, one.capability): one.value for one in found.values} == expected
+
+
 def test_a_button_that_is_not_pressed_is_no_event() -> None:
     found = read(BTHomeParser({}), "400001" + "3A003A01")
     assert values(found) == [("button_2", "single")]

@@ -154,6 +154,15 @@ def test_an_unknown_model_has_one_button(gateway: Say) -> None:
     assert "manufacturer" not in found.facts
 
 
+def test_rain_at_a_weather_station_is_no_leak(gateway: Say) -> None:
+    rain = component("bthomesensor:204", OLD, {"value": False}, obj_id=32, idx=0)
+    found = devices(gateway(ANSWERS, page(component("bthomedevice:203", OLD, {"rssi": -60}, model=11), rain)))[OLD]
+    assert {name: one.part.service_type for name, one in parts(found).items()} == {
+        "rain": "x_binary_sensor",
+        "rssi": "x_sensor",
+    }
+
+
 def test_an_answer_without_a_new_packet_is_no_sign_of_life(gateway: Say) -> None:
     """A gateway answers with what it heard last, also a week after the battery is empty."""
     window = parts(devices(gateway(ANSWERS, page(*DOOR_PARTS)))[DOOR])["window"].codec

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
-from homebot.conventions.bthome.objects import BTHomeObject
-from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomeFrame, BTHomePacket, read_frame, read_objects
+from homebot.conventions.bthome.objects import MODEL_OBJECTS, BTHomeObject
+from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomeFrame, BTHomePacket, Measured, read_frame, read_objects
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
@@ -50,6 +50,7 @@ class _BTHomeSender:
     """The state of one device, over all its packets."""
 
     def __init__(self) -> None:
+        self.name = ""
         self.parts: dict[str, Part] = {}
         self.metadata: dict[str, str] = {}
         self.packet_id: int | None = None
@@ -76,16 +77,21 @@ class _BTHomeSender:
             return ()
         self.was_read, self.packet_id = True, packet.packet_id
         self._record_metadata(packet)
-        for one in packet.values:
+        values = tuple(map(self._meant, packet.values))
+        for one in values:
             if one.part not in self.parts and len(self.parts) < MAX_PARTS:
                 self.parts[one.part] = _part(one.part, one.object)
             if one.object.capability.startswith("battery"):
                 self.silence = max(self.silence, ON_BATTERY)
         return tuple(
             BroadcastValue(one.part, one.object.capability, one.value)
-            for one in packet.values
+            for one in values
             if one.part in self.parts and not (one.value is None and CAPABILITIES[one.object.capability].is_event)
         )
+
+    def _meant(self, measured: Measured) -> Measured:
+        own = MODEL_OBJECTS.get(self.name, {}).get(measured.part)
+        return measured if own is None else measured._replace(part=own.name, object=own)
 
     def _record_metadata(self, packet: BTHomePacket) -> None:
         if packet.firmware:
@@ -125,6 +131,7 @@ class BTHomeParser(BroadcastParser):
         frame = read_frame(data)
         known = self._devices.get(advertisement.address)
         device = known or _BTHomeSender()
+        device.name = advertisement.name or device.name
         key = self._bind_key(advertisement.address)
         if key is not None and not frame.is_encrypted:
             raise WireError("BTHome: it is not encrypted, although a bind key is configured for it", data)

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 from typing import Final, NamedTuple
 
-from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON
+from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON, MODEL_OBJECTS
 from homebot.conventions.bthome.parser import TAGS
 from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publications
@@ -115,7 +115,7 @@ class BluetoothDevice(NamedTuple):
         if first.kind == "blutrv":  # it has all that its broadcasts have
             parts = chain((("thermostat", _valve_part(first)),), _own_parts(first))
         else:
-            values = chain.from_iterable(map(_value_parts, self.components))
+            values = chain.from_iterable(_value_parts(one, self.model.code) for one in self.components)
             parts = chain(values, self._key_parts(), _own_parts(self.components[-1]))
         for part_id, part in parts:
             found.setdefault(part_id, part)
@@ -155,13 +155,16 @@ def _numbered(name: str, index: int) -> str:
     return f"{name}_{index + 1}" if index else name
 
 
-def _value_parts(component: ShellyComponent) -> Iterator[tuple[str, JsonPart]]:
+def _value_parts(component: ShellyComponent, model: str) -> Iterator[tuple[str, JsonPart]]:
     """Yield the part of a value; none if it is a button or has no known meaning."""
     object_id = component.config.get("obj_id")
     known = BTHOME_OBJECTS.get(object_id) if isinstance(object_id, int) else None
     kind = CAPABILITIES[known.capability].kind if known is not None and known.capability else "text"
     if known is None or kind == "text":
         return
+    part_id = _numbered(known.name, _index(component))
+    if (own := MODEL_OBJECTS.get(model, {}).get(part_id)) is not None:
+        known, part_id = own, own.name
     capability, is_number, is_inverted = known.capability, kind == "number", known.is_inverted
 
     def decode(status: Fields) -> Readings:
@@ -171,7 +174,6 @@ def _value_parts(component: ShellyComponent) -> Iterator[tuple[str, JsonPart]]:
         number = to_number(value)
         return {capability: number} if number is not None and is_number else NO_READINGS
 
-    part_id = _numbered(known.name, _index(component))
     category: Category = "diagnostic" if known.is_diagnostic else ""
     part = JsonPart(
         part_id, sensor_type(capability), name=component.name, tag=TAGS.get(known.name, ""), category=category
