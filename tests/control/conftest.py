@@ -21,6 +21,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.outcomes import Outcome
 from homebot.devices.value import PlainValue
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -129,6 +130,16 @@ class Home:
             await self.report(key, capability, value)
 
         self.tasks.start_soon(tell)
+
+    def begin(self, command: Callable[[], Awaitable[Outcome]]) -> list[Outcome]:
+        """Give a command beside the test; return where its outcome will be."""
+        outcomes: list[Outcome] = []
+
+        async def give() -> None:
+            outcomes.append(await command())
+
+        self.tasks.start_soon(give)
+        return outcomes
 
     async def handle(self, kind: HandleType[P, HandleT], key: str = "") -> HandleT:
         """Return the only handle of *kind*, or that of the device *key*."""

@@ -4,23 +4,10 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome
-from tests.control.test_journal import read
-from tests.control.test_leases import a_door, end, hold, request
-
-from homebot.devices.journal_messages import JournalEntry
+from tests.control.conftest import OpenHome
+from tests.control.test_leases import a_door, end, hold, request, steps, told
 
 pytestmark = pytest.mark.virtual_time
-
-STEPS = frozenset({"held", "released", "ended", "expired", "outranked", "handed_back", "denied"})
-
-
-async def steps(home: Home) -> list[JournalEntry]:
-    return [one for one in (await read(home)).entries if one.kind in STEPS]
-
-
-def told(entries: list[JournalEntry]) -> list[tuple[str, str, str]]:
-    return [(one.kind, one.issuer, one.text) for one in entries]
 
 
 async def test_a_block_is_held_and_released_and_no_renewal_is_noted(open_home: OpenHome) -> None:
@@ -33,34 +20,6 @@ async def test_a_block_is_held_and_released_and_no_renewal_is_noted(open_home: O
     assert [[(one.capability, one.value.plain()) for one in entry.settings] for entry in found] == [
         [("movement", "open")]
     ] * 2
-
-
-async def test_a_dead_holder_expires(open_home: OpenHome) -> None:
-    async with a_door(open_home) as (home, door):
-        await hold(home, request(door, ttl=5))
-        await anyio.sleep(6)
-        assert told(await steps(home)) == [("held", "client:robot", "robot"), ("expired", "client:robot", "robot")]
-
-
-async def test_a_hand_outranks_a_lease_and_it_is_handed_back(open_home: OpenHome) -> None:
-    async with a_door(open_home, hand_time=20) as (home, door), door.hold("open", by="robot"):
-        await anyio.sleep(20)
-        await home.report("door", "movement", "closed")
-        await anyio.sleep(15)
-        assert told(await steps(home))[1:] == [("outranked", "", "movement is closed")]
-        await anyio.sleep(10)
-        assert [one.kind for one in await steps(home)] == ["held", "outranked", "handed_back"]
-        await anyio.sleep(100)
-        assert len(await steps(home)) == 3
-
-
-async def test_a_hand_that_opens_it_again_hands_it_back(open_home: OpenHome) -> None:
-    async with a_door(open_home) as (home, door), door.hold("open", by="robot"):
-        await anyio.sleep(20)
-        await home.report("door", "movement", "closed")
-        await home.report("door", "movement", "open")
-        await anyio.sleep(1)
-        assert [one.kind for one in await steps(home)] == ["held", "outranked", "handed_back"]
 
 
 async def test_a_stop_command_outranks_a_lease(open_home: OpenHome) -> None:

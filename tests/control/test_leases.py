@@ -10,13 +10,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, report
+from tests.control.test_journal import read
 from tests.sizes import examples
 
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Closure, DoorLock, Light, Thermostat
-from homebot.devices.journal_messages import ReadJournalRequest
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.lease_messages import (
     EndLeases,
     GetLeases,
@@ -42,6 +43,8 @@ from homebot.errors import RefusedError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 
 pytestmark = pytest.mark.virtual_time
+
+LEASE_STEPS = frozenset({"held", "released", "ended", "expired", "outranked", "handed_back", "denied"})
 
 
 @asynccontextmanager
@@ -81,6 +84,15 @@ async def end(home: Home, door: Closure) -> tuple[HeldPart, ...]:
     """End the leases of the door as a person does."""
     client = home.app.create_client(EndLeases, END_LEASES)
     return (await client.call(EndLeases.Request(device=door.device.id, issuer="client:owner"))).parts
+
+
+async def steps(home: Home) -> list[JournalEntry]:
+    """Return the entries of leases."""
+    return [one for one in (await read(home)).entries if one.kind in LEASE_STEPS]
+
+
+def told(entries: list[JournalEntry]) -> list[tuple[str, str, str]]:
+    return [(one.kind, one.issuer, one.text) for one in entries]
 
 
 @pytest.mark.filterwarnings("default")
@@ -227,6 +239,7 @@ async def test_a_holder_that_died_blocks_no_longer_than_its_ttl(open_home: OpenH
         await anyio.sleep(9.9)
         assert isinstance(await door.close(), Refused)
         await anyio.sleep(0.2)
+        assert told(await steps(home)) == [("held", "client:robot", "robot"), ("expired", "client:robot", "robot")]
         assert (await door.close()).succeeded
 
 
@@ -267,7 +280,9 @@ async def test_a_hand_outranks_the_holder_and_is_then_handed_back(open_home: Ope
         assert held.outcome.saw == "movement is closed; it is commanded again in 299 s"
         await anyio.sleep(295)
         assert len(home.commands) == 1
+        assert told(await steps(home))[1:] == [("outranked", "", "movement is closed")]
         await anyio.sleep(6)
+        assert [one.kind for one in await steps(home)] == ["held", "outranked", "handed_back"]
         assert [one.value.plain() for one in home.commands] == ["open", "open"]
         assert held.succeeded
 
@@ -290,6 +305,7 @@ async def test_a_hand_that_opens_it_again_ends_the_wait(open_home: OpenHome) -> 
         await anyio.sleep(400)
         assert held.succeeded
         assert len(home.commands) == 1
+        assert [one.kind for one in await steps(home)] == ["held", "outranked", "handed_back"]
 
 
 async def test_a_door_that_did_not_hear_is_told_again_while_it_is_held(open_home: OpenHome) -> None:

@@ -201,16 +201,12 @@ async def test_a_blind_that_is_sent_half_up_soon_after_it_closed_did_not_go_back
 async def test_a_lamp_that_is_turned_off_is_told_no_older_colour_again(home: Home) -> None:
     """Nor the other way round: a colour turns it on."""
     lamp = await home.lamp("on_off", "color_temperature", behaviour=ignore)
-    found: list[Outcome] = []
-
-    async def give(capability: str, value: PlainValue) -> None:
-        found.append(await lamp.command(capability, value))
-
+    found = []
     for capability, value in (("color_temperature", 2700.0), ("on_off", False), ("color_temperature", 4000.0)):
-        home.tasks.start_soon(give, capability, value)
+        found.append(home.begin(partial(lamp.command, capability, value)))
         await anyio.sleep(1)
     await anyio.sleep(20)
-    assert [type(one) for one in found] == [Superseded, Superseded, NoAnswer]
+    assert [type(one) for (one,) in found] == [Superseded, Superseded, NoAnswer]
     told = [(one.capability, one.value.plain()) for one in home.commands]
     assert told == [("color_temperature", 2700.0), ("on_off", False), *[("color_temperature", 4000.0)] * 3]
 
@@ -348,15 +344,7 @@ async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(home
     await home.report("lamp", "on_off", True)
     lamp = await home.handle(Light)
     home.behaviours["lamp"] = ignore
-    outcomes: list[Outcome] = []
-
-    async def turn_off() -> None:
-        outcomes.append(await lamp.turn_off())
-
-    async def turn_on() -> None:
-        outcomes.append(await lamp.turn_on())
-
-    home.tasks.start_soon(turn_off)
+    outcomes = home.begin(lamp.turn_off)
     await anyio.sleep(1)
     assert isinstance(await lamp.turn_on(), NoAnswer)
     assert [type(one) for one in outcomes] == [Superseded]
@@ -365,10 +353,10 @@ async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(home
     await lamp.turn_on()
     await anyio.sleep(70)
     home.behaviours["lamp"] = ignore
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(turn_on)
-        tasks.start_soon(turn_on)  # which wants the same
-    assert [type(one) for one in outcomes[1:]] == [Superseded, AlreadySo]
+    outcomes = home.begin(lamp.turn_on)  # which wants the same
+    assert isinstance(await lamp.turn_on(), Superseded)
+    await anyio.sleep(20)
+    assert [type(one) for one in outcomes] == [AlreadySo]
 
 
 async def blind_without_movement(home: Home) -> WindowCovering:
@@ -454,12 +442,7 @@ async def test_a_lock_that_jams_on_its_way_is_contradicted(home: Home) -> None:
 
 async def test_a_newer_command_takes_the_place_of_the_older_one(home: Home) -> None:
     lamp = await home.lamp("on_off", behaviour=obey_after(3.0))
-    outcomes: list[Outcome] = []
-
-    async def turn_on() -> None:
-        outcomes.append(await lamp.turn_on())
-
-    home.tasks.start_soon(turn_on)
+    outcomes = home.begin(lamp.turn_on)
     await anyio.sleep(1)
     last = await lamp.turn_off()
     assert isinstance(last, Confirmed)
@@ -469,12 +452,7 @@ async def test_a_newer_command_takes_the_place_of_the_older_one(home: Home) -> N
 
 async def test_off_takes_the_place_of_a_level_that_would_be_sent_again(home: Home) -> None:
     lamp = await home.lamp("on_off", "level", behaviour=ignore)
-    outcomes: list[Outcome] = []
-
-    async def dim() -> None:
-        outcomes.append(await lamp.set_level(40))
-
-    home.tasks.start_soon(dim)
+    outcomes = home.begin(partial(lamp.set_level, 40))
     await anyio.sleep(1)
     home.behaviours["lamp"] = obey
     last = await lamp.turn_off()
@@ -489,12 +467,7 @@ async def test_a_movement_takes_the_place_of_a_position(home: Home, newer: str) 
     home.put("blind", "window_covering", "movement", "position")
     home.behaviours["blind"] = ignore
     blind = await home.handle(WindowCovering)
-    outcomes: list[Outcome] = []
-
-    async def open_it() -> None:
-        outcomes.append(await blind.set_position(100))
-
-    home.tasks.start_soon(open_it)
+    outcomes = home.begin(partial(blind.set_position, 100))
     await anyio.sleep(1)
     await (blind.close() if newer == "closed" else blind.stop())
     await anyio.sleep(60)
@@ -504,12 +477,7 @@ async def test_a_movement_takes_the_place_of_a_position(home: Home, newer: str) 
 
 async def test_on_lets_a_level_go_on(home: Home) -> None:
     lamp = await home.lamp("on_off", "level", behaviour=obey_after(0.5))
-    outcomes: list[Outcome] = []
-
-    async def dim() -> None:
-        outcomes.append(await lamp.set_level(40))
-
-    home.tasks.start_soon(dim)
+    outcomes = home.begin(partial(lamp.set_level, 40))
     await anyio.sleep(0.1)
     assert isinstance(await lamp.turn_on(), Confirmed)
     await anyio.sleep(1)
@@ -825,20 +793,6 @@ async def test_a_whole_floor_is_confirmed_at_once(home: Home) -> None:
     assert anyio.current_time() - began < 1.5
     assert len(outcomes) == 200
     assert all(isinstance(one, Confirmed) for one in outcomes)
-
-
-async def test_a_network_that_is_lost_after_the_first_try_may_have_carried_it(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    home.behaviours["lamp"] = obey_after(9.0)
-
-    async def pull_the_cable() -> None:
-        await anyio.sleep(1)
-        home.gateway.set_unavailable("the cable is out")
-
-    lamp = await home.handle(Light)
-    home.tasks.start_soon(pull_the_cable)
-    assert isinstance(await lamp.turn_on(), Confirmed)
-    assert len(home.commands) == 1
 
 
 async def test_a_lamp_that_is_about_to_change_is_told_although_it_is_still_so(home: Home) -> None:

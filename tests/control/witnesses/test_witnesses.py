@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after
+from tests.control.conftest import Behaviour, Home, OpenHome, obey, obey_after
 
 from homebot.control.observation import Observed, observed
 from homebot.devices.approval_messages import TrustDevice, TrustDeviceRequest
@@ -12,7 +12,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
 from homebot.devices.health import HealthRequest
 from homebot.devices.names import TRUST_DEVICE
-from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome, Superseded
+from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, Superseded
 from homebot.devices.value import PlainValue
 
 pytestmark = pytest.mark.virtual_time
@@ -124,18 +124,9 @@ async def test_a_witness_makes_up_for_a_lost_report(home: Home) -> None:
     assert outcome.evidence is Evidence.WITNESSED
 
 
-async def test_a_deaf_lamp_gives_no_answer_as_before(home: Home) -> None:
-    assert isinstance(await (await room(home, ignore)).turn_on(), NoAnswer)
-
-
 async def test_a_newer_command_ends_the_wait_for_a_witness(home: Home) -> None:
     lamp = await room(home, obey)
-    found: list[Outcome] = []
-
-    async def turn_on() -> None:
-        found.append(await lamp.turn_on())
-
-    home.tasks.start_soon(turn_on)
+    found = home.begin(lamp.turn_on)
     await anyio.sleep(1)
     home.behaviours["lamp"] = shining(0.0)
     await lamp.turn_off()

@@ -204,8 +204,9 @@ async def test_a_refused_publish_is_an_error(make: Make, options: MqttOptions) -
     client = make(options)
     async with client.connected() as session:
         if session.protocol == "5":
-            with pytest.raises(RefusedError, match="'secret/door' was refused: not authorized"):
+            with pytest.raises(RefusedError, match="'secret/door' was refused: not authorized") as caught:
                 await client.publish("secret/door", qos=1)
+            assert caught.value.code == 0x87
         assert (await client.publish("open/door", qos=1)).reason < 0x80
 
 

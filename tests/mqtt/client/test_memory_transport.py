@@ -17,7 +17,7 @@ from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.requests import Requests
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MessageProperties, MqttMessage
-from homebot.mqtt.options import MqttOptions, MqttWill
+from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
@@ -77,19 +77,6 @@ async def test_nothing_takes_time(broker: MemoryBroker, options: MqttOptions) ->
         await client.publish("t", b"x", qos=2)
         assert await client.receive() == [MqttMessage("t", b"x", 2)]
     assert now() == 0.0
-
-
-async def test_both_ends_of_a_frozen_link_find_out_by_keep_alive(broker: MemoryBroker, options: MqttOptions) -> None:
-    """The broker after one and a half times the interval, the client when its ping stays unanswered."""
-    watcher = broker.make_client(replace(options, client_id="watcher"))
-    victim = broker.make_client(replace(options, keep_alive=60, will=MqttWill("will", b"gone")))
-    async with watcher.connected(), victim.connected():
-        await watcher.subscribe(MqttSubscription("will"))
-        broker.link_of("hub").freeze()
-        assert str(await victim.wait_lost()) == "the broker stopped responding"
-        assert now() == 70.0
-        assert [message.payload for message in await watcher.receive()] == [b"gone"]
-        assert now() == 90.0
 
 
 async def test_a_thawed_link_carries_what_waited(broker: MemoryBroker, options: MqttOptions) -> None:

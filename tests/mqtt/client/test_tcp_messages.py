@@ -167,22 +167,6 @@ async def test_a_link_that_ends_as_soon_as_it_stands_was_made_and_lost(make: Mak
 # -- publishing -----------------------------------------------------------------------------------------------
 
 
-async def test_a_refused_publish_is_an_error(make: MakeClient) -> None:
-    """The library returns as if all were well."""
-
-    async def script(peer: Peer) -> None:
-        await peer.login()
-        await peer.send(Puback((await peer.expect(Publish)).packet_id or 0, ReasonCode.NOT_AUTHORIZED))
-        await peer.send(Puback((await peer.expect(Publish)).packet_id or 0, ReasonCode.NO_MATCHING_SUBSCRIBERS))
-        await peer.expect(Disconnect)
-
-    async with broker(script) as port, (client := make(port)).connected():
-        with pytest.raises(RefusedError, match="publish to 'secret/door' was refused: not authorized") as caught:
-            await client.publish("secret/door", qos=1)
-        assert caught.value.code == 0x87
-        assert (await client.publish("t", qos=1)).reason == 0x10
-
-
 async def test_a_refused_publish_of_qos_2_is_an_error(make_native: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()

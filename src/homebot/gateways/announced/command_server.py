@@ -168,7 +168,8 @@ class CommandServer:
         return SendCommandResponse(success=False, message=message, problem=problem)
 
     async def _send(self, command: RawCommand) -> None:
-        address = command.address
+        address, requests = command.address, SentRequests()
+        SENT_REQUESTS.set(requests)  # for this task alone
         try:
             if address.startswith(TEXT_SCHEME) and (part := read_text_address(address)) is not None:
                 await self._send_text(*part, command.payload, command.command_id)
@@ -179,7 +180,8 @@ class CommandServer:
             self._counters.commands += 1
         except LinkError as exc:
             self._counters.commands_failed += 1
-            self._log(COMMAND_FAILED, f"not sent to {address[:100]}: {exc}", address)
+            what = "not acknowledged by" if requests.is_unanswered else "not sent to"
+            self._log(COMMAND_FAILED, f"{what} {address[:100]}: {exc}", address)
         except HomebotError as exc:
             self._counters.commands_refused += 1
             self._log(COMMAND_REFUSED, f"not sent to {address[:100]}: {exc}", address)
