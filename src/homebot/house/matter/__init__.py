@@ -1,7 +1,6 @@
 """A simulated Matter server, with the nodes that it has commissioned and the devices behind their bridge."""
 
-from homebot.house.matter.bridge import MatterBridge
 from homebot.house.matter.node import BridgedMatterDevice, ServedMatterNode
 from homebot.house.matter.server import SimulatedMatterServer
 
-__all__ = ["BridgedMatterDevice", "MatterBridge", "ServedMatterNode", "SimulatedMatterServer"]
+__all__ = ["BridgedMatterDevice", "ServedMatterNode", "SimulatedMatterServer"]
