@@ -73,7 +73,7 @@ def test_a_table_reads_seconds_as_a_number_or_a_text() -> None:
     [
         ("soon", "apps.hall.limit: 'soon' is not a duration; write it like 90s, 8h or 1h30m"),
         ("0s", "apps.hall.limit: input should be greater than 0"),
-        (True, "apps.hall.limit: input should be a valid number"),
+        (True, "apps.hall.limit: must be a number, without quotes, got true"),
     ],
 )
 def test_what_is_no_duration_in_a_table_is_named(value: object, said: str) -> None:

@@ -265,14 +265,20 @@ def value_errors() -> Iterator[None]:
 
 _SECRET_KEYS = ("password", "passwd", "passphrase", "token", "url", "secret", "key", "credential", "pin")
 _COMPLETE_ERRORS = {"extra_forbidden", "missing", "value_error"}
-_TYPE_ERRORS = {"bool_type": "must be true or false, without quotes", "string_type": "must be a text in quotes"}
+_TYPE_ERRORS = {
+    "bool_type": "must be true or false, without quotes",
+    "float_type": "must be a number, without quotes",
+    "int_type": "must be a whole number, without quotes",
+    "string_type": "must be a text in quotes",
+    "time_parsing": "must be a time of day such as 07:00",
+}
 _TABLE_ERRORS = {"dict_type", "model_type"}
 _ARRAY_ERRORS = {"list_type", "tuple_type"}
 _PATH_OF_TABLE = re.compile(r"[\w-]+(\.[\w-]+)*", re.ASCII)
 
 
 def _shortened(value: object) -> str:
-    text = repr(value)
+    text = repr(value).lower() if isinstance(value, bool) else repr(value)
     return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}…"
 
 

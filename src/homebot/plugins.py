@@ -203,6 +203,10 @@ def _hint(name: str, known: tuple[str, ...]) -> str:
     """Return suggestions for *name*: a module without its class, or another plug-in."""
     if name.isidentifier() and (Path(f"{name}.py").exists() or _is_installed(name)):
         return f"did you mean {name}:CLASS, with the name of a class in that module?"
+    for group, points in _own_entry_points(tuple(sys.path)).items():
+        owner, _, kind = group.removeprefix("homebot.").partition("_")
+        if kind and any(point.name == name for point in points):
+            return f"it is one of the {kind} of {owner}: the table [gateways.{owner}] is enough"
     return did_you_mean(name, known, "a class of your own is written module:Class", cutoff=0.6)
 
 

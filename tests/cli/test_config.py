@@ -109,6 +109,11 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "gateways.mqtt.class: must be a text, module:Class or a plug-in's name, got 5",
         ),
         ("[gateways.zigbee]\n", "gateways.zigbee: plug-in 'zigbee' is not installed (installed: "),
+        ('[door]\nport = "9090"\n', "door.port: must be a whole number, without quotes, got '9090'"),
+        (
+            '[[control.quiet_hours]]\nstart = "22"\nend = "07:00"\ncommands = []\n',
+            "control.quiet_hours.0.start: must be a time of day such as 07:00, got '22'",
+        ),
         (
             '[gateways.m]\nclass = "json:JSONDecoder"\n',
             "gateways.m.class: json:JSONDecoder is not a Gateway; derive it",

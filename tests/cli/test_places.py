@@ -341,7 +341,7 @@ def test_an_import_that_moves_a_room_to_another_floor_says_so(run: Run, tmp_path
         ("[home]\nname = 'x'", "home: unknown key; known is places"),
         ("places = 3", "places: must be a table, got 3"),
         ("[places", "is invalid TOML"),
-        ("[home]\nname = villa", "is invalid TOML: Invalid value (at line 2, column 8); a text stands in quotes"),
+        ("[home]\nname = villa", "is invalid TOML: Invalid value (at line 2, column 8); a text stands in quotes, true"),
     ],
 )
 def test_an_import_with_a_mistake_changes_nothing_and_names_it(

@@ -54,7 +54,11 @@ def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
         tables = tomllib.loads(text)
         _check(tables, source, "", any_text=any_text)
     except tomllib.TOMLDecodeError as exc:
-        hint = "; a text stands in quotes" if str(exc).startswith("Invalid value") else ""
+        hint = (
+            "; a text stands in quotes, true and false are written small"
+            if str(exc).startswith("Invalid value")
+            else ""
+        )
         raise ConfigError(source, "", f"is invalid TOML: {exc}{hint}") from exc
     except RecursionError as exc:
         raise ConfigError(source, "", "is nested too deep") from exc
