@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import sys
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
 from anyio import to_thread
 
+from homebot.cli.arguments import DEFAULT_DOOR
 from homebot.cli.house_picture import HousePicture, lines_of
 from homebot.cli.plan_picture import Line, PlanPicture
 from homebot.cli.story import Story
@@ -112,11 +116,11 @@ class LiveHouse:
 
 
 @asynccontextmanager
-async def shown(graph: Graph, world: World, title: str, hint: str) -> AsyncIterator[None]:
-    """Show the house on the terminal during the block; its last lines stay when it ends."""
+async def shown(graph: Graph, world: World, page: str) -> AsyncIterator[None]:
+    """Show the house on the terminal during the block, with the address of its *page*; its last lines stay after it."""
     terminal = await to_thread.run_sync(rich_terminal, sys.stdout)  # loading rich takes a while
     async with Node(graph, "live_view", namespace="/homebot") as node, anyio.create_task_group() as tasks:
-        house = LiveHouse(node, world, title, hint)
+        house = LiveHouse(node, world, f"homebot · simulated, {world.time.pace:g}x speed · {page}", _hint(world, page))
         try:
             with terminal.screen() as draw:
                 tasks.start_soon(run_as, node.full_name, partial(_redraw, house, draw))
@@ -137,3 +141,13 @@ def _plan_of(world: World) -> PlanPicture:
     corners = {name: room.corners for name, room in world.rooms.rooms.items() if room.corners}
     rooms = {name: (*points[0], *points[2]) for name, points in corners.items()}
     return PlanPicture(rooms, [middle for _, _, middle in world.rooms.doorways()], DOOR_WIDTH)
+
+
+def _hint(world: World, page: str) -> str:
+    """Return a command to try in a second terminal, as it works there."""
+    lamp = next((name for name in world.devices if "lamp" in name and "kitchen" in name), next(iter(world.devices), ""))
+    here = str(Path(sys.executable).with_name("homebot"))
+    program = "homebot" if shutil.which("homebot") else min(os.path.relpath(here), here, key=len)
+    address = page.rpartition("/")[2]
+    door = "" if address == "{}:{}".format(*DEFAULT_DOOR) else f" --door {address}"
+    return f"Try in a second terminal:  {program} why {lamp}{door}    (Ctrl-C ends)"

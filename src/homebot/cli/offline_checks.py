@@ -14,6 +14,7 @@ from homebot.cli.commands.run import with_environment
 from homebot.cli.findings import Finding, FindingKind, FindingRow
 from homebot.config import load_config, load_tables
 from homebot.errors import ConfigError
+from homebot.log import configure_logging
 from homebot.plugins import INSTALL_EXTRA
 from homebot.runtime.kept_files import KEPT_FILES
 from homebot.runtime.plan import Plan, index_place, make_plan
@@ -33,6 +34,7 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
     Args:
         reaches: Whether to connect to the networks of gateways.
     """
+    configure_logging()
     try:
         tables = load_tables(path)
         errors = config_errors(tables, path)

@@ -95,12 +95,10 @@ def unit_text(config: Path, *, is_user: bool) -> str:
 
 def _install(options: argparse.Namespace) -> int:
     """Check the configuration, and write the unit."""
-    from homebot.cli.commands.run import with_environment  # noqa: PLC0415 - the other verbs need none of it
-    from homebot.config import load_config  # noqa: PLC0415 - as above
-    from homebot.runtime.plan import make_plan  # noqa: PLC0415 - as above
+    from homebot.cli.commands.config import plan_of  # noqa: PLC0415 - the other verbs need none of it
 
     config = Path(options.config).absolute()
-    make_plan(with_environment(load_config(config)))
+    plan_of(config)  # checks it
     text = unit_text(config, is_user=options.user)
     if options.only_print:
         print(text, end="")

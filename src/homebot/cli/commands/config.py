@@ -13,9 +13,9 @@ from homebot.config import load_config, load_tables, parse_config
 from homebot.errors import ConfigError
 from homebot.gateways import Gateway
 from homebot.log import configure_logging
-from homebot.runtime.plan import PlannedComponent, make_plan, plan_errors
+from homebot.runtime.plan import Plan, PlannedComponent, make_plan, plan_errors
 
-__all__ = ["add_arguments", "config_errors"]
+__all__ = ["add_arguments", "config_errors", "plan_of"]
 
 _EXAMPLES = """\
   homebot config check                            check homebot.toml
@@ -39,9 +39,8 @@ def _check(options: argparse.Namespace) -> int:
         for error in errors:
             print(f"homebot: {error}", file=sys.stderr)
         return 1
-    config = load_config(path)
-    plan = make_plan(with_environment(config))
-    print(f"{config.source} is valid: home {plan.home}")
+    plan = plan_of(path)
+    print(f"{path} is valid: home {plan.home}")
     print(f"  gateways:  {_list(map(_gateway_text, plan.gateways))}")
     print(f"  apps:      {_list(app.name for app in plan.apps)}")
     print(f"  rosbridge: {plan.door.host}:{plan.door.port}{' (token required)' if plan.door.token else ''}")
@@ -49,6 +48,15 @@ def _check(options: argparse.Namespace) -> int:
         things = plan.thing_directory
         print(f"  things:    {things.host}:{things.port}{' (token required)' if things.token else ''}")
     return 0
+
+
+def plan_of(path: Path) -> Plan:
+    """Return the plan of a run with the configuration *path*.
+
+    Raises:
+        ConfigError: Something in it is wrong.
+    """
+    return make_plan(with_environment(load_config(path)))
 
 
 def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:

@@ -93,9 +93,7 @@ def _doctor(options: argparse.Namespace) -> int:
 
 def _check_offline(options: argparse.Namespace) -> int:
     from homebot.cli.offline_checks import offline_findings  # noqa: PLC0415 - loads the plug-ins
-    from homebot.log import configure_logging  # noqa: PLC0415 - as above
 
-    configure_logging()
     file = Path(options.config or DEFAULT_CONFIG)
     findings = tuple(offline_findings(file, reaches=options.reach))
     return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)

@@ -197,7 +197,7 @@ def run(options: argparse.Namespace) -> int:
 def _log(log_format: LogFormat | None, *, is_quiet: bool) -> Iterator[None]:
     """Configure the log; a quiet one shows its lines after the view of the house is closed."""
     if is_quiet:
-        from homebot.cli.demo import quiet_log  # noqa: PLC0415 - for a terminal alone
+        from homebot.cli.quiet_log import quiet_log  # noqa: PLC0415 - for a terminal alone
 
         with quiet_log():
             yield
@@ -230,8 +230,7 @@ def _run_apart(
     """Run without waiting for a reader of the log."""
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     with gc_paused():
-        from homebot.runtime import Runtime  # noqa: PLC0415 - most of the start, after the first line is shown
-        from homebot.runtime.plan import index_place  # noqa: PLC0415 - likewise
+        from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
 
     # A simulated house begins each time as it is described, so there is nothing to remember.
     is_kept = house is None and not options.ephemeral
@@ -382,11 +381,9 @@ def _first_connection(runtime: Runtime) -> FirstConnection | None:
 async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
     """Enter *runtime*, and show its house on the terminal."""
     async with _settled(runtime):
-        from homebot.cli.demo import hint_of, title_of  # noqa: PLC0415 - for a terminal alone
-        from homebot.cli.live_house import shown  # noqa: PLC0415 - likewise
+        from homebot.cli.live_house import shown  # noqa: PLC0415 - for a terminal alone
 
-        page = "" if runtime.door is None else runtime.door.page
-        async with shown(runtime.graph, world, title_of(world, page), hint_of(world, page)):
+        async with shown(runtime.graph, world, "" if runtime.door is None else runtime.door.page):
             yield
 
 
