@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from collections.abc import Callable
 from functools import partial
@@ -11,13 +12,15 @@ from typing import Any
 import pytest
 from tests.cli.test_places import NOW, index_node
 
-import homebot.cli.robot_map  # noqa: F401 - not in two threads: Python 3.11 fails to compile in both at a time
 from homebot.cli import main
+from homebot.cli.robot_map import RobotMap  # not in two threads: Python 3.11 fails to compile in both at a time
 from homebot.clock import Clock, ManualClock
 from homebot.discovery import DeviceIndex, OwnerFacts
+from homebot.errors import WireError
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Point, Pose, Quaternion
+from homebot.messages.json import message_to_json
 from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid
 from homebot.messages.std_msgs.header import Header
 from homebot.places import read_places
@@ -114,3 +117,15 @@ def test_rooms_are_imported_from_the_map_of_a_robot(run: Run) -> None:
     assert (code, printed) == (0, "the map has 80 x 50 cells of 0.1 m\nAttic has 30.0 m²\nimported room Attic\n")
     attic = tomllib.loads(run("places", "export")[1])["places"]["rooms"]["Attic"]
     assert sorted(attic["polygon"]) == [[0, 0], [0, 5], [6, 0], [6, 5]]
+
+
+def test_a_map_of_a_robot_that_contradicts_itself_is_refused() -> None:
+    def problem(**changed: object) -> str:
+        info = FLOOR.info.model_copy(update=changed)
+        with pytest.raises(WireError) as refused:
+            RobotMap.of(message_to_json(FLOOR.model_copy(update={"info": info})))
+        return refused.value.problem
+
+    assert problem(height=51) == "the map has 4,000 cells, and states 80 x 51"
+    assert problem(resolution=0.0) == "the map has cells of 0 m from 0,0"
+    assert problem(resolution=math.nan) == "the map has cells of nan m from 0,0"

@@ -69,6 +69,8 @@ def test_a_threshold_that_frees_what_is_unknown_is_warned_of(tmp_path: Path) -> 
         ("negate: 0", "negate: 2", "negate"),
         ("0.050000", "-1", "resolution"),
         ("0.050000", ".nan", "resolution"),
+        ("0.050000", "1.0e-309", "resolution"),
+        ("-1.0", "1.0e+308", "origin"),
         ("[-1.0, -2, 0]", "[-1.0, -2]", "origin"),
         ("trinary", "other", "mode"),
         ("0.196", "0.7", "free_thresh"),

@@ -20,7 +20,7 @@ from pydantic import BaseModel, Field
 
 from homebot.cli.yaml import read_yaml
 from homebot.config import parse_settings
-from homebot.errors import ConfigError, UsageError
+from homebot.errors import ConfigError, UsageError, WireError
 from homebot.messages.json import message_from_json
 from homebot.messages.nav_msgs import OccupancyGrid
 from homebot.places import HouseRoom
@@ -40,7 +40,11 @@ _UNKNOWN_GREY: Final = 205
 _BESIDE: Final = 0.2
 """Metres by which a stated door may end before the wall of the map."""
 
-_Number: TypeAlias = Annotated[float, Field(allow_inf_nan=False)]
+_LARGEST: Final = 1e6
+_SMALLEST: Final = 1e-6
+"""Metres of a cell, and from the origin."""
+
+_Number: TypeAlias = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST, allow_inf_nan=False)]
 _Share: TypeAlias = Annotated[float, Field(ge=0, le=1)]
 
 
@@ -58,7 +62,7 @@ class MapSettings(BaseModel):
     """
 
     image: str
-    resolution: Annotated[_Number, Field(gt=0)]
+    resolution: Annotated[_Number, Field(ge=_SMALLEST)]
     origin: tuple[_Number, _Number, _Number]
     occupied_thresh: _Share
     free_thresh: _Share
@@ -92,13 +96,18 @@ class RobotMap(NamedTuple):
         """Return the map in a message as JSON.
 
         Raises:
-            WireError: It is no ``nav_msgs/OccupancyGrid``.
+            TypeMismatchError: It is no ``nav_msgs/OccupancyGrid``.
+            WireError: It has another number of cells than it states, or a number that none can be.
         """
         grid = message_from_json(OccupancyGrid, message)
         info, turn = grid.info, grid.info.origin.orientation
+        if len(grid.data) != info.width * info.height or not grid.data:
+            raise WireError(f"the map has {len(grid.data):,} cells, and states {info.width:,} x {info.height:,}")
         upwards = Image.frombytes("L", (info.width, info.height), bytes(cell & 255 for cell in grid.data))
         at = info.origin.position
         origin = MapPose(at.x, at.y, yaw_of((turn.x, turn.y, turn.z, turn.w)))
+        if not (_SMALLEST <= info.resolution <= _LARGEST and all(abs(one) <= _LARGEST for one in origin)):
+            raise WireError(f"the map has cells of {info.resolution:g} m from {origin.x:g},{origin.y:g}")
         return cls(upwards.transpose(Image.Transpose.FLIP_TOP_BOTTOM), info.resolution, origin)
 
     def rooms(self, points: Mapping[str, Point], doors: Iterable[Sequence[Point]]) -> Iterator[HouseRoom]:
