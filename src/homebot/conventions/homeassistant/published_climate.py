@@ -17,9 +17,6 @@ from homebot.devices.part import Part
 
 __all__ = ["publish_climate", "publish_humidifier", "publish_water_heater"]
 
-Entities = tuple[PublishedEntity, ...]
-
-_CLIMATES = frozenset({"thermostat", "room_air_conditioner"})
 _MODES = frozenset({"auto", "off", "cool", "heat", "heat_cool", "dry", "fan_only"})
 _HEATING = frozenset({"heat", "heat_cool", "auto"})
 _COOLING = frozenset({"cool", "heat_cool"})
@@ -52,18 +49,16 @@ _HUMIDIFIER_ROWS = (
 )
 
 
-def publish_climate(part: Part, available: Available, base: str) -> Entities:
+def publish_climate(_part: Part, available: Available, base: str) -> PublishedEntity | None:
     """Publish the targets, the measurements and the modes of a thermostat or an air conditioner.
 
     A target with another meaning in Home Assistant, by its modes, stays a number entity, and so does a mode with
     options that Home Assistant does not have.
     """
-    if part.service_type not in _CLIMATES:
-        return ()
     modes = _known_modes(available, "thermostat_mode", _MODES)
     targets = _targets(available, modes)
     if not modes and not targets:
-        return ()
+        return None
     shown = modes or tuple(_MODE_OF_TARGET[key, name] for name, key in targets.items())[:1]
     entity = PublishedEntity(base, "climate", "", {"temperature_unit": "C", "modes": list(shown)})
     if modes:
@@ -73,34 +68,29 @@ def publish_climate(part: Part, available: Available, base: str) -> Entities:
     _add_targets(entity, available, targets)
     entity.add_rows(available, _CLIMATE_ROWS)
     _add_presets(entity, available)
-    return (entity,)
+    return entity
 
 
-def publish_water_heater(part: Part, available: Available, base: str) -> Entities:
+def publish_water_heater(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the target, the temperature and the mode of a water heater."""
-    if part.service_type != "water_heater" or not is_settable(available, "heating_setpoint"):
-        return ()
     modes = _known_modes(available, "water_heater_mode", _HEATER_MODES)
     entity = PublishedEntity(base, "water_heater", "", {"temperature_unit": "C", "modes": list(modes)})
     _add_targets(entity, available, {"heating_setpoint": "temperature"})
     if modes:
         entity.add(available.pop("water_heater_mode"), _HEATER_MODE_ROW)
     entity.add_rows(available, (_TEMPERATURE_ROW,))
-    return (entity,)
+    return entity
 
 
-def publish_humidifier(part: Part, available: Available, base: str) -> Entities:
+def publish_humidifier(part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the switch, the target and the mode of a humidifier."""
-    is_whole = is_settable(available, "on_off") and is_settable(available, "humidity_setpoint")
-    if part.service_type != "x_humidifier" or not is_whole:
-        return ()
     kind = "dehumidifier" if part.tag == "dehumidifier" else "humidifier"
     entity = PublishedEntity(base, "humidifier", "", {"device_class": kind})
     bounds = available["humidity_setpoint"].bounds
     if bounds and 0 <= bounds[0] < bounds[1] <= 100:
         entity.config |= {"min_humidity": bounds[0], "max_humidity": bounds[1]}
     entity.add_rows(available, _HUMIDIFIER_ROWS)
-    return (entity,)
+    return entity
 
 
 def _known_modes(available: Available, name: str, known: frozenset[str]) -> tuple[str, ...]:

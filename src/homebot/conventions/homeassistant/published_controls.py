@@ -37,8 +37,6 @@ __all__ = [
     "publish_valve",
 ]
 
-Entities = tuple[PublishedEntity, ...]
-
 _LOCK_ROW = Row(
     "lock", "state_topic", "command_topic", commands={"LOCK": "locked", "UNLOCK": "unlocked", "OPEN": "open"}
 )
@@ -65,18 +63,16 @@ _FAN_ROWS = (
 _CODES = ("code_arm_required", "code_disarm_required", "code_trigger_required")
 
 
-def publish_lock(_part: Part, available: Available, base: str) -> Entities:
+def publish_lock(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the bolt, and the latch if the options have ``open``."""
-    if not is_settable(available, "lock"):
-        return ()
     entity = PublishedEntity(base, "lock", "", {f"state_{state}": state for state in LOCK_STATES})
     if "open" in available["lock"].options:
         entity.config["payload_open"] = "OPEN"
     entity.add(available.pop("lock"), _LOCK_ROW)
-    return (entity,)
+    return entity
 
 
-def publish_cover(part: Part, available: Available, base: str) -> Entities:
+def publish_cover(part: Part, available: Available, base: str) -> PublishedEntity | None:
     """Publish movement, position and tilt.
 
     A position or a tilt that is never reported is left out: Home Assistant sets none that it does not know.
@@ -90,7 +86,7 @@ def publish_cover(part: Part, available: Available, base: str) -> Entities:
     position = available.get("position")
     if movement is not None or (position is not None and _COVER_ROWS[0].fits(position)):
         entity.add_rows(available, _COVER_ROWS)
-    return (entity,) if entity.commands else ()
+    return entity if entity.commands else None
 
 
 def _cover_class(part: Part) -> dict[str, object]:
@@ -99,10 +95,8 @@ def _cover_class(part: Part) -> dict[str, object]:
     return {"device_class": part.tag} if part.tag in _COVERINGS else {}
 
 
-def publish_valve(_part: Part, available: Available, base: str) -> Entities:
+def publish_valve(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish a valve. With a reported position, open and closed are positions."""
-    if not is_settable(available, "valve"):
-        return ()
     valve = available.pop("valve")
     payloads = settable_payloads(valve, _MOVES)
     entity = PublishedEntity(base, "valve")
@@ -114,12 +108,12 @@ def publish_valve(_part: Part, available: Available, base: str) -> Entities:
         entity.config["reports_position"] = True
         entity.add_state("state_topic", "valve", _valve_text, ("valve", "position"))
         entity.add_command("command_topic", "valve", _read_valve)
-        return (entity,)
+        return entity
     entity.config |= {
         key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items() if key != "payload_stop"
     }
     entity.add(valve, Row("valve", "state_topic", "command_topic", commands=_MOVES))
-    return (entity,)
+    return entity
 
 
 def _valve_text(values: Values) -> str:
@@ -138,19 +132,15 @@ def _read_valve(text: str) -> Values:
     return {"position": percent} if percent is not None and 0 <= percent <= 100 else {}
 
 
-def publish_fan(part: Part, available: Available, base: str) -> Entities:
+def publish_fan(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the switch, the speed, the programmes, the swing and the direction of a fan."""
-    if part.service_type != "fan" or not is_settable(available, "on_off"):
-        return ()
     entity = PublishedEntity(base, "fan")
     entity.add_rows(available, _FAN_ROWS)
-    return (entity,)
+    return entity
 
 
-def publish_vacuum(_part: Part, available: Available, base: str) -> Entities:
+def publish_vacuum(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the state, the power, the charge and the locator of a robot that cleans."""
-    if not is_settable(available, "vacuum"):
-        return ()
     vacuum = available.pop("vacuum")
     payloads = settable_payloads(vacuum, {action: state for state, (_, action) in VACUUM_ACTIONS.items()})
     features = [action.replace("return_to_base", "return_home") for action in payloads]
@@ -168,7 +158,7 @@ def publish_vacuum(_part: Part, available: Available, base: str) -> Entities:
         return {"vacuum": payloads[text]} if text in payloads else {}
 
     entity.add_command("command_topic", "vacuum", read)
-    return (entity,)
+    return entity
 
 
 def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
@@ -198,10 +188,8 @@ def _vacuum_text(values: Values) -> str:
     return compact_json(message)
 
 
-def publish_mower(_part: Part, available: Available, base: str) -> Entities:
+def publish_mower(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the activity of a robot that mows."""
-    if not is_settable(available, "mower"):
-        return ()
     mower = available.pop("mower")
     payloads = settable_payloads(mower, {action: state for state, (_, action) in MOWER_ACTIONS.items()})
     entity = PublishedEntity(base, "lawn_mower")
@@ -209,26 +197,22 @@ def publish_mower(_part: Part, available: Available, base: str) -> Entities:
         entity.add_state("activity_state_topic", "mower")
     for action in payloads:
         entity.add_command(f"{action}_command_topic", "mower", payload_reader("mower", payloads))
-    return (entity,)
+    return entity
 
 
-def publish_alarm(_part: Part, available: Available, base: str) -> Entities:
+def publish_alarm(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish an alarm. It asks for no code: a client that may command homebot may command it."""
-    if not is_settable(available, "alarm"):
-        return ()
     payloads = {action.upper(): state for state, (_, action) in ALARM_ACTIONS.items()}
     features = [one.lower() for one in settable_payloads(available["alarm"], payloads) if one != "DISARM"]
     fields = {"supported_features": features, **dict.fromkeys(_CODES, False)}
     entity = PublishedEntity(base, "alarm_control_panel", "", fields)
     entity.add_state("state_topic", "alarm")  # required
     entity.add(available.pop("alarm"), Row("alarm", "", "command_topic", commands=payloads))
-    return (entity,)
+    return entity
 
 
-def publish_siren(part: Part, available: Available, base: str) -> Entities:
+def publish_siren(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish the switch, the tones and the volume of a siren."""
-    if part.service_type != "siren" or not is_settable(available, "on_off"):
-        return ()
     switch = available.pop("on_off")
     has_volume = is_settable(available, "volume")
     entity = PublishedEntity(base, "siren", "", {"support_volume_set": has_volume, "support_duration": False})
@@ -242,7 +226,7 @@ def publish_siren(part: Part, available: Available, base: str) -> Entities:
     if switch.readable:
         entity.add_state("state_topic", "siren", _siren_text, names)
     entity.add_command("command_topic", "siren", lambda text: _read_siren(text, tones, has_volume=has_volume))
-    return (entity,)
+    return entity
 
 
 def _siren_text(values: Values) -> str:

@@ -30,13 +30,11 @@ _FULL = 255
 _LONGEST_EFFECT = 255
 
 
-def publish_light(part: Part, available: Available, base: str) -> tuple[PublishedEntity, ...]:
+def publish_light(_part: Part, available: Available, base: str) -> PublishedEntity:
     """Publish a lamp that can be switched.
 
     White and colour belong to it only if its brightness can be set: Home Assistant knows no other lamps.
     """
-    if part.service_type != "light" or not is_settable(available, "on_off"):
-        return ()
     switch = available.pop("on_off")
     names = ("level", *_TINTS, "effect") if is_settable(available, "level") else ("effect",)
     lamp = {name: available.pop(name) for name in names if is_settable(available, name)}
@@ -44,7 +42,7 @@ def publish_light(part: Part, available: Available, base: str) -> tuple[Publishe
     if switch.readable:
         entity.add_state("state_topic", "light", _state_writer(frozenset(lamp)), ("on_off", *lamp))
     entity.add_command("command_topic", "light", _command_reader(frozenset(lamp)))
-    return (entity,)
+    return entity
 
 
 def _config(lamp: Mapping[str, Capability]) -> dict[str, object]:

@@ -10,7 +10,7 @@ import json
 import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.homeassistant.published_climate import (
@@ -28,7 +28,7 @@ from homebot.conventions.homeassistant.published_controls import (
     publish_vacuum,
     publish_valve,
 )
-from homebot.conventions.homeassistant.published_entity import Available, CommandReader, PublishedEntity
+from homebot.conventions.homeassistant.published_entity import Available, CommandReader, PublishedEntity, is_settable
 from homebot.conventions.homeassistant.published_light import publish_light
 from homebot.conventions.homeassistant.published_single import publish_single
 from homebot.devices.exposure import ExposedDevice
@@ -39,20 +39,38 @@ from homebot.devices.value import PlainValue, Value
 __all__ = ["HomeAssistantPublisher"]
 
 
-_Publish: TypeAlias = Callable[[Part, Available, str], tuple[PublishedEntity, ...]]
-_WHOLE: tuple[_Publish, ...] = (
-    publish_light,
-    publish_fan,
-    publish_siren,
-    publish_climate,
-    publish_water_heater,
-    publish_humidifier,
-    publish_lock,
-    publish_valve,
-    publish_cover,
-    publish_vacuum,
-    publish_mower,
-    publish_alarm,
+class _Whole(NamedTuple):
+    """An entity with several capabilities of a part.
+
+    Attributes:
+        needs: The capabilities that the part must be able to set.
+        publish: Publishes it and removes its capabilities; returns None if Home Assistant has no such entity.
+        service_types: The types of parts that it is of; empty for any.
+    """
+
+    needs: tuple[str, ...]
+    publish: Callable[[Part, Available, str], PublishedEntity | None]
+    service_types: tuple[str, ...] = ()
+
+    def fits(self, part: Part, available: Available) -> bool:
+        """Return whether *part* may have it, with the capabilities that are *available*."""
+        fits_type = not self.service_types or part.service_type in self.service_types
+        return fits_type and all(is_settable(available, name) for name in self.needs)
+
+
+_WHOLE: tuple[_Whole, ...] = (
+    _Whole(("on_off",), publish_light, ("light",)),
+    _Whole(("on_off",), publish_fan, ("fan",)),
+    _Whole(("on_off",), publish_siren, ("siren",)),
+    _Whole((), publish_climate, ("thermostat", "room_air_conditioner")),
+    _Whole(("heating_setpoint",), publish_water_heater, ("water_heater",)),
+    _Whole(("on_off", "humidity_setpoint"), publish_humidifier, ("x_humidifier",)),
+    _Whole(("lock",), publish_lock),
+    _Whole(("valve",), publish_valve),
+    _Whole((), publish_cover),
+    _Whole(("vacuum",), publish_vacuum),
+    _Whole(("mower",), publish_mower),
+    _Whole(("alarm",), publish_alarm),
 )
 """Each removes its capabilities, so that the position of a valve is no cover."""
 
@@ -139,7 +157,8 @@ class HomeAssistantPublisher:
         """Return the entities of *part*: the main one, then one for each other capability."""
         base = f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"
         available: Available = {one.name: one for one in part.capabilities}
-        found = [entity for publish in _WHOLE for entity in publish(part, available, base)]
+        whole = [one.publish(part, available, base) for one in _WHOLE if one.fits(part, available)]
+        found = [entity for entity in whole if entity is not None]
         found += [entity for one in available.values() for entity in publish_single(part, one, base)]
         return tuple(found)
 
