@@ -288,6 +288,13 @@ def test_a_command_is_the_call_of_a_service(
     assert (call.entity_id, call.service, dict(call.data)) == (entity_id, *called)
 
 
+def test_a_position_that_cannot_be_set_is_read() -> None:
+    """A template cover with a ``position_template`` alone has one."""
+    cover = only("cover.a", "open", supported_features=3, current_position=30)
+    assert cover.read(is_change=False) == {"movement": "open", "position": 30.0}
+    assert [(one.name, one.settable) for one in cover.part().capabilities] == [("movement", True), ("position", False)]
+
+
 def test_a_lock_with_a_code_needs_it() -> None:
     with pytest.raises(WrongCodeError):
         only("lock.a", "locked", code_format="\\d+").call("lock", "unlocked")

@@ -48,6 +48,7 @@ from homebot.conventions.homeassistant.states.rows import (
     read_number,
     read_state,
     read_text,
+    reported,
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
 from homebot.conventions.payload import shown
@@ -141,7 +142,7 @@ _OPENINGS = ("open", "closed", "opening", "closing")
 def _opening(name: str, domain: str) -> tuple[EntityRow, ...]:
     services = {"open": (1, f"open_{domain}"), "closed": (2, f"close_{domain}"), "stopped": (8, f"stop_{domain}")}
     position = percent("position", "current_position", f"set_{domain}_position", "position", has(4))
-    return (*moves(name, services, *_OPENINGS), position)
+    return (*moves(name, services, *_OPENINGS), *reported(position, "current_position"))
 
 
 def _write_end_of_tilt(_info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -187,7 +188,7 @@ _MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
     (
         EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
-        percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0),
+        *reported(percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0), "volume_level"),
         choice("option", "source", "source_list", "select_source", when=has(2048)),
         EntityRow("value", read_text("state")),
     ),

@@ -7,6 +7,7 @@ service as ``service``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
@@ -32,6 +33,7 @@ __all__ = [
     "read_number",
     "read_state",
     "read_text",
+    "reported",
     "sensed",
 ]
 
@@ -89,6 +91,11 @@ def percent(
         return {"service": service, argument or field: round(number) if factor == 1 else round(number / factor, 6)}
 
     return EntityRow(name, read_number(field, factor, 0, 100), write if service else None, "", when)
+
+
+def reported(row: EntityRow, field: str) -> tuple[EntityRow, EntityRow]:
+    """Return *row*, and a row that only reads: of an entity that has *field*, but cannot be set."""
+    return row, replace(row, write=None, when=lambda info: field in info and not row.applies(info))
 
 
 def choice(
