@@ -51,6 +51,7 @@ _ELECTRICAL = (
 )
 _COUNTED = (("aenergy", "energy"), ("ret_aenergy", "energy_returned"))
 _PHASES = ("a", "b", "c")
+_PHASE = (("act_power", "power"), ("voltage", "voltage"), ("current", "current"), ("freq", "frequency"))
 
 
 def build_sensor(component: ShellyComponent) -> Parts:
@@ -165,8 +166,9 @@ def _build_phases(component: ShellyComponent) -> Parts:
         if f"{phase}_act_power" not in component.status:
             continue
         part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
-        for field, capability in (("act_power", "power"), ("voltage", "voltage"), ("current", "current")):
-            component.add_measure(part, f"{phase}_{field}", capability)
+        for field, capability in _PHASE:
+            if field == "act_power" or component.has(f"{phase}_{field}"):
+                component.add_measure(part, f"{phase}_{field}", capability)
         _add_counters(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
     return tuple(parts)

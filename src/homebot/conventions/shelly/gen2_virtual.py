@@ -44,8 +44,8 @@ _CONTROLLED: Mapping[tuple[str, str], tuple[str, str]] = {
 }
 """Service type and capability of the settings of a maker's service, by kind and role."""
 
-_VALVE_POSITION = "position"
-"""The role of the opening of a water valve; blinds are covers in a maker's service."""
+_VALVE_POSITION = ("number", "position")
+"""Kind and role of the opening of a water valve; blinds are covers in a maker's service."""
 
 _ZONE = re.compile(r"zone[0-9]{1,2}")
 _VALVES = ("open", "closed")
@@ -55,9 +55,7 @@ _MOST_OPTIONS = 100
 def build_virtual(component: ShellyComponent) -> Parts:
     """Describe a value as a setting, or by its role or its access."""
     role = role_of(component.config)
-    if component.kind == "boolean" and _ZONE.fullmatch(role):
-        return (_build_zone(component, role),)
-    if component.kind == "number" and role == _VALVE_POSITION:
+    if (component.kind, role) == _VALVE_POSITION or (component.kind == "boolean" and _ZONE.fullmatch(role)):
         return (_build_valve(component, role),)
     access = component.config.get("access")
     if (component.kind == "number" and role in _MEASURED) or (isinstance(access, str) and "w" not in access):
@@ -99,37 +97,30 @@ def _build_sensor(component: ShellyComponent, role: str) -> JsonPart:
     return part
 
 
-def _build_zone(component: ShellyComponent, role: str) -> JsonPart:
-    """Describe a zone of an irrigation controller: a valve that is open while the zone is watered."""
+def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
+    """Describe a water valve, perhaps one that can be opened in part, or a zone of an irrigation controller."""
+    has_position = component.kind == "number"
 
     def decode(status: Fields) -> Readings:
         value = status.get("value")
-        return {"valve": "open" if value else "closed"} if isinstance(value, bool) else NO_READINGS
-
-    part = component.part("", "water_valve", tag=role)
-    component.read_status(part, decode)
-    component.add_command_topic(part)
-    writer = option_writer("valve", _VALVES, lambda state: component.call("Boolean.Set", value=state == "open"))
-    part.add_capability("valve", writer=writer, options=_VALVES)
-    return part
-
-
-def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
-    """Describe a water valve that can be opened in part."""
-
-    def decode(status: Fields) -> Readings:
-        percent = percent_of(status.get("value"))
-        return NO_READINGS if percent is None else {"position": percent, "valve": "open" if percent else "closed"}
+        opening = percent_of(value) if has_position else value
+        if not isinstance(opening, bool | float):
+            return NO_READINGS
+        position: Readings = {"position": opening} if has_position else NO_READINGS
+        return {"valve": "open" if opening else "closed", **position}
 
     def publish(percent: float) -> Publications:
-        return component.call("Number.Set", value=round(percent))
+        if has_position:
+            return component.call("Number.Set", value=round(percent))
+        return component.call("Boolean.Set", value=percent > 0)
 
     part = component.part("", "water_valve", tag=role)
     component.read_status(part, decode)
     component.add_command_topic(part)
     writer = option_writer("valve", _VALVES, lambda state: publish(100.0 if state == "open" else 0.0))
     part.add_capability("valve", writer=writer, options=_VALVES)
-    part.add_capability("position", writer=number_writer("position", (0.0, 100.0), "%", publish))
+    if has_position:
+        part.add_capability("position", writer=number_writer("position", (0.0, 100.0), "%", publish))
     return part
 
 
