@@ -134,8 +134,8 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
     """Return the parts of *sources* on one device, in the order of preference; those that are *known* keep their ids.
 
     Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
-    convention they are one only when they have one id and the same topics, or the same commands on the same topics. Two
-    of one id that do not are in conflict: the older one counts.
+    convention they are one only when they have one id and the same topics, or the same commands on the same topics, or
+    are the same sensor that several bridges receive. Two of one id that do not are in conflict: the older one counts.
     """
     if len(sources) == 1:
         return _parts_of_one(sources[0], topics, known)
@@ -276,7 +276,7 @@ def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[
             same_name = namesakes.setdefault((origin, part.service_type, part.id), [])
             older = [one for one in same_name if one.sources[0] is not source] if same_name else same_name
             commands = _commands_of(source, part)
-            announced = _announced_before(part, older) or repeated.get((origin, *commands))
+            announced = _announced_before(part, older, source) or repeated.get((origin, *commands))
             if announced is None:
                 if older and part.id:
                     conflicts.append(f"{source.label} announces {part.id!r}, which is {older[0].sources[0].label}'s")
@@ -292,11 +292,16 @@ def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[
     return found
 
 
-def _announced_before(part: Part, older: Iterable[_SourcePart]) -> _SourcePart | None:
+def _announced_before(part: Part, older: Iterable[_SourcePart], source: SourceRecord) -> _SourcePart | None:
     for one in older:
-        if _same_topics(part, one.part):
+        if _same_topics(part, one.part) or (_is_relayed(source, part) and part.capabilities == one.part.capabilities):
             return one
     return None
+
+
+def _is_relayed(source: SourceRecord, part: Part) -> bool:
+    """Return whether *part* is a sensor of a device that several bridges may receive at once."""
+    return source.sighting.native and not source.sighting.whole_device and not part.writes
 
 
 def _group(origins: Mapping[_Origin, Sequence[_SourcePart]]) -> None:
