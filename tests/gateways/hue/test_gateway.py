@@ -402,6 +402,20 @@ async def test_a_busy_bridge_gets_a_command_again_until_it_expires(tmp_path: Pat
         assert [body["dimming"] for _, _, body in home.bridge.commands] == [{"brightness": 10.0}]
 
 
+async def test_a_busy_bridge_is_asked_again_for_its_resources(tmp_path: Path) -> None:
+    async with house(tmp_path) as home:
+        lamp = await home.install("lamp", DeviceState(text="off"))
+        await home.sighting("The lamp")
+        await home.kill()
+        home.bridge.change(lamp.resource_id("light"), {"on": {"on": True}})
+        states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=100)
+        reports = home.reports()
+        home.bridge.busy = 3
+        await home.tasks.start(home.serve)
+        await reading(reports, "on_off", lambda one: one is True)
+        assert not any("429" in one.reason for one in iter(states.take, None))
+
+
 async def test_a_refusal_of_the_bridge_is_told_in_its_words(tmp_path: Path) -> None:
     async with house(tmp_path) as home:
         lamp = await home.install("lamp", DeviceState(text="off"))

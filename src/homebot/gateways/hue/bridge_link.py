@@ -1,8 +1,8 @@
 """Requests to one Hue bridge, no faster than it allows, and the stream of its events.
 
 Requests run two at a time: a bridge refuses more than three connections, and the events have one. Commands to lights
-start at most ten a second, and recalls of scenes one a second, in the order in which they come. A command that the
-bridge was too busy for is sent again; one without an answer is not.
+start at most ten a second, and recalls of scenes one a second, in the order in which they come. What the bridge was too
+busy for is sent again; a command without an answer is not.
 
 Source: Philips Hue, CLIP API v2, "Getting started" (system performance), and its reference.
 """
@@ -10,8 +10,9 @@ Source: Philips Hue, CLIP API v2, "Getting started" (system performance), and it
 from __future__ import annotations
 
 import ssl
+from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Final
+from typing import Final, TypeVar
 
 import anyio
 from pydantic import SecretStr
@@ -29,6 +30,8 @@ from homebot.gateways.long_json import parse_long_json
 from homebot.support.rate_limit import RateLimit
 
 __all__ = ["BridgeLink", "bridge_client", "create_key"]
+
+AnswerT = TypeVar("AnswerT")
 
 MAX_BYTES: Final = 8 * 1024 * 1024
 """Longest answer or event; all resources of 50 lights are about 200 kB."""
@@ -68,8 +71,8 @@ class BridgeLink:
 
     async def read(self, kind: str = "") -> object:
         """Return all resources of a type, by default of all types, as the bridge lists them."""
-        async with self._turns:
-            answer = await self._client.get(f"{self._origin}/clip/v2/resource{kind and f'/{kind}'}")
+        url = f"{self._origin}/clip/v2/resource{kind and f'/{kind}'}"
+        answer = await self._ask(lambda: self._client.get(url))
         return as_fields(await parse_long_json(answer.body, MAX_BYTES)).get("data")
 
     async def change(self, what: str, kind: str, rid: str, body: HueBody) -> None:
@@ -79,19 +82,24 @@ class BridgeLink:
             LinkError: There is no answer, or the bridge stays too busy.
             RefusedError: The bridge refuses *what*, the command in words.
         """
+        url = f"{self._origin}/clip/v2/resource/{kind}/{rid}"
         limit = self._scenes if kind in _SCENES else self._lights
-        for attempt in range(1, _TRIES + 1):
-            await anyio.sleep(limit.charge(self._clock.monotonic()))
+        _check_answer(what, as_fields(await self._ask(lambda: self._client.send_json("PUT", url, body), limit)))
+
+    async def _ask(self, send: Callable[[], Awaitable[AnswerT]], limit: RateLimit | None = None) -> AnswerT:
+        """Send a request in its turn, and again while the bridge is too busy for it; return the answer."""
+        attempt = 1
+        while True:
+            if limit is not None:
+                await anyio.sleep(limit.charge(self._clock.monotonic()))
             try:
                 async with self._turns:
-                    answer = await self._client.send_json("PUT", f"{self._origin}/clip/v2/resource/{kind}/{rid}", body)
+                    return await send()
             except BusyError:
                 if attempt == _TRIES:
                     raise
                 await anyio.sleep(_PAUSE * attempt)
-            else:
-                _check_answer(what, as_fields(answer))
-                break
+                attempt += 1
 
 
 def _check_answer(what: str, answer: Fields) -> None:

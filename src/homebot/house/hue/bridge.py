@@ -65,7 +65,7 @@ class SimulatedHueBridge:
     Attributes:
         keys: The application keys that it made, and that it has from the start.
         commands: The newest 100 changes that it was asked for: type, id and body.
-        busy: The number of the next requests for changes that it answers with 429.
+        busy: The number of the next requests for resources that it answers with 429.
         refusal: The text with which it refuses all changes; empty for none.
     """
 
@@ -154,6 +154,9 @@ class SimulatedHueBridge:
             return _answered(403, error="unauthorized user")
         if not request.path.startswith(_RESOURCES):
             return _answered(404, error="Not Found")
+        if self.busy:
+            self.busy -= 1
+            return _answered(429, error="too many requests")
         kind, _, rid = request.path.removeprefix(_RESOURCES).strip("/").partition("/")
         match request.method:
             case "GET":
@@ -192,9 +195,6 @@ class SimulatedHueBridge:
             return _answered(404, error="resource not found")
         if unknown := body.keys() - _CHANGEABLE.get(kind, frozenset()):
             return _answered(400, error=f"invalid value for parameter {min(unknown)}")
-        if self.busy:
-            self.busy -= 1
-            return _answered(429, error="too many requests")
         if self.refusal:
             return _answered(207, error=self.refusal)
         self.commands = [*self.commands[-99:], (kind, rid, body)]
