@@ -96,10 +96,9 @@ class PlacesExchange:
         kept: list[str] = []
         for names, facts in places.devices.items():
             yield
-            entries = self._known_by(names, by_identifier)
-            added += [entry.id for entry in entries if self._apply_device(entry, facts, kept, replaces=replaces)]
-            if not entries and self._apply_unknown(names, facts, kept, replaces=replaces):
-                added.append(f"{names[0]}, which is not there yet")
+            for entry in self._known_by(names, by_identifier) or (None,):
+                if self._apply_device(entry, names, facts, kept, replaces=replaces):
+                    added.append(entry.id if entry else f"{names[0]}, which is not there yet")
         if owner.plan.rooms != before.rooms:
             yield from self._restate(before, owner.plan)
         return Imported(tuple(added), tuple(kept))
@@ -156,25 +155,27 @@ class PlacesExchange:
         """Return how many statements a device of the file takes at most."""
         return max(len(names), sum(1 + len(entry.sources) for entry in self._known_by(names, by_identifier)))
 
-    def _apply_device(self, entry: Entry, facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool) -> bool:
-        """Take over the facts of a device; return whether any is new."""
-        stated = self._editor.stated(entry)
-        in_use = self._table.owner.of(entry.id, entry.sources.values())
-        merged = _merge(entry.id, stated, facts, in_use, kept, replaces=replaces)
-        if merged != stated:
-            self._editor.state(entry, merged, "a places file was imported")
-        return merged != stated
-
-    def _apply_unknown(
-        self, names: tuple[str, ...], facts: tuple[OwnerFact, ...], kept: list[str], *, replaces: bool
+    def _apply_device(
+        self,
+        entry: Entry | None,
+        names: tuple[str, ...],
+        facts: tuple[OwnerFact, ...],
+        kept: list[str],
+        *,
+        replaces: bool,
     ) -> bool:
-        """Take over the facts of a device that is not there yet; return whether any is new."""
+        """Take over the facts of a device, None if it is not there yet; return whether any is new."""
         owner = self._table.owner
-        stated = owner.stated_of(names)
-        merged = _merge(names[0], stated, facts, stated, kept, replaces=replaces)
-        if merged != stated:
+        stated = owner.stated_of(names) if entry is None else self._editor.stated(entry)
+        in_use = stated if entry is None else owner.of(entry.id, entry.sources.values())
+        merged = _merge(names[0] if entry is None else entry.id, stated, facts, in_use, kept, replaces=replaces)
+        if merged == stated:
+            return False
+        if entry is None:
             owner.put_unknown(names, merged, self._table.owners)
-        return merged != stated
+        else:
+            self._editor.state(entry, merged, "a places file was imported")
+        return True
 
     def _restate(self, before: HousePlan, now: HousePlan) -> Iterator[None]:
         for entry in tuple(self._table.entries.values()):

@@ -37,29 +37,20 @@ class DoorBacklog:
         limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
 
     Attributes:
+        clients: The queues of the clients that are there.
         lost: Messages dropped since the start.
     """
 
     def __init__(self, limit: int) -> None:
         self.lost = 0
-        self._clients: dict[Backlog, None] = {}
-        self._account = ByteAccount(
-            limit, lambda: self._clients, lambda one: one.waiting, lambda one: one.drop_oldest()
-        )
+        self.clients: dict[Backlog, None] = {}
+        self._account = ByteAccount(limit, lambda: self.clients, lambda one: one.waiting, lambda one: one.drop_oldest())
         self._last: tuple[weakref.ref[Message] | None, int] = (None, 0)
 
     @property
     def waiting(self) -> int:
         """Bytes that wait. A message that waits for several clients counts for each."""
         return self._account.used
-
-    def client_came(self, backlog: Backlog) -> None:
-        """Add the queue of a client."""
-        self._clients[backlog] = None
-
-    def client_left(self, backlog: Backlog) -> None:
-        """Forget a client."""
-        self._clients.pop(backlog, None)
 
     def add(self, size: int) -> None:
         """Count *size* more bytes, or fewer; of too many, the client with the most loses its oldest messages."""
@@ -88,7 +79,7 @@ class Backlog:
         self.everybody = everybody
         self._limit = limit
         self._order: OrderedDict[_Waiting, FeedQueue] = OrderedDict()
-        everybody.client_came(self)
+        everybody.clients[self] = None
 
     def add(self, waiting: _Waiting, queue: FeedQueue) -> None:
         """Record *waiting* in *queue* and drop the excess."""
@@ -118,7 +109,7 @@ class Backlog:
         """Release everything; the client has left."""
         for queue in set(self._order.values()):
             queue.close()
-        self.everybody.client_left(self)
+        self.everybody.clients.pop(self, None)
 
 
 class _Waiting:

@@ -81,15 +81,13 @@ class ClientSession:
         self._reads_png = not is_roslibpy
         self._shared = shared
         self._access = ClientAccess.of(name, rights, shared.owners(), is_page=is_page)
-        self._node = shared.node
-        self._settings = shared.settings
-        self._turns = shared.turns
+        self._node, self._turns = shared.node, shared.turns
+        self._settings = settings = shared.settings
         self._client = client
         self._link = link
         self._outbox = Outbox(link.send, link.cut, shared.turns, _ANSWERS)
-        settings = shared.settings
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
-        self._assembler = FrameAssembler(shared.settings.max_frame_bytes)
+        self._assembler = FrameAssembler(settings.max_frame_bytes)
         self._level: protocol.Level = "none" if is_roslibpy else "error"
         self._calls = 0
         self._slowness = LogLimit(shared.node.graph.clock)
