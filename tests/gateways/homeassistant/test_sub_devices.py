@@ -210,3 +210,20 @@ def test_each_accessory_behind_a_bridge_is_one_device(pairing_id: str) -> None:
         ("homeassistant", "homekit"),
         ("homekit",),
     ]
+
+
+def test_a_valve_behind_a_shelly_is_a_device_of_its_own_in_both() -> None:
+    """``shelly/utils.py``: ``get_blu_trv_device_info``; ``shelly/climate.py``: ``RpcBluTrvClimate``."""
+    address = "f8:44:77:1d:05:54"
+    known = Gen2Device("shellyblugwg3-a8032abe54dc", {"id": "shellyblugwg3-a8032abe54dc", "mac": MAC, "gen": 3})
+    status = {"target_C": 17.8, "current_C": 18.5, "pos": 54, "rssi": -60, "battery": 100}
+    valve = {"key": "blutrv:200", "status": status, "config": {"addr": address, "name": "Bath"}}
+    known.add_page({"components": [valve], "offset": 0, "total": 1}, 0, 100)
+    described, _ = known.describe("homebot", "", "")
+    main = SubDevice(("shelly", MAC), {"sensor.rssi": f"{MAC}-rssi"}, (("mac", PAIRS),))
+    trv = SubDevice(("shelly", address), {"climate.bath": f"{address}-blutrv:200"}, (("bluetooth", address),))
+    own = [sighting(one, "mqtt") for one in described]
+    found = {device.name: device for device in devices_of(*own, *in_home_assistant(main, trv))}
+    assert len(found) == 2
+    (thermostat, *_) = found["Bath"].parts
+    assert [route.gateway for route in thermostat.routes] == ["mqtt", "homeassistant"]
