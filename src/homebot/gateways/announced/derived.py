@@ -21,7 +21,7 @@ class DerivedAnnouncements:
 
     def __init__(self) -> None:
         self._listed: defaultdict[str, int] = defaultdict(int)
-        self._others: defaultdict[str, dict[str, None]] = defaultdict(dict)
+        self._announced: defaultdict[str, dict[str, None]] = defaultdict(dict)
 
     def is_derived(self, described: DeviceAnnounced) -> bool:
         """Return whether the program that made *described* lists the device itself."""
@@ -29,7 +29,7 @@ class DerivedAnnouncements:
 
     def of(self, listed: DeviceAnnounced) -> tuple[str, ...]:
         """Return the keys of the registered announcements that are derived from *listed*."""
-        return tuple({key: None for one in _marks(listed) for key in self._others.get(one, ())})
+        return tuple({key: None for one in _marks(listed) for key in self._announced.get(one, ())})
 
     def put(self, described: DeviceAnnounced) -> None:
         """Record a registered announcement."""
@@ -37,7 +37,7 @@ class DerivedAnnouncements:
             if described.native:
                 self._listed[mark] += 1
             else:
-                self._others[mark][described.full_key] = None
+                self._announced[mark][described.full_key] = None
 
     def remove(self, described: DeviceAnnounced) -> None:
         """Record that an announcement is registered no more."""
@@ -47,9 +47,9 @@ class DerivedAnnouncements:
                 if not self._listed[mark]:
                     del self._listed[mark]
             else:
-                self._others[mark].pop(described.full_key, None)
-                if not self._others[mark]:
-                    del self._others[mark]
+                self._announced[mark].pop(described.full_key, None)
+                if not self._announced[mark]:
+                    del self._announced[mark]
 
 
 def _marks(described: DeviceAnnounced) -> list[str]:
