@@ -1,4 +1,7 @@
-"""Durations of the control layer, in seconds, each with its reason. Pure."""
+"""Durations of the control layer, in seconds, each with its reason. Pure.
+
+The devices that need them are those of public reports: REPOSITORY#NUMBER is an issue on GitHub.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +14,34 @@ SENT_AT_ONCE: Final = 0.01
 """A gateway with a connection needs no longer to send."""
 
 FAST: Final = 0.1
-"""A report this soon after sending may be a bridge's echo: radios take longer."""
+"""A report this soon after sending may be a bridge's echo: radios take longer.
+
+Zigbee2MQTT publishes the wanted brightness at once, then the lamp's own (Koenkk/zigbee2mqtt#3949).
+"""
 
 LEVEL_FOLLOWS: Final = 1.0
 """A lamp that reports "on" reports its level within it, in a second message at most."""
 
 LAST_STEPS: Final = 2.0
-"""The last steps of a transition may be reported this long after its end."""
+"""The last steps of a transition may be reported this long after its end.
+
+Philips Hue reports steps also without one (Koenkk/zigbee2mqtt#32050).
+"""
 
 CAME_ALONG: Final = 3.0
 """Other values of the part that change this soon after a sign of a command belong to it."""
 
 TAKEN_BACK: Final = 3.0
-"""A bridge that was refused, or reads the device back, takes its echo back within it."""
+"""A bridge that was refused, or reads the device back, takes its echo back within it.
+
+deCONZ shows 255 for an Elko RF dimmer that ignored it, until it asks (dresden-elektronik/deconz-rest-plugin#1594).
+"""
 
 REGULAR: Final = 0.5
-"""Returns that differ by no more come from a timer in the device or bridge, rather than from persons."""
+"""Returns that differ by no more come from a timer in the device or bridge, rather than from persons.
+
+Shelly relays have one: ``auto_off_delay`` (Shelly API, Gen2+, Switch).
+"""
 
 ECHO_PATIENCE: Final = 2.0
 """The first echoes of a device are followed by its own report within it, or never."""
@@ -41,7 +56,10 @@ SUPERSEDED: Final = 10.0
 """A command may still have an effect this long after a newer one replaced it."""
 
 MOTOR_SILENCE: Final = 60.0
-"""A motor may report nothing for a whole run: blinds take up to a minute."""
+"""A motor may report nothing for a whole run: blinds take up to a minute.
+
+Others report each second, as Tuya's _TZE200_xuzcvlku (Koenkk/zigbee2mqtt#12679).
+"""
 
 LATE: Final = 60.0
 """A device may answer this long after its command failed; later a person is likelier."""

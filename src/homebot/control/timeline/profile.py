@@ -30,7 +30,10 @@ _LARGEST_ERROR: Final = 25.0
 """Percent by which a dimmer may round; a larger error is no rounding."""
 
 _SLACK: Final = 1.5
-"""Percent by which the errors of one dimmer differ: most count to 254."""
+"""Percent by which the errors of one dimmer differ: most count to 254, or to 99 as Z-Wave does.
+
+Sources: openhab/org.openhab.binding.zigbee#108 (99 becomes 98), home-assistant/core#33927 (22 becomes 21).
+"""
 
 
 class Return(NamedTuple):

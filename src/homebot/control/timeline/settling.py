@@ -201,7 +201,8 @@ class FadeOut:
     """Difference between a lamp that fades off after it reported "off", and one that was turned on again.
 
     Many bridges report the commanded value before the lamp has faded there. Each further report has a lower level, but
-    that of a lamp that was turned on again mostly the level of before.
+    that of a lamp that was turned on again mostly the level of before. An innr RB 214 reports 1 at the end of its fade
+    (Koenkk/zigbee2mqtt#2850).
 
     Args:
         level: The level that the lamp reported before it was turned off; None if it reported none.
