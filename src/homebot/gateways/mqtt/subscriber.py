@@ -67,7 +67,9 @@ class Subscriber:
     def ask(self, stored: StoredAnnouncement) -> None:
         """Ask the device for its state once all that is needed now is subscribed to; check that as :meth:`wake`."""
         self._needed.set()
-        asks = dict.fromkeys(ask for part in stored.parts.values() for ask in part.described.state_requests)
+        asks: dict[Publication, None] = {}
+        for part in stored.parts.values():
+            asks.update(dict.fromkeys(part.described.state_requests))
         for ask in islice(asks, MAX_ASKS_EACH):
             if len(self._asks_later) + len(self._asks) >= MAX_ASKS:
                 self._counters.asks_dropped += 1
