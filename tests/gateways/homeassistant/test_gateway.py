@@ -9,6 +9,7 @@ from pathlib import Path
 import anyio
 import pytest
 from anyio.abc import TaskStatus
+from tests.gateways.watched_gateway import reading, receive
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
@@ -74,23 +75,13 @@ class House:
         self._client = watcher.create_client(SendCommand, NAMES.send_command)
 
     async def state(self, wanted: str) -> GatewayState:
-        with anyio.fail_after(PATIENCE):
-            while (state := await self.states.receive()).state != wanted:
-                pass
-        return state
+        return await receive(self.states, lambda one: one.state == wanted)
 
     async def reported(self, capability: str) -> PlainValue:
-        with anyio.fail_after(PATIENCE):
-            while True:
-                for one in (await self.reports.receive()).readings:
-                    if one.capability == capability:
-                        return one.value.plain()
+        return await reading(self.reports, capability, lambda _: True)
 
     async def sighted(self, parts: int) -> Sighting:
-        with anyio.fail_after(PATIENCE):
-            while len((sighting := await self.sightings.receive()).parts) != parts:
-                pass
-        return sighting
+        return await receive(self.sightings, lambda one: len(one.parts) == parts)
 
     async def unlock(self, code: str = "", expires: float = 0.0) -> SendCommandResponse:
         lock, value = "lock_home-lock", Value.of("unlocked")

@@ -208,15 +208,15 @@ class FakeMdns:
         txt = {"txt_sf": flags, "txt_c#": version, "txt_s#": state}
         self.sight(server.name, is_removed=is_removed, **{**found, **txt, **facts})
 
-    def sight(self, name: str, *, is_removed: bool = False, **facts: str) -> None:
+    def sight(self, name: str, *, is_removed: bool = False, service_type: str = "_hap._tcp", **facts: str) -> None:
         self._sightings.publish(
             Sighting(
                 gateway="mdns",
-                key=f"{name}._hap._tcp.local.",
+                key=f"{name}.{service_type}.local.",
                 kind="removed" if is_removed else "updated",
                 why="it is announced",
                 name=name,
-                service_type="_hap._tcp",
+                service_type=service_type,
                 address="",
                 command_address="",
                 metadata=tuple(KeyValue(key=key, value=value) for key, value in facts.items()),

@@ -14,7 +14,8 @@ from tests.gateways.homekit.fake_accessories import (
     lamp_service,
     service,
 )
-from tests.gateways.homekit.house import house, paired, reading
+from tests.gateways.homekit.house import house, paired
+from tests.gateways.watched_gateway import reading, receive
 
 from homebot.gateways.homekit.accessory_runner import MAX_EVENTS
 from homebot.gateways.homekit.port import HomekitValues
@@ -51,7 +52,7 @@ async def test_a_paired_accessory_is_described_with_its_facts_and_reports() -> N
     async with house(server) as home:
         assert (await home.pair(server, CODE)).success
         sightings, reports = home.sightings(), home.reports()
-        sighting = await home.sighted(sightings, lambda one: one.parts)
+        sighting = await receive(sightings, lambda one: one.parts)
         assert (sighting.key, sighting.name, sighting.authenticated) == (KEY, "Hall", True)
         assert {"manufacturer", "model", "sw_version"} <= {one.key for one in sighting.metadata}
         assert sighting.identifiers == (f"id:homekit {KEY} pairing", "id:SN-4711")
@@ -63,7 +64,7 @@ async def test_a_paired_accessory_is_described_with_its_facts_and_reports() -> N
 async def test_what_was_written_is_read_again_because_no_event_comes() -> None:
     server = lamp()
     async with paired(server) as (home, reports):
-        assert (await home.send(KEY, "8", "level", 40.0)).success
+        assert (await home.command(KEY, "8", "level", 40.0)).success
         assert server.written == [((1, 10), 40), ((1, 9), True)]
         await reading(reports, "on_off", True)
         await reading(reports, "level", 40.0)
@@ -74,20 +75,20 @@ async def test_each_accessory_behind_a_bridge_is_a_device_and_one_that_is_gone_i
     async with house(server) as home:
         await home.pair(server, CODE)
         sightings = home.sightings()
-        door = await home.sighted(sightings, lambda one: one.name == "Back door")
+        door = await receive(sightings, lambda one: one.name == "Back door")
         assert door.key == f"{KEY}.3"
         assert {one.key: one.value for one in door.metadata}["via_device"] == KEY
         assert door.identifiers == (f"id:homekit {KEY.upper()} aid 3",)  # another has the same serial number
         del server.accessories[2]
         home.mdns.announce(server, version="2")
-        gone = await home.sighted(sightings, lambda one: one.kind == "removed")
+        gone = await receive(sightings, lambda one: one.kind == "removed")
         assert gone.key == f"{KEY}.3"
 
 
 async def test_a_lock_is_written_in_time_and_says_that_it_is_on_its_way() -> None:
     server = bridge()
     async with paired(server, ("lock", "unlocked")) as (home, reports):
-        assert (await home.send(f"{KEY}.3", "20", "lock", "locked")).success
+        assert (await home.command(f"{KEY}.3", "20", "lock", "locked")).success
         assert (server.written, server.timed) == ([((3, 22), 1)], [True])
         await reading(reports, "lock", "locking")
         server.report(3, 21, 1)
@@ -109,7 +110,7 @@ async def test_a_status_says_whether_the_same_may_work_later(status: int, proble
     server = lamp()
     async with paired(server) as (home, _):
         server.status = status
-        answer = await home.send(KEY, "8", "on_off", True)
+        answer = await home.command(KEY, "8", "on_off", True)
         assert (answer.success, answer.problem) == (False, problem)
 
 
@@ -127,17 +128,17 @@ async def test_an_accessory_that_its_bridge_does_not_reach_is_not_seen() -> None
 async def test_an_accessory_that_restarts_is_back_within_five_seconds_and_got_no_command_twice() -> None:
     server = lamp()
     async with paired(server) as (home, reports):
-        assert (await home.send(KEY, "8", "on_off", True)).success
+        assert (await home.command(KEY, "8", "on_off", True)).success
         server.is_there = False
         server.drop()
         await reading(reports, "reachable", False)
-        answer = await home.send(KEY, "8", "on_off", False)
+        answer = await home.command(KEY, "8", "on_off", False)
         assert (answer.problem, server.written) == ("unreachable", [(ON, True)])
         await anyio.sleep(100)
         server.is_there = True
         with anyio.fail_after(5):
             await reading(reports, "reachable", True)
-        assert (await home.send(KEY, "8", "on_off", False)).success
+        assert (await home.command(KEY, "8", "on_off", False)).success
         assert server.written == [(ON, True), (ON, False)]
 
 
@@ -149,19 +150,19 @@ async def test_an_accessory_that_answers_wrongly_when_it_is_back_is_asked_again_
         await anyio.sleep(3600)
         listed, server.accessories = server.accessories, []
         server.is_there = True
-        while not (await home.health())[0]:  # noqa: ASYNC110 - it tells nobody
+        while not (await home.health()).troubles:  # noqa: ASYNC110 - it tells nobody
             await anyio.sleep(0.1)
         server.accessories = listed
         with anyio.fail_after(5):
             await reading(reports, "reachable", True)
-        assert (await home.health())[0] == ()
+        assert (await home.health()).troubles == ()
 
 
 async def test_a_command_that_expires_while_the_accessory_hangs_does_not_come_later() -> None:
     server = lamp()
     async with paired(server) as (home, _):
         server.answers = anyio.Event()
-        answer = await home.send(KEY, "8", "on_off", True, expires_after=2.0)
+        answer = await home.command(KEY, "8", "on_off", True, expires_after=2.0)
         assert (answer.problem, server.written) == ("unreachable", [])
         server.answers.set()
         await anyio.sleep(60)
@@ -215,7 +216,7 @@ async def test_without_the_gateway_that_finds_accessories_it_says_so() -> None:
     async with house(server) as home:
         home.mdns.state("there is no network interface eth9")
         await anyio.wait_all_tasks_blocked()
-        answer = await home.send(KEY, "8", "on_off", True)
+        answer = await home.command(KEY, "8", "on_off", True)
         assert not answer.success
 
 
@@ -231,7 +232,7 @@ async def test_an_accessory_that_sleeps_is_not_unreachable_and_its_command_waits
         server.drop()
         await reading(reports, "reachable", None)
         async with anyio.create_task_group() as tasks:
-            tasks.start_soon(home.send, KEY, "8", "on_off", True)
+            tasks.start_soon(home.command, KEY, "8", "on_off", True)
             await anyio.sleep(20)
             server.is_there = True
         assert server.written == [(ON, True)]
@@ -244,7 +245,7 @@ async def test_a_command_that_expires_while_the_accessory_sleeps_does_not_come_l
         server.is_there = False
         server.drop()
         await reading(reports, "reachable", None)
-        answers = [await home.send(KEY, "8", "on_off", True, expires_after=after) for after in (10.0, 0.0)]
+        answers = [await home.command(KEY, "8", "on_off", True, expires_after=after) for after in (10.0, 0.0)]
         assert [one.problem for one in answers] == ["unreachable", "unreachable"]
         server.is_there = True
         await reading(reports, "reachable", True)
@@ -258,7 +259,7 @@ async def test_an_accessory_over_thread_that_was_never_reached_may_sleep(tmp_pat
     server.service_type, server.is_there = "_hap._udp", False
     async with house(server, pairings=pairings) as home:
         await reading(home.reports(), "reachable", None)
-        assert (await home.sighted(home.sightings(), lambda one: one.name == "Hall")).service_type == "_hap._udp"
+        assert (await receive(home.sightings(), lambda one: one.name == "Hall")).service_type == "_hap._udp"
 
 
 @pytest.mark.parametrize(("service_type", "attempts"), [("_hap._tcp", 2), ("_hap._udp", 1)])

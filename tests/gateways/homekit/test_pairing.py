@@ -10,7 +10,8 @@ from pathlib import Path
 import anyio
 import pytest
 from tests.gateways.homekit.fake_accessories import CODE, FakeServer, accessory, lamp_service
-from tests.gateways.homekit.house import house, paired, reading
+from tests.gateways.homekit.house import house, paired
+from tests.gateways.watched_gateway import reading, receive
 
 pytestmark = pytest.mark.virtual_time
 
@@ -27,15 +28,17 @@ async def test_an_accessory_that_waits_says_the_command_and_is_paired_by_it(
     caplog.set_level(logging.DEBUG)
     server, pairings = lamp(), tmp_path / "pairings.json"
     async with house(server, pairings=pairings) as home:
-        troubles, (note,) = await home.health()
-        assert troubles == ()
+        health = await home.health()
+        (note,) = health.notes
+        assert health.troubles == ()
         assert "`homebot pair 'Hall lamp' CODE`" in note
         wrong = await home.pair(server, "111-11-111")
         assert (wrong.problem, "111" in wrong.message) == ("refused", False)
         right = await home.pair(server, CODE)
         assert (right.success, right.name) == (True, "Hall lamp")
         await reading(home.reports(), "on_off", False)
-        assert await home.health() == ((), ())
+        health = await home.health()
+        assert (health.troubles, health.notes) == ((), ())
         assert "paired with homebot already" in (await home.pair(server, CODE)).message
         assert stat.S_IMODE(pairings.stat().st_mode) == 0o600
         assert CODE not in pairings.read_text() + repr(home.gateway.__dict__)
@@ -58,7 +61,7 @@ async def test_an_accessory_that_is_paired_with_another_controller_says_so() -> 
     async with house(server) as home:
         home.mdns.announce(server, txt_sf="0")
         await anyio.wait_all_tasks_blocked()
-        _, (note,) = await home.health()
+        (note,) = (await home.health()).notes
         assert "paired with another controller" in note
         answer = await home.pair(server, CODE)
         assert (answer.problem, server.knows_homebot) == ("refused", False)
@@ -72,7 +75,7 @@ async def test_an_accessory_that_does_not_know_homebot_any_more_needs_help() -> 
         server.drop()
         await reading(reports, "reachable", False)
         await anyio.sleep(5)
-        (trouble,), _ = await home.health()
+        (trouble,) = (await home.health()).troubles
         assert "it does not know homebot any more" in trouble
 
 
@@ -80,11 +83,11 @@ async def test_unpairing_removes_the_key_there_and_here(tmp_path: Path) -> None:
     server, pairings = lamp(), tmp_path / "pairings.json"
     async with paired(server, pairings=pairings) as (home, _):
         sightings = home.sightings()
-        assert (await home.unpair(KEY)).success
+        assert (await home.unpair_from(KEY)).success
         assert (server.knows_homebot, json.loads(pairings.read_text())) == (False, {})
-        bare = await home.sighted(sightings, lambda one: not one.parts and one.kind != "removed")
+        bare = await receive(sightings, lambda one: not one.parts and one.kind != "removed")
         assert bare.key == KEY
-        assert (await home.unpair(KEY)).problem == "refused"
+        assert (await home.unpair_from(KEY)).problem == "refused"
 
 
 async def test_the_key_of_an_accessory_that_is_away_is_deleted(tmp_path: Path) -> None:
@@ -93,7 +96,7 @@ async def test_the_key_of_an_accessory_that_is_away_is_deleted(tmp_path: Path) -
         server.is_there = False
         server.drop()
         await reading(reports, "reachable", False)
-        assert (await home.unpair(KEY)).success
+        assert (await home.unpair_from(KEY)).success
         assert json.loads(pairings.read_text()) == {}
 
 
@@ -102,7 +105,7 @@ async def test_one_that_is_not_announced_any_more_is_forgotten_unless_it_is_pair
     async with house(server) as home:
         sightings = home.sightings()
         home.mdns.announce(server, is_removed=True)
-        assert (await home.sighted(sightings, lambda one: one.kind == "removed")).key == KEY
+        assert (await receive(sightings, lambda one: one.kind == "removed")).key == KEY
         home.mdns.announce(server)
         await anyio.wait_all_tasks_blocked()
         await home.pair(server, CODE)

@@ -10,42 +10,38 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
 
 import anyio
 import anyio.to_thread
 import pytest
 from anyio.abc import TaskGroup, TaskStatus
 from structlog.testing import capture_logs
+from tests.gateways.homekit.fake_accessories import FakeMdns
 from tests.gateways.hue.bridges import BUTTONS, KEY, bridge_with_certificate, button, buttons, pairings_of, self_signed
+from tests.gateways.watched_gateway import WatchedGateway, reading, receive
 from tests.patience import PATIENCE
 
 from homebot.conventions.light_color import to_hue_saturation
-from homebot.devices import GatewayState, KeyValue, Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.health import GetHealth, HealthRequest
-from homebot.devices.names import GatewayNames, PairingNames
-from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
-from homebot.devices.value import PlainValue, Value
+from homebot.devices import GatewayState, Sighting
+from homebot.devices.gateway_messages import Report, SendCommandResponse
+from homebot.devices.pairing_messages import PairResponse
+from homebot.devices.value import PlainValue
 from homebot.gateways.hue import HueGateway, HueGatewaySettings
-from homebot.graph import Graph, Node, Subscription
+from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.hue import HueHouseDevice, SimulatedHueBridge, make_certificate
 from homebot.house.hue.resources import radio_address
-from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
 pytestmark = pytest.mark.slow
 
 WHITES = (2000, 6500)
-MessageT = TypeVar("MessageT", bound=Message)
 
 
 @dataclass
-class House:
-    """A gateway, its bridge, and another node that watches."""
+class House(WatchedGateway):
+    """A gateway and its bridge."""
 
     bridge: SimulatedHueBridge
     watcher: Node
@@ -60,7 +56,7 @@ class House:
     async def kill(self) -> None:
         assert self.serving is not None
         self.serving.cancel()
-        states = self.watcher.create_subscription(GatewayState, self.gateway.names.state, qos_profile=KEPT)
+        states = self.states()
         await receive(states, lambda one: one.state == "unavailable")
 
     async def install(self, kind: str, state: DeviceState, *, room: str = "", at: str = "") -> HueHouseDevice:
@@ -70,48 +66,19 @@ class House:
         await self.tasks.start(device.serve)
         return device
 
-    def reports(self) -> Subscription[Report]:
-        return self.watcher.create_subscription(Report, self.gateway.names.readings, qos_profile=KEPT)
-
-    def sightings(self) -> Subscription[Sighting]:
-        return self.watcher.create_subscription(Sighting, self.gateway.names.received_topics, qos_profile=KEPT)
-
     async def sighting(self, name: str) -> Sighting:
         return await receive(self.sightings(), lambda one: one.name == name)
 
     async def send(
         self, key: str, capability: str, value: PlainValue, part: str = "light", expires: float = 0.0
     ) -> SendCommandResponse:
-        command = Command(key=key, part=part, capability=capability, value=Value.of(value), expires_after=expires)
-        client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(command, timeout=PATIENCE)
+        return await self.command(key, part, capability, value, expires)
 
     async def pair(self, code: str = "") -> PairResponse:
-        client = self.watcher.create_client(Pair, PairingNames("hue").pair)
-        return await client.call(PairRequest(device=self.bridge.id, code=code), timeout=PATIENCE)
-
-    async def unpair(self) -> PairResponse:
-        client = self.watcher.create_client(Unpair, PairingNames("hue").unpair)
-        return await client.call(UnpairRequest(device=self.bridge.id), timeout=PATIENCE)
+        return await self.pair_with(self.bridge.id, code)
 
     async def problems(self) -> str:
-        client = self.watcher.create_client(GetHealth, self.gateway.names.health)
-        return " ".join((await client.call(HealthRequest(), timeout=PATIENCE)).troubles)
-
-
-async def receive(messages: Subscription[MessageT], fits: Callable[[MessageT], bool]) -> MessageT:
-    with anyio.fail_after(PATIENCE):
-        while not fits(message := await messages.receive()):
-            pass
-    return message
-
-
-async def reading(reports: Subscription[Report], capability: str, fits: Callable[[PlainValue], bool]) -> PlainValue:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            for one in (await reports.receive()).readings:
-                if one.capability == capability and fits(one.value.plain()):
-                    return one.value.plain()
+        return " ".join((await self.health()).troubles)
 
 
 @asynccontextmanager
@@ -174,7 +141,7 @@ async def test_an_ended_pairing_takes_its_devices_and_its_key(tmp_path: Path) ->
         lamp = await home.sighting("The lamp")
         sightings = home.sightings()
         states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=100)
-        assert (await home.unpair()).success
+        assert (await home.unpair_from(home.bridge.id)).success
         assert "was found" not in (await receive(states, lambda one: one.state == "unavailable")).reason
         await receive(sightings, lambda one: (one.key, one.kind) == (lamp.key, "removed"))
         assert json.loads((tmp_path / "pairings.json").read_text()) == {}
@@ -189,7 +156,7 @@ async def test_another_certificate_is_refused_with_the_next_step_and_gets_no_key
         tls = home.bridge.server.tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
         make = self_signed if new_one == "self-signed" else partial(make_certificate, "001788fffe123456")
         await anyio.to_thread.run_sync(make, tls)
-        states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
+        states = home.states()
         await home.tasks.start(home.serve)
         state = await receive(states, lambda one: "certificate" in one.reason)
         assert "press its button, then run `homebot pair 'Hue bridge'`" in state.reason
@@ -217,7 +184,7 @@ async def test_a_bridge_that_forgot_homebot_is_named_with_the_next_step(tmp_path
         refused = await home.send(lamp.owner_id, "on_off", True)
         assert "has forgotten homebot: press its button" in refused.message
         await home.kill()
-        states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
+        states = home.states()
         await home.tasks.start(home.serve)
         state = await receive(states, lambda one: "has forgotten homebot" in one.reason)
         assert KEY not in state.reason
@@ -229,27 +196,10 @@ async def test_a_bridge_that_dns_sd_finds_is_worked_with_at_its_new_address(tmp_
         await home.kill()
         home.bridge.server.port = 0
         await home.tasks.start(home.serve)
-        states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
-        facts = {
-            "ip_address": "127.0.0.1",
-            "port": str(home.bridge.server.port),
-            "txt_bridgeid": home.bridge.id.upper(),
-        }
-        found = Sighting(
-            gateway="mdns",
-            key="x",
-            kind="updated",
-            why="it is announced",
-            name="Hue Bridge - 123456",
-            service_type="_hue._tcp",
-            address="",
-            command_address="",
-            metadata=tuple(KeyValue(key=key, value=value) for key, value in facts.items()),
-            seen_at=Time.from_seconds(0.0),
-            expires_at=Time.from_seconds(0.0),
-            confirmed=True,
-        )
-        home.watcher.create_publisher(Sighting, GatewayNames("mdns").received_topics, KEPT).publish(found)
+        states = home.states()
+        port, bridge_id = str(home.bridge.server.port), home.bridge.id.upper()
+        mdns = FakeMdns(home.watcher.graph)
+        mdns.sight("Hue Bridge", service_type="_hue._tcp", ip_address="127.0.0.1", port=port, txt_bridgeid=bridge_id)
         await receive(states, lambda one: one.state == "active")
 
 
@@ -383,7 +333,7 @@ async def test_commands_around_a_restart_come_once_or_not_at_all(tmp_path: Path)
         await home.kill()
         lost = await home.send(lamp.owner_id, "level", 20.0)
         assert (lost.success, lost.problem) == (False, "unreachable")
-        states = home.watcher.create_subscription(GatewayState, home.gateway.names.state, qos_profile=KEPT)
+        states = home.states()
         await home.tasks.start(home.serve)
         await receive(states, lambda one: one.state == "active")
         assert (await home.send(lamp.owner_id, "level", 30.0)).success

@@ -13,7 +13,8 @@ import anyio
 import pytest
 from aiohttp import web
 from tests.gateways.http_servers import serving
-from tests.gateways.matter.test_gateway import House, house, reading
+from tests.gateways.matter.test_gateway import House, house
+from tests.gateways.watched_gateway import reading
 from tests.patience import PATIENCE
 
 from homebot.devices import Sighting

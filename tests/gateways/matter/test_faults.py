@@ -6,7 +6,8 @@ import json
 
 import anyio
 from anyio.abc import TaskStatus
-from tests.gateways.matter.test_gateway import House, reading
+from tests.gateways.matter.test_gateway import House
+from tests.gateways.watched_gateway import reading
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 
@@ -13,14 +13,15 @@ import pytest
 from aiohttp import web
 from anyio.abc import TaskGroup
 from tests.gateways.http_servers import serving
+from tests.gateways.watched_gateway import WatchedGateway, reading
 from tests.patience import PATIENCE
 from tests.sizes import size
 
-from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.value import PlainValue, Value
+from homebot.devices import GatewayState
+from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.value import PlainValue
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
-from homebot.graph import Graph, Node, Subscription
+from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract import running
@@ -28,8 +29,8 @@ from homebot.testing.gateway_contract.steps import KEPT
 
 
 @dataclass
-class House:
-    """A gateway, the server that it is connected to, and another node that watches."""
+class House(WatchedGateway):
+    """A gateway and the server that it is connected to."""
 
     gateway: MatterGateway
     server: SimulatedMatterServer
@@ -44,17 +45,8 @@ class House:
         await self.tasks.start(node.serve)
         return node
 
-    def reports(self) -> Subscription[Report]:
-        return self.watcher.create_subscription(Report, self.gateway.names.readings, qos_profile=KEPT)
-
-    def sightings(self) -> Subscription[Sighting]:
-        return self.watcher.create_subscription(Sighting, self.gateway.names.received_topics, qos_profile=KEPT)
-
     async def send(self, key: str, capability: str, value: PlainValue, code: str = "") -> SendCommandResponse:
-        client = self.watcher.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(
-            Command(key=key, part="1", capability=capability, value=Value.of(value), code=code), timeout=PATIENCE
-        )
+        return await self.command(key, "1", capability, value, code=code)
 
 
 @asynccontextmanager
@@ -70,14 +62,6 @@ async def house(**settings: object) -> AsyncIterator[House]:
         async with running(gateway):
             yield House(gateway, server, watcher, tasks)
         tasks.cancel_scope.cancel()
-
-
-async def reading(reports: Subscription[Report], capability: str, until: Callable[[PlainValue], bool]) -> PlainValue:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            for one in (await reports.receive()).readings:
-                if one.capability == capability and until(one.value.plain()):
-                    return one.value.plain()
 
 
 async def test_the_code_of_a_lock_reaches_it_and_no_log(caplog: pytest.LogCaptureFixture) -> None:
