@@ -43,6 +43,10 @@ def kinds(parts: tuple[ClassifiedPart, ...]) -> dict[str, list[tuple[str, bool]]
         ("</3311/0>,</3311/0/5851>", {"light": [("level", True)]}),
         ("</3201/0>,</3200/0>", {"switch": [("on_off", True)], "x_binary_sensor": [("state", False)]}),
         ("</3305/0/5800>", {"electrical_meter": [("power", False)]}),
+        (
+            "</3311/0/5850>,</3331/0>,</3337/0>",
+            {"light": [("on_off", True)], "electrical_meter": [("energy", False)], "x_setting": [("number", True)]},
+        ),
         ("</3315/0>", {"x_sensor": [("measurement", False)]}),
         (
             '</t/current>;rt="oic.r.temperature";if="oic.if.s",</t/desired>;rt="oic.r.temperature";if="oic.if.a"',

@@ -1,7 +1,7 @@
 """Links of CoRE Link Format, in and out. Pure.
 
-Source: RFC 6690, section 2; the grammar is that of RFC 8288 with an explicit anchor, and with its empty elements: small
-devices print a comma after each link. An invalid link is an error, and nothing of it is kept.
+Source: RFC 6690, section 2; the grammar is that of RFC 8288 with an explicit anchor, and with empty elements and
+parameters: small devices print a comma after each link. An invalid link is an error, and nothing of it is kept.
 """
 
 from __future__ import annotations
@@ -24,7 +24,8 @@ _MAX_TEXT = 1000
 
 _COMMAS = re.compile(r"[,\s]+")
 _TARGET = re.compile(r"\s*<([^<>\x00-\x1f]*)>\s*")
-_NAME = re.compile(r";\s*([A-Za-z0-9!#$%&'*+.^_`|~-]+)\s*")
+_EMPTY = re.compile(r"[;\s]*(?=,|$)")
+_NAME = re.compile(r"[;\s]*([A-Za-z0-9!#$%&'*+.^_`|~-]+)\s*")
 _VALUE = re.compile(r"=\s*(?:\"((?:[^\"\\]|\\.)*)\"|([^,;\"]*))(?=\s*(?:[,;]|$))\s*", re.DOTALL)
 _ESCAPED = re.compile(r"\\(.)", re.DOTALL)
 
@@ -63,7 +64,7 @@ def parse_links(payload: bytes) -> tuple[WebLink, ...]:
     if len(payload) > MAX_LINK_FORMAT_BYTES:
         raise WireError(f"a list of links of {len(payload)} bytes is longer than {MAX_LINK_FORMAT_BYTES}")
     try:
-        text = payload.decode().strip()
+        text = payload.decode().strip(", \t\r\n")
     except UnicodeDecodeError:
         raise WireError("a list of links is not UTF-8", payload) from None
     links: list[WebLink] = []
@@ -92,6 +93,8 @@ def _link(text: str, at: int) -> tuple[WebLink, int]:
     target, at = match[1], match.end()
     attributes: list[tuple[str, str]] = []
     while at < len(text) and text[at] == ";":
+        if (empty := _EMPTY.match(text, at)) is not None:
+            return WebLink(target[:_MAX_TEXT], tuple(attributes)), empty.end()
         name = _NAME.match(text, at)
         if name is None:
             raise WireError(f"an attribute of a link has no name: {shown(text[at : at + 40])}")

@@ -91,6 +91,7 @@ _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
         (3304, 5700): _Known("humidity", "number", "%"),
         (3305, 5800): _Known("power", "number", "W"),
         (3306, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
+        (3308, 5900): _Known("set_point", "number", settable=True),
         (3311, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
         (3311, 5851): _Known("brightness", "integer", "%", (0, 100), settable=True),
         (3312, 5850): _Known("on", "string", settable=True, enum=_ONE_OR_ZERO),
@@ -103,7 +104,10 @@ _IPSO: Mapping[tuple[int, int], _Known] = MappingProxyType(
         (3325, 5700): _Known("concentration", "number"),
         (3328, 5700): _Known("power", "number", "W"),
         (3330, 5700): _Known("distance", "number"),
+        (3331, 5805): _Known("energy", "number", "Wh"),
+        (3337, 5536): _Known("positioner", "number", "%", (0, 100), settable=True),
         (3342, 5500): _Known("on", "string", enum=_ONE_OR_ZERO),
+        (3343, 5548): _Known("brightness", "number", "%", (0, 100), settable=True),
         (3347, 5500): _Known("state", "string", enum=_ONE_OR_ZERO),
     }
 )
