@@ -18,10 +18,11 @@ from homebot.devices.query import IsNear, NameIs, Query, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.services import QueryDevicesResponse
 from homebot.devices.value import PlainValue
+from homebot.devices.wording.time_format import age_text, ago
 from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.past_outcomes import PastOutcomes
-from homebot.discovery.search.near_rank import CostTerm, DoorState, NearDevice, ago_text, cost_text, nearest
+from homebot.discovery.search.near_rank import CostTerm, DoorState, NearDevice, cost_text, nearest
 from homebot.discovery.search.rank import least_shortcoming, shortcomings
 from homebot.errors import RefusedError, ServiceUnavailableError, UsageError
 from homebot.graph import Node
@@ -251,7 +252,7 @@ class Nearness:
         stale = ", stale" if device.freshness == "stale" else ""
         return (
             newest.value.plain(),
-            f"({capability}, {ago_text(self._clock.now() - newest.told_at.to_seconds())}{stale})",
+            f"({capability}, {ago(newest.told_at, self._clock.now())}{stale})",
         )
 
     def _device(self, named: str) -> Device | None:
@@ -272,4 +273,4 @@ def _text(pose: RobotPose, room: str, age: float) -> str:
     """Return the place of a robot and the age of its pose."""
     at = f" at {pose.x:.1f}, {pose.y:.1f} ±{pose.error:.1f} m" if pose.has_position else ""
     beside = "beside" if pose.is_nearest_room else "in"
-    return f"{pose.robot} was {beside} {room}{at} {ago_text(age)} ({pose.source})"
+    return f"{pose.robot} was {beside} {room}{at} {age_text(age)} ago ({pose.source})"

@@ -42,7 +42,7 @@ class Fields:
 
     def problem(self, name: str, problem: str) -> WireError:
         """Return the error that something is wrong with a field."""
-        return WireError(f"{self._where(name)}: {problem}")
+        return WireError(f"{self.where(name)}: {problem}")
 
     def text(self, name: str, *, required: bool = False) -> str:
         """Return a text, without control characters.
@@ -106,7 +106,7 @@ class Fields:
 
     def inner(self, name: str) -> Fields:
         """Return the object in a field; an empty one where it is missing."""
-        return Fields(self._value.get(name, {}), self._where(name))
+        return Fields(self._value.get(name, {}), self.where(name))
 
     def names(self) -> tuple[str, ...]:
         """Return the names of all fields.
@@ -120,15 +120,12 @@ class Fields:
                 raise self.problem(str(name), f"a name of at most {_MAX_NAME} characters is expected")
         return tuple(str(name) for name in self._value)
 
-    def at(self, name: str) -> str:
-        """Return where a field stands."""
-        return self._where(name)
-
     def _check_length(self, name: str, length: int) -> None:
         if length > _MAX_LISTED:
             raise self.problem(name, f"{length} is too many; the limit is {_MAX_LISTED}")
 
-    def _where(self, name: str) -> str:
+    def where(self, name: str) -> str:
+        """Return the place of a field, for errors."""
         text = name if len(name) <= _MAX_SHOWN else f"{name[:_MAX_SHOWN]}…"
         text = text if text.isprintable() else ascii(text)
         return f"{self._path}.{text}" if self._path and name else text or self._path or "the description"

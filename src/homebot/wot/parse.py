@@ -157,11 +157,9 @@ def _forms(
     fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], unfit: Collection[str]
 ) -> Iterator[Form]:
     """Parse the forms of an affordance, without its *unfit* operations if others are left."""
-    forms = fields.listed("forms")
-    if not forms:
+    if not fields.listed("forms"):
         raise fields.problem("forms", "is empty; give at least one form")
-    for number, one in enumerate(forms[:_MAX_FORMS]):
-        form = Fields(one, fields.at(f"forms[{number}]"))
+    for form in _listed_forms(fields):
         ops = form.texts("op") or _DEFAULT_OPS[kind]
         for op in ops:
             if op not in _OPS[kind]:
@@ -171,11 +169,14 @@ def _forms(
 
 def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
     """Parse the forms of the thing as a whole; TD 1.1, section 5.3.4.2.1, demands an operation for each."""
-    forms = fields.listed("forms")
-    for number, one in enumerate(forms[:_MAX_FORMS]):
-        form = Fields(one, fields.at(f"forms[{number}]"))
+    for form in _listed_forms(fields):
         if ops := form.texts("op"):
             yield _form(form, ops, base, security)
+
+
+def _listed_forms(fields: Fields) -> list[Fields]:
+    forms = fields.listed("forms")[:_MAX_FORMS]
+    return [Fields(one, fields.where(f"forms[{number}]")) for number, one in enumerate(forms)]
 
 
 def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ...]) -> Form:
@@ -276,7 +277,7 @@ def _alternative(fields: Fields) -> DataSchema | None:
     """Return the number among the alternatives of a schema, or the only one that is not null; else None."""
     name = "oneOf" if "oneOf" in fields else "anyOf"
     given = [one for one in fields.listed(name) if isinstance(one, dict) and one.get("type") != "null"]
-    schemas = [_schema(Fields(one, fields.at(name)), is_member=True) for one in given]
+    schemas = [_schema(Fields(one, fields.where(name)), is_member=True) for one in given]
     numbers = [one for one in schemas if one.type in ("integer", "number")] or schemas
     if len(numbers) != 1:
         return None

@@ -99,7 +99,6 @@ _FACTS = {"$mac": "host_mac", "$fw/name": "firmware", "$fw/version": "sw_version
 @dataclass(slots=True)
 class _Homie4Device(RegisteredDevice):
     attributes: dict[str, str] = field(default_factory=dict)
-    datatypes: int = 0
     is_changed: bool = True
 
 
@@ -146,8 +145,6 @@ class Version4(Registry[_Homie4Device]):
             return False
         if not self.reserve(device, device.size + grown):
             return False
-        if known is None and attribute.endswith("/$datatype"):
-            device.datatypes += 1
         device.attributes[attribute] = text
         device.is_changed = device.is_changed or attribute != "$state"
         return True
@@ -208,11 +205,7 @@ def _check(attribute: str, text: str) -> None:
 
 def _may_be_complete(device: _Homie4Device, attribute: str) -> bool:
     """Return whether *attribute* can complete the device, to skip the check for most of them."""
-    return (
-        attribute == "$state"
-        or device.is_described
-        or (device.datatypes > 0 and "$state" in device.attributes and attribute.endswith(_LAST))
-    )
+    return attribute == "$state" or device.is_described or ("$state" in device.attributes and attribute.endswith(_LAST))
 
 
 _LAST = ("$datatype", "$format", "$properties", "$nodes", "$homie", "$array")

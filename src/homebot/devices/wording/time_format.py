@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from homebot.messages import Time
 
-__all__ = ["age", "ago", "from_seconds", "iso", "to_seconds"]
+__all__ = ["age", "age_text", "ago", "from_seconds", "iso", "to_seconds"]
 
 _NANOSECONDS = 1_000_000_000
 _SPANS = ((86_400, "d"), (3600, "h"), (60, "min"), (1, "s"))
@@ -28,7 +28,12 @@ def from_seconds(seconds: float) -> dict[str, int]:
 
 def age(time: Time, now: float) -> str:
     """Return the time from *time* to *now*, in the largest unit that fits."""
-    seconds = max(0.0, now - to_seconds(time))
+    return age_text(now - to_seconds(time))
+
+
+def age_text(seconds: float) -> str:
+    """Return a number of seconds in the largest unit that fits: ``4 min``."""
+    seconds = max(0.0, seconds)
     size, unit = next((one for one in _SPANS if seconds >= one[0]), _SPANS[-1])
     return f"{seconds / size:.0f} {unit}"
 

@@ -16,7 +16,7 @@ from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.path import Crossing, PathFinder, Spot, Way
 
-__all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "ago_text", "cost_text", "nearest"]
+__all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "cost_text", "nearest"]
 
 
 class CostTerm(NamedTuple):
@@ -124,13 +124,3 @@ def _by_doors(states: Iterable[tuple[str, DoorState]]) -> str:
 
 
 _SHOWN = 0.05
-
-_UNITS = ((86_400.0, "days"), (3600.0, "h"), (60.0, "min"))
-
-
-def ago_text(seconds: float) -> str:
-    """Return how long ago something was, such as ``4 s ago``."""
-    for length, unit in _UNITS:
-        if seconds >= 2 * length:
-            return f"{seconds / length:.0f} {unit} ago"
-    return f"{max(0.0, seconds):.0f} s ago" if seconds >= 1 else f"{max(0.0, seconds):.1f} s ago"
