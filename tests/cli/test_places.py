@@ -236,6 +236,13 @@ def test_a_device_gets_names_and_tags(run: Run) -> None:
     assert "desk_lamp  Reading lamp\n" in run("show", "Desk lamp")[1]
 
 
+@pytest.mark.parametrize("name", ["Front door", "Ceiling but dimmed"])
+def test_a_device_is_found_by_a_name_that_means_something_else(run: Run, name: str) -> None:
+    run("alias", "Desk lamp", name)
+    code, found = run("find", name)
+    assert (code, "desk_lamp" in found) == (0, True)
+
+
 def test_no_device_gets_a_name_of_another(run: Run) -> None:
     run("alias", "Desk lamp", "Corner")
     for taken in ("corner", "Desk lamp", "DESK_LAMP"):

@@ -87,6 +87,7 @@ UNDERSTOOD: dict[str, Query] = {
     'name="Hall lamp"': NameIs("hall lamp"),
     "name=hall": FactIs("name", "hall"),
     "lamps that are offline": And((type_is("lamps"), ReachableIs("no"))),
+    "which lights are on": And((type_is("lights"), ON_LIGHT)),
     "that lamp": And((HasText("that"), type_is("lamp"))),
 }
 

@@ -11,7 +11,9 @@ from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, note_near_matches, unapproved, why_none
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
+from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.values import life, state_text, types
+from homebot.errors import PeerError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -53,7 +55,7 @@ def _find(options: argparse.Namespace) -> int:
     query = " ".join(options.query)
 
     def run(door: DoorClient) -> int:
-        found = find_devices(door, query, options.limit)
+        found = _found(door, query, options.limit)
         if options.json:
             waiting = unapproved(door)
             results = [
@@ -70,6 +72,18 @@ def _find(options: argparse.Namespace) -> int:
         return 0 if found.results else 1
 
     return with_client(options, run)
+
+
+def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
+    """Return the matches of *query*, or else the devices with that name, which may have words with other meanings."""
+    by_name = f"name={quoted(query)}"
+    try:
+        found = find_devices(door, query, limit)
+    except PeerError:
+        if (named := find_devices(door, by_name, limit)).results:
+            return named
+        raise
+    return found if found.results else find_devices(door, by_name, limit)
 
 
 def _show_left_out(found: QueryDevicesResponse) -> None:

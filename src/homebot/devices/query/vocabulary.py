@@ -26,11 +26,11 @@ __all__ = [
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
 
-_FILLERS = "the a an all any every each device devices are is my of"
+_FILLERS = "the a an all any every each which device devices are is my of"
 FILLERS = frozenset(_FILLERS.split())
 """Words that make a query a sentence and mean nothing."""
 
-RELATIVES = frozenset({"that", "which"})
+RELATIVES = frozenset({"that"})
 """Words that are fillers before ``is`` and ``are``; ``that lamp`` is one that a person points to."""
 
 FIELDS: Mapping[str, str] = MappingProxyType(
