@@ -152,7 +152,7 @@ def test_a_signal_ends_it_in_order_even_with_a_client_connected(run: Run, number
 
 
 def test_keep_alive_and_refused_filters_are_those_of_the_options(run: Run) -> None:
-    broker = run("--keep-alive", "60", "--refuse-filter", "test/nosubscribe", "--refuse-filter", "b")
+    broker = run("--keep-alive", "1m", "--refuse-filter", "test/nosubscribe", "--refuse-filter", "b")
     filters = tuple(FilterRequest(each, 1) for each in ("test/nosubscribe", "a", "b"))
     connack, suback = broker.call(Connect("a", ProtocolVersion.V5, keep_alive=120), Subscribe(1, filters))
     assert isinstance(connack, Connack)

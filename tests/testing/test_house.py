@@ -22,7 +22,7 @@ async def test_what_does_not_come_is_told_with_what_came_instead() -> None:
     async with house_of("light_service") as house:
         await house.says("home425/lights/a/out", "on")
         with pytest.raises(TimeoutError) as caught:
-            await house.hears("home425/lights/b/in", within=0.3)
+            await house.hears("home425/lights/b/in", within="300ms")
     assert str(caught.value) == (
         "nothing came on home425/lights/b/in within 0.3 s; "
         "received elsewhere: {'home425/lights/a/in': ['off']}; crashed: nothing"

@@ -27,6 +27,7 @@ from homebot.plugins import load_plugin
 from homebot.runtime import Runtime
 from homebot.support.addresses import is_loopback
 from homebot.testing.contexts import in_background, plain_logs
+from homebot.units import parse_duration
 
 if TYPE_CHECKING:
     from homebot.apps.notifier import Notification
@@ -190,26 +191,28 @@ class TestHouse:
         """Publish *payload* on *topic* as a device would; returns when the broker has acknowledged it."""
         await self._field.publish(topic, payload.encode(), qos=1)
 
-    async def hears(self, topic: str, within: float = DEFAULT_WAIT) -> str:
+    async def hears(self, topic: str, within: str | float = DEFAULT_WAIT) -> str:
         """Return the next payload that homebot or a device publishes on *topic*; the test's own messages do not count.
 
         Args:
-            within: Seconds to wait for a payload.
+            within: The longest time to wait: such as ``"5m"``, or seconds.
 
         Raises:
             TimeoutError: Nothing came in time; the message lists other received topics and crashed apps.
-            UsageError: *topic* is not a valid topic.
+            UsageError: *topic* is not a valid topic, or *within* no time.
         """
+        __tracebackhide__ = True
+        seconds = parse_duration(within, "within")
         try:
             validate_topic(topic)
         except InvalidNameError as exc:
             raise UsageError(f"hears({topic!r}): {exc}; give a topic without wildcards") from None
-        with anyio.move_on_after(within):
+        with anyio.move_on_after(seconds):
             while not self._received.get(topic):
                 await self._came.wait()
         received = self._received.get(topic)
         if not received:
-            raise TimeoutError(self._timeout_text(topic, within))
+            raise TimeoutError(self._timeout_text(topic, seconds))
         return received.popleft()
 
     async def becomes(self, device: str, *, within: str | float = DEFAULT_WAIT, **values: object) -> None:

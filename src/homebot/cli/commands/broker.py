@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import math
 import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
-from homebot.cli.arguments import address, seconds, set_command, whole
+from homebot.cli.arguments import address, seconds, set_command
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
@@ -54,8 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--keep-alive",
-        metavar="SECONDS",
-        type=whole,
+        metavar="TIME",
+        type=seconds,
         help="longest keep-alive allowed to an MQTT 5 client; a longer one is shortened",
     )
     parser.add_argument(
@@ -115,7 +116,7 @@ def make_broker(options: argparse.Namespace) -> Broker:
         port=port,
         credentials=credentials,
         tls=_tls(options),
-        keep_alive=options.keep_alive,
+        keep_alive=options.keep_alive and math.ceil(options.keep_alive),
         refuse_filters=options.refuse_filter,
     )
 
