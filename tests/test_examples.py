@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.ports import reserve_door
+from tests.shell import homebot_in
 from tests.sizes import nightly
 
 from homebot.house import thesis_world
@@ -83,22 +83,9 @@ def test_the_robot_turns_on_the_nearest_lamp_by_the_way_through_the_door() -> No
     """By air the lamp behind the wall is nearer. The program has at most 40 lines."""
     folder = EXAMPLES / "08_robot"
     assert len((folder / "robot.py").read_text().splitlines()) <= 40
-    run = [sys.executable, "-m", "homebot", "run", "--config", "homebot.toml", "--house", "house.toml"]
-    door = reserve_door()
-    environment = {**unmarked(), "HOMEBOT_DOOR": door}
-    with subprocess.Popen(run, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder) as process:
-        assert process.stderr is not None
-        waited_for = {"found hall_lamp", "found kitchen_lamp", "the robot is in hall"}
-        for line in process.stderr:
-            waited_for -= {one for one in waited_for if one in line}
-            if not waited_for:
-                break
-        program = [sys.executable, "robot.py"]
-        done = subprocess.run(
-            program, capture_output=True, text=True, timeout=120, check=False, env=environment, cwd=folder
-        )
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=120)
+    until = ("found hall_lamp", "found kitchen_lamp", "the robot is in hall")
+    with homebot_in(folder, "--config", "homebot.toml", "--house", "house.toml", until=until) as homebot:
+        done = homebot.run("python robot.py")
     assert done.returncode == 0, done.stderr
     hall, kitchen, outcome = done.stdout.splitlines()
     assert hall.startswith("hall_lamp - ")

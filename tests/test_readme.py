@@ -2,19 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import re
-import shlex
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from tests.ports import reserve_door
+from tests.shell import Homebot, homebot_in, run
 
 pytestmark = pytest.mark.slow
 
@@ -33,65 +26,17 @@ RUN_ELSEWHERE_IN_THIS_FILE = [
 ]
 
 
-@dataclass
-class Homebot:
-    """A homebot that runs in a process of its own."""
-
-    door: str
-    broker: str
-    log: list[str]
-
-
-def environment(door: str) -> dict[str, str]:
-    """As in a shell with the project's .venv activated."""
-    return {**os.environ, "HOMEBOT_DOOR": door, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
-
-
-def run(command: str, *, door: str = "", cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        shlex.split(command),
-        cwd=cwd,
-        env=environment(door or reserve_door()),
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
-
-
-@contextmanager
-def running(until: str, *arguments: str) -> Iterator[Homebot]:
-    """Run ``homebot run``, at least until a line of its log; it must end well on SIGTERM."""
-    door = reserve_door()
-    process = subprocess.Popen(
-        ["homebot", "run", *arguments], env=environment(door), stderr=subprocess.PIPE, text=True, cwd=WINDOW_LIGHT
-    )
-    assert process.stderr is not None
-    log = []
-    for line in process.stderr:
-        log.append(line)
-        if until in line:
-            break
-    broker = re.search(r"mqtt://\S+?:\d+", "".join(log))
-    assert broker is not None
-    yield Homebot(door, broker[0], log)
-    process.send_signal(signal.SIGTERM)
-    _, rest = process.communicate(timeout=120)
-    assert process.returncode == 0
-    assert "Traceback" not in rest
-
-
 @pytest.fixture(scope="module")
 def homebot() -> Iterator[Homebot]:
     """The house of ``make run``."""
-    with running("found shellydimmer") as run:
+    with homebot_in(WINDOW_LIGHT, until=("found shellydimmer",)) as run:
         yield run
 
 
 @pytest.fixture(scope="module")
 def small() -> Iterator[Homebot]:
     """The small house."""
-    with running("lights/roomlights405 → off", "--house", "thesis") as run:
+    with homebot_in(WINDOW_LIGHT, "--house", "thesis", until=("lights/roomlights405 → off",)) as run:
         yield run
 
 
@@ -127,7 +72,9 @@ def test_a_second_terminal_sees_the_running_house(command: str, homebot: Homebot
 @pytest.mark.parametrize("command", ON_YOUR_OWN_BROKER)
 def test_your_own_broker_is_discovered_and_acted_on_only_when_told(command: str, small: Homebot) -> None:
     """The running house's broker plays yours."""
-    done = run(command.replace("mqtt://127.0.0.1:1883", small.broker))
+    broker = re.search(r"mqtt://\S+?:\d+", "".join(small.log))
+    assert broker is not None
+    done = run(command.replace("mqtt://127.0.0.1:1883", broker[0]))
 
     assert done.returncode == 0
     assert "found lights/roomlights405" in done.stderr

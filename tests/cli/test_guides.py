@@ -11,8 +11,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
-from tests.ports import reserve_door
-from tests.test_readme import environment, run
+from tests.shell import environment, homebot_in, run
 
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence
 
@@ -62,20 +61,9 @@ FOLLOWING = "homebot journal --follow"
 @pytest.fixture(scope="module")
 def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """``homebot run`` with a lamp and a lock, until the tests are through."""
-    folder, door = tmp_path_factory.mktemp("house"), reserve_door()
-    (folder / "house.toml").write_text(HOUSE)
-    arguments = ["homebot", "run", "--house", "house.toml", "--ephemeral"]
-    process = subprocess.Popen(arguments, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)
-    assert process.stderr is not None
-    waited_for = {"found hall_lamp", "found front_door", "is running"}
-    for line in process.stderr:
-        waited_for -= {one for one in waited_for if one in line}
-        if not waited_for:
-            break
-    yield door
-    process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=120)
-    assert process.returncode == 0
+    until = ("found hall_lamp", "found front_door", "is running")
+    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=until) as homebot:
+        yield homebot.door
 
 
 def test_no_command_is_forgotten() -> None:

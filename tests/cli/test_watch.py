@@ -12,7 +12,7 @@ from typing import Any, cast
 
 import pytest
 from tests.cli.test_guides import HOUSE
-from tests.ports import reserve_door
+from tests.shell import homebot_in
 
 from homebot.cli.commands.watch import MOST_LINES, _LinePrinter
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted
@@ -28,19 +28,9 @@ def _environment(door: str) -> dict[str, str]:
 
 @pytest.fixture(scope="module")
 def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    folder, door = tmp_path_factory.mktemp("house"), reserve_door()
-    (folder / "house.toml").write_text(HOUSE)
-    command = [*HOMEBOT, "run", "--house", "house.toml", "--ephemeral"]
-    process = subprocess.Popen(command, env=_environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)
-    assert process.stderr is not None
-    waited_for = {"found hall_lamp", "found front_door", "is running"}
-    for line in process.stderr:
-        waited_for -= {one for one in waited_for if one in line}
-        if not waited_for:
-            break
-    yield door
-    process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=120)
+    until = ("found hall_lamp", "found front_door", "is running")
+    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=until) as homebot:
+        yield homebot.door
 
 
 def _watch(door: str, *arguments: str) -> subprocess.Popen[str]:

@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import re
 import shlex
-import signal
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import chdir
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from tests.ports import reserve_door
+from tests.shell import Homebot, homebot_in
 from tests.system.attack_probe import until
-from tests.test_readme import environment
 
 from homebot.cli.main import main
 from homebot.house import World
@@ -54,45 +51,28 @@ dialect = "zigbee2mqtt"
 """
 
 
-@dataclass
-class Folder:
-    """The folder of a new app, in which a homebot runs at *door*."""
-
-    path: Path
-    door: str
-
-
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Folder]:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Homebot]:
     made = tmp_path_factory.mktemp("home")
     with chdir(made):
         assert main(["new", "hall_light"]) == 0
-    path, door = made / "hall_light", reserve_door()
+    path = made / "hall_light"
     house = path / "house.toml"
     house.write_text(house.read_text() + HOUSE)
-    command = ["homebot", "run", "--house", "house.toml"]
-    with subprocess.Popen(command, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=path) as process:
-        assert process.stderr is not None
-        waited_for = {"lights/hall on mqtt", "found hall_lamp", "found front_door", "running the app hall_light"}
-        for line in process.stderr:
-            waited_for -= {one for one in waited_for if one in line}
-            if not waited_for:
-                break
-        yield Folder(path, door)
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=120)
-    assert process.returncode == 0
+    until = ("lights/hall on mqtt", "found hall_lamp", "found front_door", "running the app hall_light")
+    with homebot_in(path, "--house", "house.toml", until=until) as homebot:
+        yield homebot
 
 
 @pytest.mark.parametrize("command", ASKED)
 def test_a_command_of_the_guides_runs(
-    folder: Folder, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    folder: Homebot, command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Each prints something and succeeds."""
-    monkeypatch.chdir(folder.path)
+    monkeypatch.chdir(folder.folder)
     monkeypatch.setenv("HOMEBOT_DOOR", reserve_door() if "--offline" in command else folder.door)  # before the start
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(folder.path / "settings"))
-    monkeypatch.setenv("HOMEBOT_DATA", str(folder.path / "data"))
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(folder.folder / "settings"))
+    monkeypatch.setenv("HOMEBOT_DATA", str(folder.folder / "data"))
     monkeypatch.setattr(sys, "path", [*sys.path])
     program, *words = shlex.split(command)
     assert program == "homebot"

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import re
-import signal
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.ports import reserve_door
+from tests.shell import homebot_in, run
 from tests.system.attack_probe import until
-from tests.test_readme import environment, run
 
 from homebot.cli.commands.history import plot_lines
 
@@ -31,18 +28,9 @@ room = "kitchen"
 
 @pytest.fixture(scope="module")
 def door(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    folder, door = tmp_path_factory.mktemp("house"), reserve_door()
-    (folder / "house.toml").write_text(HOUSE)
-    arguments = ["homebot", "run", "--house", "house.toml", "--ephemeral"]
-    process = subprocess.Popen(arguments, env=environment(door), stderr=subprocess.PIPE, text=True, cwd=folder)
-    assert process.stderr is not None
-    for line in process.stderr:
-        if "is running" in line:
-            break
-    until(lambda: run(COMMANDS[0], door=door).stderr == "" or None, 30.0)  # it begins after the start
-    yield door
-    process.send_signal(signal.SIGTERM)
-    process.communicate(timeout=120)
+    with homebot_in(tmp_path_factory.mktemp("house"), house=HOUSE, until=("is running",)) as homebot:
+        until(lambda: homebot.run(COMMANDS[0]).stderr == "" or None, 30.0)  # it begins after the start
+        yield homebot.door
 
 
 @pytest.mark.parametrize("command", COMMANDS)

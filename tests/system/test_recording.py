@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import json
-import os
 import re
 import shlex
 import signal
 import subprocess
-import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from tests.patience import PATIENCE
-from tests.ports import reserve_door
+from tests.shell import Homebot, environment, homebot_in
 
 import homebot.apps.light_service
 
@@ -31,61 +26,18 @@ RUNS_HERE = [
 LAMP = "roomlights405"
 
 
-@dataclass
-class Shell:
-    """A shell, perhaps with a homebot that runs.
-
-    Attributes:
-        folder: Where commands run.
-        door: The address of the homebot's door.
-    """
-
-    folder: Path
-    door: str = ""
-
-    def run(self, command: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            shlex.split(command),
-            cwd=self.folder,
-            env=environment(self.door),
-            capture_output=True,
-            text=True,
-            timeout=2 * PATIENCE,
-            check=False,
-        )
-
-    def begin(self, command: str) -> subprocess.Popen[str]:
-        return subprocess.Popen(
-            shlex.split(command),
-            cwd=self.folder,
-            env=environment(self.door),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+def begin(shell: Homebot, command: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        shlex.split(command),
+        cwd=shell.folder,
+        env=environment(shell.door),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
-def environment(door: str) -> dict[str, str]:
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    return {**os.environ, "HOMEBOT_DOOR": door, "PATH": path}
-
-
-@contextmanager
-def running(folder: Path, *options: str, until: str) -> Iterator[Shell]:
-    """Run a homebot whose log has had a line with *until*; it must end well."""
-    door = reserve_door()
-    command: Sequence[str] = ["homebot", "run", *options]
-    process = subprocess.Popen(command, cwd=folder, env=environment(door), stderr=subprocess.PIPE, text=True)
-    assert process.stderr is not None
-    assert any(until in line for line in process.stderr)
-    yield Shell(folder, door)
-    process.send_signal(signal.SIGTERM)
-    _, rest = process.communicate(timeout=PATIENCE)
-    assert process.returncode == 0
-    assert "Traceback" not in rest
-
-
-def kinds(shell: Shell, command: str) -> list[tuple[str, str]]:
+def kinds(shell: Homebot, command: str) -> list[tuple[str, str]]:
     """What a command with --json says of each difference: which it is, and of which device."""
     done = shell.run(f"{command} --json")
     found = [json.loads(line) for line in done.stdout.splitlines()]
@@ -98,8 +50,8 @@ def test_every_command_of_the_guide_is_run_here() -> None:
 
 def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
     """The light service turns off the lamp that is on at the start, and again when somebody turns it on."""
-    with running(tmp_path, "--house", "thesis", "--record", "run.jsonl", until=f"{LAMP} → off") as shell:
-        recorder = shell.begin(RUNS_HERE[0].replace("86400", "5"))
+    with homebot_in(tmp_path, "--house", "thesis", "--record", "run.jsonl", until=(f"{LAMP} → off",)) as shell:
+        recorder = begin(shell, RUNS_HERE[0].replace("86400", "5"))
         while not (tmp_path / "day.jsonl.gz").exists():
             assert recorder.poll() is None
         refused = shell.run("homebot record other.jsonl")
@@ -122,8 +74,8 @@ def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
 
 
 def test_a_recorder_that_is_stopped_by_ctrl_c_writes_a_whole_file(tmp_path: Path) -> None:
-    with running(tmp_path, "--house", "thesis", until=f"{LAMP} → off") as shell:
-        recorder = shell.begin("homebot record day.jsonl")
+    with homebot_in(tmp_path, "--house", "thesis", until=(f"{LAMP} → off",)) as shell:
+        recorder = begin(shell, "homebot record day.jsonl")
         file = tmp_path / "day.jsonl"
         while not file.exists() or not file.stat().st_size:
             assert recorder.poll() is None
@@ -138,7 +90,7 @@ def test_a_recorder_that_is_stopped_by_ctrl_c_writes_a_whole_file(tmp_path: Path
 
 def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
     """It turns no lamp off that has the name of the one that is on."""
-    with running(tmp_path, "--house", "thesis", "--record", "day.jsonl.gz", until=f"{LAMP} → off") as shell:
+    with homebot_in(tmp_path, "--house", "thesis", "--record", "day.jsonl.gz", until=(f"{LAMP} → off",)) as shell:
         assert shell.run("homebot record other.jsonl --for 2").returncode == 0  # what is in the last second counts not
     source = Path(homebot.apps.light_service.__file__).read_text("utf-8")
     changed = source.replace("if lamp.on:", f'if lamp.on and "{LAMP}" not in lamp.device.id:')
@@ -162,7 +114,7 @@ def test_a_changed_app_gives_other_commands(tmp_path: Path) -> None:
 )
 def test_a_file_that_is_no_recording_is_refused_with_code_2(tmp_path: Path, content: str, problem: str) -> None:
     (tmp_path / "day.jsonl").write_text(content)
-    done = Shell(tmp_path).run("homebot replay day.jsonl --diff")
+    done = Homebot(tmp_path).run("homebot replay day.jsonl --diff")
     assert (done.returncode, done.stdout, done.stderr) == (2, "", f"homebot: {problem}\n")
 
 
@@ -173,7 +125,7 @@ def test_a_dry_run_sends_nothing_and_says_so(tmp_path: Path) -> None:
     (tmp_path / "house.toml").write_text(
         f'[rooms.hall]\ndoors = ["outside"]\n[devices.{LAMP}]\nkind = "lamp"\nroom = "hall"\nis_on = true\n'
     )
-    with running(tmp_path, *options, until=f"light_service would set lights/{LAMP} → off") as shell:
+    with homebot_in(tmp_path, *options, until=(f"light_service would set lights/{LAMP} → off",)) as shell:
         done = shell.run(f"homebot do {LAMP} off")
         assert done.returncode == 1
         assert "homebot runs with --dry-run and sends nothing" in done.stdout
