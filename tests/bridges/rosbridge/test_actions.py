@@ -166,29 +166,15 @@ async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> No
             assert (await goal.result())[0] is GoalState.ABORTED
 
 
-async def test_roslib_cancels_all_goals_with_an_empty_call(house: House) -> None:
-    async with server(house.graph) as fib, house.peer() as peer:
-        for name in ("a", "b"):
-            await peer.send("send_action_goal", id=name, args={"order": 50}, **GOAL)
-        await peer.send("call_service", service="fib/_action/cancel_goal", args={})
-        await the_end(fib)
-
-
-async def test_a_list_of_arguments_fills_the_fields_of_a_goal_in_order(house: House) -> None:
+async def test_a_list_fills_the_fields_of_a_goal_and_what_it_and_its_end_lack_is_zero_or_empty(house: House) -> None:
     async with house.peer() as robot, house.peer() as user:
         await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         await robot.settle()
-        await user.send("send_action_goal", id="g", args=[5], **GOAL)
+        await user.send("send_action_goal", id="first", args=[5], **GOAL)
         assert (await robot.receive())["args"] == {"order": 5}
-
-
-async def test_what_a_goal_and_its_end_lack_is_zero_or_empty(house: House) -> None:
-    async with house.peer() as robot, house.peer() as user:
-        await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
-        await robot.settle()
         await user.send("send_action_goal", id="g", args={}, **GOAL)
         asked = await robot.receive()
         assert asked["args"] == {"order": 0}
         await robot.send("action_result", id=asked["id"], action="/fib", values={}, status=4, result=True)
         ended = await user.receive()
-        assert (ended["status"], ended["values"]) == (4, {"sequence": []})
+        assert (ended["id"], ended["status"], ended["values"]) == ("g", 4, {"sequence": []})

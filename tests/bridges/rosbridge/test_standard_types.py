@@ -55,17 +55,6 @@ async def test_only_a_header_has_that_counter(house: House, peer: Peer) -> None:
     assert "field 'seq' is unknown" in (await peer.receive())["msg"]
 
 
-async def test_a_client_adds_for_another(house: House) -> None:
-    async with house.peer() as server, house.peer() as caller:
-        await server.send("advertise_service", service="/add_two_ints", type="example_interfaces/AddTwoInts")
-        await server.settle()
-        await caller.send("call_service", service="/add_two_ints", args={"a": 1, "b": 2})
-        asked = await server.receive()
-        assert asked["args"] == {"a": 1, "b": 2}
-        await server.send("service_response", service="/add_two_ints", id=asked["id"], values={"sum": 3}, result=True)
-        assert (await caller.receive())["values"] == {"sum": 3}
-
-
 async def test_a_class_of_an_app_for_a_standard_type_is_used() -> None:
     class Stamped(Message, ros_type="std_msgs/msg/Header"):
         """What an app wrote before there was one here."""
