@@ -111,11 +111,12 @@ def test_of_a_key_that_is_there_twice_the_last_counts() -> None:
         (b"[" * 65 + b"]" * 65, "deeper than 64"),
         (b'{"a":' * 10_000, "no JSON|deeper than 64"),
         (b'"\\ud800"', "surrogate"),
+        ('"\ud800"', "surrogate"),
         (b'{"\\uDC00": 1}', "surrogate"),
         (b" " * 300_000, "longer than"),
     ],
 )
-def test_invalid_json_is_refused(payload: bytes, problem: str) -> None:
+def test_invalid_json_is_refused(payload: bytes | str, problem: str) -> None:
     with pytest.raises(WireError, match=problem) as refused:
         parse_json(payload)
     assert len(str(refused.value)) < 300

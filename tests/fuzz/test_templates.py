@@ -10,6 +10,7 @@ from tests.fuzz.conftest import Fuzz, Mutator, rows_of
 from homebot.conventions.jinja import TemplateError, compile_template
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
 from homebot.conventions.jinja.lists import CHECKS
+from homebot.conventions.jinja.texts import METHODS
 
 PIECES = (
     "{{ ",
@@ -68,6 +69,22 @@ PIECES = (
     *(f"{name}(" for name in FUNCTIONS),
 )
 
+CALLS = (
+    *("{{ a[b] }}", "{{ a[b:x] }}", "{{ {a: b} }}", "{{ -a }}", "{{ +a }}", "{% for x, y in a %}{{ x }}{% endfor %}"),
+    *(
+        f"{{{{ a {operator} b }}}}"
+        for operator in ("+", "-", "*", "/", "//", "%", "**", "~", "<", "==", "in", "not in")
+    ),
+    *(f"{{{{ a | {name}(ARGUMENTS) }}}}" for name in FILTERS),
+    *(f"{{{{ a | map('{name}', b) | list }}}}" for name in FILTERS),
+    *(f"{{{{ a is {name}(ARGUMENTS) }}}}" for name in CHECKS if name.isidentifier()),
+    *(f"{{{{ a | select('{name}', b) | list }}}}" for name in CHECKS),
+    *(f"{{{{ {name}(ARGUMENTS) }}}}" for name in FUNCTIONS),
+    *(f"{{{{ a.{name}(ARGUMENTS) }}}}" for methods in METHODS.values() for name in methods),
+)
+ARGUMENTS = ("", "a", "b", "a, b", "b, x", "b, x, a", "x=b")
+TEXTS = ("%d", "{0}", "[", "a*", "2024-01-01", "utf-8", ">I", "b", "%s%s")
+
 
 def sources() -> list[str]:
     """The templates of real announcements."""
@@ -91,3 +108,15 @@ def test_any_template_gives_a_text_or_says_why_not(fuzz: Fuzz) -> None:
             assert isinstance(compile_template(source).render_value(mutate.word()), str)
 
     fuzz.run("templates", case)
+
+
+def test_any_function_takes_any_values(fuzz: Fuzz) -> None:
+    def case(rng: random.Random) -> None:
+        mutate = Mutator(rng, TEXTS)
+        template = compile_template(rng.choice(CALLS).replace("ARGUMENTS", rng.choice(ARGUMENTS)))
+        assert template.problem == ""
+        with suppress(TemplateError):
+            text = template.render({name: mutate.value() for name in "abx"})
+            assert len(text.encode()) >= len(text)
+
+    fuzz.run("functions of templates", case)

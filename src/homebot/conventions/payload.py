@@ -87,8 +87,8 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     if not unique and _recorded.get() is None:
         try:
             value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
-        except ValueError:
-            pass  # invalid JSON is refused below, with the reason
+        except (ValueError, TypeError):
+            pass  # invalid JSON, and half of a surrogate pair, are refused below, with the reason
         else:
             if _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
@@ -109,7 +109,7 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
         raise WireError(f"{shown(payload)} is not JSON: {error}") from None
     if text.count("[") + text.count("{") > MAX_DEPTH:
         check_depth(value)
-    if "\\u" in text:
+    if "\\u" in text or (text is payload and not text.isascii()):
         check_surrogates(value)
     return value
 
