@@ -217,6 +217,7 @@ def check_part(mutator: Mutator, part: DescribedPart, spoken: Iterable[str]) -> 
         except RefusedError:
             continue
         assert all(not set(publication.topic) & set("+#\x00") for publication in told)
+        assert {publication.topic for publication in told} <= set(part.part.writes)
 
 
 def rows_of(convention: str) -> list[dict[str, Any]]:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.fuzz.conftest import Fuzz, rows_of
@@ -23,6 +26,21 @@ CONVENTIONS: dict[str, Callable[[], Convention]] = {
 }
 
 
+COMPONENTS = Path(__file__).parents[1] / "conventions" / "homeassistant" / "components.jsonl"
+
+
+def components() -> list[dict[str, Any]]:
+    """Every component of Home Assistant's configs, beside those of real devices."""
+    lines = [json.loads(line) for line in COMPONENTS.read_text().splitlines()]
+    steps = [
+        [step["read"] for one in line.get("tests", {}).values() for step in one if "read" in step] for line in lines
+    ]
+    return [
+        {"messages": [[f"homeassistant/{line['component']}/x/config", json.dumps(line["config"])]], "says": says}
+        for line, says in zip(lines, steps, strict=True)
+    ]
+
+
 @pytest.mark.parametrize("name", CONVENTIONS)
 def test_damaged_devices_are_refused_or_read(fuzz: Fuzz, name: str) -> None:
-    fuzz.convention(name, CONVENTIONS[name], rows_of(name))
+    fuzz.convention(name, CONVENTIONS[name], [*rows_of(name), *(components() if name == "homeassistant" else ())])

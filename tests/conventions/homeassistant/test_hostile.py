@@ -1,4 +1,4 @@
-"""Attacks by an announcement or a state are refused or bounded; test_any_part and the fuzzer damage real ones."""
+"""Attacks by an announcement or a state are refused or bounded; the fuzzer damages real ones."""
 
 import json
 
