@@ -64,6 +64,14 @@ def test_parts_of_all_packets_are_kept() -> None:
     assert found.silence == TRIGGER_BASED
 
 
+def test_a_shelly_blu_has_the_name_of_its_model() -> None:
+    parser = BTHomeParser({})
+    found = read(parser, "440001" + "2d01", name="SBDW-002C")
+    assert (found.name, found.metadata["manufacturer"]) == ("BLU Door/Window 80A5", "Shelly")
+    assert read(parser, "440002" + "2d00").name == found.name
+    assert read(parser, "440003" + "2d00", name="Shed").name == "Shed"
+
+
 @pytest.mark.parametrize(
     ("name", "packet", "expected"),
     [

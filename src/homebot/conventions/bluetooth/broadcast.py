@@ -78,7 +78,7 @@ class Broadcast:
 
     Attributes:
         key: The key of the device if it is not its address, which beacons may change.
-        name: The name that it advertises; empty for none.
+        name: Its name by its model, or the one that it advertises; empty for none.
         values: New values; empty if the advertisement repeats an earlier one.
         expiries: Values that end by themselves, by part.
         identifiers: Identifiers that other gateways may see too, beside its address.

@@ -19,7 +19,6 @@ __all__ = [
     "DIMMER_TURNS",
     "FIRMWARE_3",
     "FIRMWARE_4",
-    "MODEL_OBJECTS",
     "PACKET_ID",
     "RAW",
     "TEXT",
@@ -190,15 +189,3 @@ BTHOME_OBJECTS: Mapping[int, BTHomeObject] = {
     FIRMWARE_3: BTHomeObject("firmware", "", size=3),
 }
 """Every object id of BTHome v2."""
-
-MODEL_OBJECTS: Mapping[str, Mapping[str, BTHomeObject]] = {
-    "SBTR-001AEU": {  # BLU TRV: the first is its target
-        "temperature": BTHomeObject("target_temperature", "heating_setpoint"),
-        "temperature_2": BTHOME_OBJECTS[0x02],
-        "temperature_3": BTHomeObject("external_temperature", "temperature"),
-    },
-    "SBWS-90CM": {"water_leak": BTHomeObject("rain", "state")},  # Ecowitt WS90, a weather station
-}
-"""Objects that mean something else in a model of Shelly BLU, by the name that it advertises and the usual part.
-
-Source: Shelly BLU, BluTRV and Ecowitt WS90, tables of BTHome objects."""

@@ -11,7 +11,8 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
-from homebot.conventions.bthome.objects import MODEL_OBJECTS, BTHomeObject
+from homebot.conventions.bthome.models import model_called
+from homebot.conventions.bthome.objects import BTHomeObject
 from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomeFrame, BTHomePacket, Measured, read_frame, read_objects
 from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
@@ -50,7 +51,7 @@ class _BTHomeSender:
     """The state of one device, over all its packets."""
 
     def __init__(self) -> None:
-        self.name = ""
+        self.model = model_called("")
         self.parts: dict[str, Part] = {}
         self.metadata: dict[str, str] = {}
         self.packet_id: int | None = None
@@ -90,7 +91,7 @@ class _BTHomeSender:
         )
 
     def _meant(self, measured: Measured) -> Measured:
-        own = MODEL_OBJECTS.get(self.name, {}).get(measured.part)
+        own = self.model.objects.get(measured.part)
         return measured if own is None else measured._replace(part=own.name, object=own)
 
     def _record_metadata(self, packet: BTHomePacket) -> None:
@@ -131,7 +132,8 @@ class BTHomeParser(BroadcastParser):
         frame = read_frame(data)
         known = self._devices.get(advertisement.address)
         device = known or _BTHomeSender()
-        device.name = advertisement.name or device.name
+        if advertisement.name:
+            device.model = model_called(advertisement.name)
         key = self._bind_key(advertisement.address)
         if key is not None and not frame.is_encrypted:
             raise WireError("BTHome: it is not encrypted, although a bind key is configured for it", data)
@@ -143,10 +145,10 @@ class BTHomeParser(BroadcastParser):
         if known is None and len(self._devices) < MAX_DEVICES:
             self._devices[advertisement.address] = device
         return Broadcast(
-            name=advertisement.name,
+            name=device.model.name_at(advertisement.address) if device.model.code else advertisement.name,
             parts=tuple(device.parts.values()),
             values=values,
-            metadata={"format": "BTHome v2", **device.metadata},
+            metadata={"format": "BTHome v2", **device.model.facts, **device.metadata},
             identifiers=(frame.address.hex(":").upper(),) if frame.address else (),
             silence=device.silence,
             problem="it is encrypted, and no bind key is configured for it" if is_locked else "",

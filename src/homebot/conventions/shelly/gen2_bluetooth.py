@@ -3,17 +3,18 @@
 The Shelly has a component for each device (``bthomedevice``, or ``blutrv`` of a radiator valve) and for each of its
 values (``bthomesensor``), all with its address. Ids of parts are those of :mod:`homebot.conventions.bthome.parser`.
 
-Source: Shelly Gen2+ API, BTHome Components and BluTrv; Shelly BLU, Common: table of models.
+Source: Shelly Gen2+ API, BTHome Components and BluTrv.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from itertools import chain
 from typing import Final, NamedTuple
 
-from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON, MODEL_OBJECTS
+from homebot.conventions.bthome.models import MODELS, BluModel, model_called
+from homebot.conventions.bthome.objects import BTHOME_OBJECTS, BUTTON
 from homebot.conventions.bthome.parser import TAGS
 from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publications
@@ -31,43 +32,6 @@ __all__ = ["BluetoothDevice", "group_by_address"]
 _VALVE_BOUNDS = (4.0, 30.0)
 
 
-class _BluModel(NamedTuple):
-    """A model of Shelly's own Bluetooth devices.
-
-    Attributes:
-        keys: Number of its buttons; the events of each have its ``idx``, from 0 on.
-        has_wheel: Whether it can be turned.
-    """
-
-    code: str
-    name: str
-    keys: int = 1
-    has_wheel: bool = False
-
-
-_MODELS: Final[Mapping[int, _BluModel]] = {
-    1: _BluModel("SBBT-002C", "BLU Button1"),
-    2: _BluModel("SBDW-002C", "BLU Door/Window", keys=0),
-    3: _BluModel("SBHT-003C", "BLU H&T"),
-    4: _BluModel("SBDI-003E", "BLU Distance"),
-    5: _BluModel("SBMO-003Z", "BLU Motion"),
-    6: _BluModel("SBBT-004CEU", "BLU Wall Switch 4", keys=4),
-    7: _BluModel("SBBT-004CUS", "BLU RC Button 4", keys=4),
-    8: _BluModel("SBTR-001AEU", "BLU TRV", keys=0),
-    9: _BluModel("SBRC-005B", "BLU Remote", keys=2, has_wheel=True),
-    11: _BluModel("SBWS-90CM", "Ecowitt WS90", keys=0),
-    12: _BluModel("SBHT-103C", "BLU H&T Display ZB"),
-    17: _BluModel("SBHT-203C", "BLU H&T ZB"),
-    19: _BluModel("SBMO-103Z", "BLU Motion ZB"),
-    20: _BluModel("SBDW-103C", "BLU Door/Window ZB", keys=0),
-    21: _BluModel("SBBT-104CEU", "BLU Wall Switch 4 ZB", keys=4),
-    22: _BluModel("SBBT-104CUS", "BLU RC Button 4 ZB", keys=4),
-    23: _BluModel("SBBT-102C", "BLU Button Tough 1 ZB"),
-}
-"""By the number of the model in its broadcasts."""
-
-_OTHER: Final = _BluModel("", "Bluetooth device")
-_MODEL_OF: Final = {model.code: model for model in _MODELS.values()}
 _KEY_PRESSES: Final = {
     **PRESSES,
     "long_double_push": "long_double",
@@ -87,27 +51,21 @@ class BluetoothDevice(NamedTuple):
     def name(self) -> str:
         """Its name in the Shelly, or else its model."""
         given = [one.name for one in self.components if one.kind != "bthomesensor" and one.name]
-        return given[0] if given else f"{self.model.name} {self.address[-5:].replace(':', '').upper()}"
+        return given[0] if given else self.model.name_at(self.address)
 
     @property
     def facts(self) -> dict[str, str]:
         """Its facts."""
-        model = self.model
-        facts = {
-            "manufacturer": "Shelly" if model.code else "",
-            "model": model.name if model.code else "",
-            "model_id": model.code,
-            "sw_version": text_of(self.components[-1].status.get("fw_ver")),
-            "address": self.address.upper(),
-        }
-        return {name: value for name, value in facts.items() if value}
+        version = text_of(self.components[-1].status.get("fw_ver"))
+        own = {"address": self.address.upper(), **({"sw_version": version} if version else {})}
+        return {**self.model.facts, **own}
 
     @property
-    def model(self) -> _BluModel:
+    def model(self) -> BluModel:
         """Its model."""
         config = self.components[-1].config
         number, ui = to_number(config.get("model_id")), as_fields(as_fields(config.get("meta")).get("ui"))
-        return _MODELS.get(int(number or 0)) or _MODEL_OF.get(text_of(ui.get("local_name"))) or _OTHER
+        return MODELS.get(int(number or 0)) or model_called(text_of(ui.get("local_name")))
 
     def parts(self) -> tuple[JsonPart, ...]:
         """Return its parts; a value that several components have counts once."""
@@ -115,7 +73,7 @@ class BluetoothDevice(NamedTuple):
         if first.kind == "blutrv":  # it has all that its broadcasts have
             parts = chain((("thermostat", _valve_part(first)),), _own_parts(first))
         else:
-            values = chain.from_iterable(_value_parts(one, self.model.code) for one in self.components)
+            values = chain.from_iterable(_value_parts(one, self.model) for one in self.components)
             parts = chain(values, self._key_parts(), _own_parts(self.components[-1]))
         for part_id, part in parts:
             found.setdefault(part_id, part)
@@ -155,7 +113,7 @@ def _numbered(name: str, index: int) -> str:
     return f"{name}_{index + 1}" if index else name
 
 
-def _value_parts(component: ShellyComponent, model: str) -> Iterator[tuple[str, JsonPart]]:
+def _value_parts(component: ShellyComponent, model: BluModel) -> Iterator[tuple[str, JsonPart]]:
     """Yield the part of a value; none if it is a button or has no known meaning."""
     object_id = component.config.get("obj_id")
     known = BTHOME_OBJECTS.get(object_id) if isinstance(object_id, int) else None
@@ -163,7 +121,7 @@ def _value_parts(component: ShellyComponent, model: str) -> Iterator[tuple[str, 
     if known is None or kind == "text":
         return
     part_id = _numbered(known.name, _index(component))
-    if (own := MODEL_OBJECTS.get(model, {}).get(part_id)) is not None:
+    if (own := model.objects.get(part_id)) is not None:
         known, part_id = own, own.name
     capability, is_number, is_inverted = known.capability, kind == "number", known.is_inverted
 

@@ -84,8 +84,7 @@ class KnownDevice:
         self.address = advertisement.address
         self.presence.record(now)
         self.signal.add(advertisement.rssi, now)
-        said = advertisement.name or ("" if broadcast is None else broadcast.name)
-        self._name = said[:_LONGEST_NAME] or self._name
+        self._name = advertisement.name or self._name
         if broadcast is not None:
             self._broadcast = broadcast
             self.problem = broadcast.problem
@@ -102,7 +101,7 @@ class KnownDevice:
         addresses = () if self.key.startswith(("ibeacon:", "eddystone:")) else (self.address,)
         return GatewayDevice(
             self.key,
-            self._declared.name or self._name or self.key,
+            self._declared.name or (said.name or self._name)[:_LONGEST_NAME] or self.key,
             (*own, *said.parts, *self._battery_part(), *(_SIGNAL_PARTS if signal else ())),
             metadata={"address": self.address, **facts, **(_UNCERTAINTY if signal else {})},
             identifiers=identifiers((*addresses, *said.identifiers, *self._serial_number())),
