@@ -52,6 +52,7 @@ async def test_each_try_is_an_entry_and_so_is_what_goes_back(home: Home) -> None
     await anyio.sleep(5)
     found = await read(home, command=outcome.command_id)
     assert kinds(found)[-2:] == ["outcome", "reverted"]
+    assert "changed" not in kinds(await read(home))
 
 
 async def test_a_command_of_an_app_names_the_report_that_led_to_it(home: Home) -> None:

@@ -173,6 +173,7 @@ async def test_a_command_for_the_same_and_a_stop_pass(open_home: OpenHome) -> No
         home.tasks.start_soon(home.report, "door", "movement", "opening")
         await anyio.sleep(0.1)
         assert not isinstance(await door.stop(), Refused)
+        assert told(await steps(home))[1:] == [("outranked", "", "it was stopped")]
         del home.behaviours["door"]
         assert home.commands[-1].value.plain() == "stopped"
         await anyio.sleep(15)
@@ -216,14 +217,22 @@ async def test_who_wants_another_value_is_refused_and_its_block_holds_nothing(op
             assert not other.is_held
             await anyio.sleep(60)
         assert [one.value.plain() for one in home.commands] == ["open"]
+        entry = (await steps(home))[1]
+    assert (entry.kind, entry.text, entry.issuer) == ("denied", "guard", "/app")
+    assert (entry.verdicts[0].policy, entry.verdicts[0].reason) == ("lease", "held open by robot for 10 s more")
+    assert entry.settings[0].value.plain() == "closed"
 
 
-async def test_a_block_holds_for_longer_than_its_ttl(open_home: OpenHome) -> None:
-    async with a_door(open_home) as (home, door), door.hold("open", by="robot", ttl=1) as held:
-        await anyio.sleep(600)
-        assert held.succeeded
-        assert isinstance(await door.close(), Refused)
-        assert len(home.commands) == 1
+async def test_a_block_holds_for_longer_than_its_ttl_and_no_renewal_is_in_the_journal(open_home: OpenHome) -> None:
+    async with a_door(open_home) as (home, door):
+        async with door.hold("open", by="robot", ttl=1) as held:
+            await anyio.sleep(600)
+            assert held.succeeded
+            assert isinstance(await door.close(), Refused)
+            assert len(home.commands) == 1
+        found = await steps(home)
+    assert told(found) == [("held", "/app", "robot"), ("released", "/app", "robot")]
+    assert [(one.device, one.settings) for one in found] == [(door.device.id, (Setting.of("movement", "open"),))] * 2
 
 
 async def test_a_door_that_opens_slower_than_the_ttl_is_held_meanwhile(open_home: OpenHome) -> None:
@@ -499,6 +508,7 @@ async def test_a_person_ends_a_lease_and_its_block_does_not_get_it_again(open_ho
         assert held.outcome.reason == "its lease was ended by client:owner"
         assert [one.value.plain() for one in home.commands] == ["open", "closed"]
         assert await end(home, door) == ()
+        assert told(await steps(home))[1:] == [("ended", "client:owner", "robot"), ("denied", "/app", "robot")]
 
 
 async def test_who_holds_again_under_another_name_may(open_home: OpenHome) -> None:

@@ -70,16 +70,6 @@ async def test_a_dial_that_is_turned_is_one_change(home: Home) -> None:
     assert len(await changes(home)) == 1
 
 
-async def test_a_lamp_that_goes_back_is_reverted_and_not_unexplained(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    home.behaviours["lamp"] = report((0.1, True), (3.0, False))
-    await (await home.handle(Light)).turn_on()
-    await anyio.sleep(5)
-    assert await changes(home) == []
-    assert "reverted" in kinds(await read(home))
-
-
 async def test_the_effect_of_a_slow_command_is_explained_as_long_as_it_takes(home: Home) -> None:
     home.put("lamp", "light", "on_off")
     await home.report("lamp", "on_off", False)

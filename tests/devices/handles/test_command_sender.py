@@ -42,18 +42,6 @@ async def test_a_command_goes_by_the_best_way_that_can_do_it(house: House) -> No
     assert "on_off was not sent to a: no link" in (await light.turn_on()).text
 
 
-async def test_a_device_that_one_gateway_cannot_reach_is_reached_by_another(house: House) -> None:
-    ways = tuple(Route(gateway=one, key="k", part=one, takes=EVERYTHING) for one in ("away", "radio", "cable"))
-    lamp = house.part("light", "on_off")
-    house.has(house.device("a", lamp.model_copy(update={"routes": ways})))
-    for one in ("radio", "cable"):
-        house.gateway(one)
-    house.answers["radio"] = SendCommandResponse(success=False, message="it left", problem="unreachable")
-    (light,) = await house.devices.find(Light)
-    await light.turn_on()
-    assert [one[0] for one in house.told] == ["cable"]
-
-
 async def test_a_command_that_had_no_effect_is_repeated_by_the_next_route(house: House) -> None:
     """The first accepted it: a hub that shows a device which it lost accepts everything."""
     ways = tuple(Route(gateway=one, key="k", part=one, takes=EVERYTHING) for one in ("hub", "radio"))

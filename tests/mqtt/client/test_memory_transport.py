@@ -79,19 +79,6 @@ async def test_nothing_takes_time(broker: MemoryBroker, options: MqttOptions) ->
     assert now() == 0.0
 
 
-async def test_a_thawed_link_carries_what_waited(broker: MemoryBroker, options: MqttOptions) -> None:
-    client = broker.make_client(options)
-    async with client.connected():
-        await client.subscribe(MqttSubscription("t"))
-        link = broker.link_of("hub")
-        link.freeze()
-        await client.publish("t", b"x")
-        await anyio.sleep(5)
-        assert broker.stats.messages_received == 0
-        link.thaw()
-        assert [message.payload for message in await client.receive()] == [b"x"]
-
-
 @pytest.mark.parametrize(("pause", "expiries"), [(4.0, [6]), (11.0, [])])
 async def test_a_publish_of_qos_2_goes_on_on_the_next_link_until_it_expires(
     broker: MemoryBroker, options: MqttOptions, pause: float, expiries: list[int]
