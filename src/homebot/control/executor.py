@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import ClassVar, Final, Protocol, TypeAlias, final
+from typing import ClassVar, Final, Protocol, final
 
 from homebot.control import durations
 from homebot.control.command import (
@@ -27,7 +27,7 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.cause import Cause, cause_of_undoing
-from homebot.control.timeline.facts import Reported, ReportRole
+from homebot.control.timeline.facts import PartRef, Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, settings_text
@@ -64,8 +64,6 @@ _MOST_RECORDED: Final = 20
 """Reports of one command in the journal."""
 
 _ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
-
-_Place: TypeAlias = tuple[str, str]
 
 
 class Rehearsal(Protocol):
@@ -291,7 +289,7 @@ class CommandExecutor:
         self.timelines.schedule(command.place)
         return outcome
 
-    def _on_report(self, place: _Place, progress: CommandProgress, fact: Reported) -> None:
+    def _on_report(self, place: PartRef, progress: CommandProgress, fact: Reported) -> None:
         """Record a report for a command, and wake the task that waits for it."""
         opened = self._open.get(progress.order.id) if progress.is_open else None
         if opened is None:
@@ -302,7 +300,7 @@ class CommandExecutor:
             self._record_report(place, progress, fact, self._cause_of_answer(place, progress, fact))
         opened.wake()
 
-    def _cause_of_answer(self, place: _Place, progress: CommandProgress, fact: Reported) -> str:
+    def _cause_of_answer(self, place: PartRef, progress: CommandProgress, fact: Reported) -> str:
         """Return the cause of a change while a command waits for its outcome; empty for no change."""
         if progress.roles[fact.number] is ReportRole.EFFECT:
             return Cause.COMMAND.value
@@ -311,11 +309,11 @@ class CommandExecutor:
         cause = self.timelines.cause_of(place, fact).cause  # a person, or the device's own answer
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
-    def _record_report(self, place: _Place, progress: CommandProgress, fact: Reported, cause: str) -> None:
+    def _record_report(self, place: PartRef, progress: CommandProgress, fact: Reported, cause: str) -> None:
         order = progress.order
         self._journal.reported(place, order.id, order.issuer, (fact.capability, fact.value), cause)
 
-    def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
+    def _on_undone(self, place: PartRef, progress: CommandProgress) -> None:
         """Record and publish the end of the confirmed value of a part."""
         settling, order = progress.settling, progress.order
         if settling is None or settling.undoing is None or not self._publishes_undoings:

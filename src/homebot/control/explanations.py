@@ -50,9 +50,6 @@ _REQUESTS: Final = frozenset({"requested", "published", "denied"})
 _REPORTS: Final = frozenset({"reported", "changed"})
 
 ReadEntries: TypeAlias = Callable[[ReadJournalRequest], Awaitable[ReadJournalResponse]]
-FindDevice: TypeAlias = Callable[[str], Awaitable[Device | None]]
-FindFights: TypeAlias = Callable[[str], tuple[DeviceFight, ...]]
-FindRoutes: TypeAlias = Callable[[Device], tuple[KeyValue, ...]]
 
 _Entries: TypeAlias = tuple[JournalEntry, ...]
 
@@ -114,9 +111,9 @@ class Explanations:
     def __init__(
         self,
         read: ReadEntries,
-        find_device: FindDevice,
-        find_fights: FindFights = lambda _: (),
-        find_ineffective: FindRoutes = lambda _: (),
+        find_device: Callable[[str], Awaitable[Device | None]],
+        find_fights: Callable[[str], tuple[DeviceFight, ...]] = lambda _: (),
+        find_ineffective: Callable[[Device], tuple[KeyValue, ...]] = lambda _: (),
     ) -> None:
         self._read = read
         self._find_device = find_device

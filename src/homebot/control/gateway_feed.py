@@ -75,8 +75,8 @@ class GatewayFeed:
         self._reports: set[str] = set()
         self._answering: BoundedMap[_Place, None] = BoundedMap(_MOST_ANSWERING)
         self._lost: dict[str, LinkLoss] = {}
-        self.on_gateway: Callable[[str], None] = _ignore
-        self.on_answer: Callable[[str, str, str], None] = _ignore
+        self.on_gateway: Callable[[str], None] = lambda _: None
+        self.on_answer: Callable[[str, str, str], None] = lambda *_: None
 
     async def run(self) -> None:
         """Follow the states of all gateways, also of those to come, until cancelled."""
@@ -115,12 +115,8 @@ class GatewayFeed:
 
     def _follow_state(self, gateway: str) -> None:
         self._states.add(gateway)
-        try:
-            names = GatewayNames(gateway)
-            on_state = partial(self._on_state, gateway)
-            self._node.create_subscription(GatewayState, names.state, on_state, _STATE_QOS, from_node=names.node)
-        except InvalidNameError:
-            return  # no node publishes under such a name
+        names, on_state = GatewayNames(gateway), partial(self._on_state, gateway)
+        self._node.create_subscription(GatewayState, names.state, on_state, _STATE_QOS, from_node=names.node)
 
     def _follow_reports(self, gateway: str) -> None:
         if gateway in self._reports:
@@ -149,7 +145,3 @@ class GatewayFeed:
     def _on_state(self, gateway: str, state: GatewayState) -> None:
         if state.state == "unavailable":
             self._lost[gateway] = LinkLoss(self._clock.monotonic(), self._clock.now())
-
-
-def _ignore(*_: str) -> None:
-    pass

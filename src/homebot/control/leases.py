@@ -10,6 +10,7 @@ from typing import Final, TypeAlias, final
 import anyio
 
 from homebot.control.command import IssuedCommand
+from homebot.control.timeline.facts import PartRef
 from homebot.control.values import STOPPED, changes, departs, fits, value_text
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import NoAnswer, Outcome, Refused
@@ -42,8 +43,6 @@ _COMMANDING: Final = NoAnswer(0.0, "it is being commanded")
 
 HolderKey: TypeAlias = tuple[str, str, str]
 """Issuer, name for people, and the name of the lease."""
-
-_Part: TypeAlias = tuple[str, str]
 
 
 @dataclass(slots=True)
@@ -81,7 +80,7 @@ class Lease:
         stop_watch: Ends the watch of the part; None before it begins.
     """
 
-    part: _Part
+    part: PartRef
     capability: str
     value: PlainValue
     holders: dict[HolderKey, LeaseHolder] = field(default_factory=dict)
@@ -152,21 +151,19 @@ class Leases:
         on_outranked: Called with each lease when a hand or a stop command outranks it.
     """
 
-    on_outranked: Callable[[Lease], None]
-
     def __init__(self, hand_time: float) -> None:
         self.refused = 0
         self.hand_time = hand_time
-        self.on_outranked = _ignore
+        self.on_outranked: Callable[[Lease], None] = lambda _: None
         self._ended: dict[HolderKey, tuple[float, str]] = {}
-        self.parts: dict[_Part, dict[str, Lease]] = {}
+        self.parts: dict[PartRef, dict[str, Lease]] = {}
         self._of: dict[HolderKey, Lease] = {}
 
     def __iter__(self) -> Iterator[Lease]:
         return (one for leases in self.parts.values() for one in leases.values())
 
     def hold(
-        self, part: _Part, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
+        self, part: PartRef, capability: str, value: PlainValue, key: HolderKey, holder: LeaseHolder, now: float
     ) -> Lease | str:
         """Add *holder* at *now*, after :meth:`expire`; return the lease, or the reason of a refusal."""
         if key in self._ended:
@@ -229,7 +226,7 @@ class Leases:
         over = [(key, lease.holders[key]) for key, lease in self._of.items() if lease.holders[key].deadline <= now]
         return [(lease, key, holder) for key, holder in over if (lease := self.release(key)) is not None]
 
-    def refusal(self, part: _Part, settings: Mapping[str, PlainValue], now: float) -> str:
+    def refusal(self, part: PartRef, settings: Mapping[str, PlainValue], now: float) -> str:
         """Return why a command is refused at *now*; empty if no lease forbids it."""
         leases = self.parts.get(part)
         if leases is None:
@@ -281,7 +278,3 @@ class Leases:
 def held_text(value: PlainValue) -> str:
     """Return a value after the word *held*: ``open``, ``at 40``."""
     return f"at {value_text(value)}" if isinstance(value, float) else value_text(value)
-
-
-def _ignore(_: Lease) -> None:
-    pass

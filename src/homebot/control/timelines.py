@@ -13,7 +13,7 @@ from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed, ReportWatch
 from homebot.control.profiles import Profiles
 from homebot.control.timeline.cause import Attribution, cause_of_undoing
-from homebot.control.timeline.facts import Reported
+from homebot.control.timeline.facts import PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import related
@@ -29,8 +29,6 @@ OnValue: TypeAlias = Callable[[str, PlainValue, Attribution | None], None]
 """Called with the capability and the value of a report, and its cause; None for a repetition."""
 
 _MOST: Final = 10_000
-
-_Place: TypeAlias = tuple[str, str]
 
 
 @dataclass(slots=True, eq=False)
@@ -66,10 +64,10 @@ class Timelines:
         self._timeout = timeout
         self._settle = settle
         self._limits = TimeLimits()
-        self._entries: OrderedDict[_Place, _TrackedPart] = OrderedDict()
-        self.on_report: Callable[[_Place, CommandProgress, Reported], None] = _ignore
-        self.on_end: Callable[[CommandProgress], None] = _ignore
-        self.on_undone: Callable[[_Place, CommandProgress], None] = _ignore
+        self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
+        self.on_report: Callable[[PartRef, CommandProgress, Reported], None] = lambda *_: None
+        self.on_end: Callable[[CommandProgress], None] = lambda *_: None
+        self.on_undone: Callable[[PartRef, CommandProgress], None] = lambda *_: None
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""
@@ -100,24 +98,24 @@ class Timelines:
         listeners.append(on_value)
         return partial(listeners.remove, on_value)
 
-    def schedule(self, place: _Place) -> None:
+    def schedule(self, place: PartRef) -> None:
         """Set the timer of a decided command, and save the profile."""
         entry = self._entries.get(place)
         if entry is not None:
             self._profiles.save(entry.target, entry.timeline.profile)
             self._set_timer(place, entry)
 
-    def cause(self, place: _Place, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
+    def cause(self, place: PartRef, capability: str, value: PlainValue, stamp: float) -> Attribution | None:
         """Return the cause of the report with that *stamp*; None if no command explains or ended it."""
         entry = self._entries.get(place)
         fact = None if entry is None else entry.timeline.find(capability, value, stamp)
         return None if fact is None else self.cause_of(place, fact)
 
-    def cause_of(self, place: _Place, fact: Reported) -> Attribution:
+    def cause_of(self, place: PartRef, fact: Reported) -> Attribution:
         """Return the cause of a report of a commanded part."""
         return self._entries[place].timeline.cause_of(fact)
 
-    def _create(self, place: _Place, device: Device, part: DevicePart) -> _TrackedPart:
+    def _create(self, place: PartRef, device: Device, part: DevicePart) -> _TrackedPart:
         target = _target(device, part)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
@@ -128,7 +126,7 @@ class Timelines:
             self._forget_oldest()
         return entry
 
-    def _follow(self, place: _Place, entry: _TrackedPart, part: DevicePart) -> None:
+    def _follow(self, place: PartRef, entry: _TrackedPart, part: DevicePart) -> None:
         if entry.watch is not None:
             entry.watch.stop()
         entry.routes = part.routes
@@ -136,7 +134,7 @@ class Timelines:
         entry.relevant = frozenset([other for one in settable for other in related(one)])
         entry.watch = self._feed.watch(part.routes, partial(self._on_value, place, entry))
 
-    def _on_value(self, place: _Place, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
+    def _on_value(self, place: PartRef, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
         if capability not in entry.relevant:
             return
         now, timeline = self._clock.monotonic(), entry.timeline
@@ -149,7 +147,7 @@ class Timelines:
             self._set_timer(place, entry)
         self._profiles.save(entry.target, timeline.profile)
 
-    def _set_timer(self, place: _Place, entry: _TrackedPart) -> None:
+    def _set_timer(self, place: PartRef, entry: _TrackedPart) -> None:
         at = entry.timeline.next_at
         if at >= entry.timer_at:
             return
@@ -157,7 +155,7 @@ class Timelines:
         entry.timer_at = at
         entry.timer = self._limits.set(max(0.0, at - self._clock.monotonic()), partial(self._advance, place, entry))
 
-    def _advance(self, place: _Place, entry: _TrackedPart) -> None:
+    def _advance(self, place: PartRef, entry: _TrackedPart) -> None:
         entry.timer_at = math.inf
         entry.timeline.advance(self._clock.monotonic())
         self._profiles.save(entry.target, entry.timeline.profile)
@@ -172,7 +170,7 @@ class Timelines:
                     entry.watch.stop()
                 return
 
-    def _on_undone(self, place: _Place, progress: CommandProgress) -> None:
+    def _on_undone(self, place: PartRef, progress: CommandProgress) -> None:
         """Publish the end of a confirmed value, also to listeners that got its last report as a step on the way."""
         entry, settling = self._entries.get(place), progress.settling
         if entry is not None and settling is not None and settling.undoing is not None:
@@ -186,10 +184,6 @@ class Timelines:
 def _target(device: Device, part: DevicePart) -> str:
     """Return the name of the profile of a part."""
     return f"{device.id}#{part.id}" if part.id else device.id
-
-
-def _ignore(*_: object) -> None:
-    pass
 
 
 def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:

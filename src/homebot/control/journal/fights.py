@@ -8,6 +8,7 @@ from itertools import pairwise
 from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias, final
 
+from homebot.control.timeline.facts import PartRef
 from homebot.control.values import changes, related, settings_text
 from homebot.devices.journal_messages import DeviceFight
 from homebot.devices.value import PlainValue
@@ -25,8 +26,6 @@ _SHOWN: Final = 3600.0
 """Seconds after its last command for which a fight is shown."""
 
 _MOST: Final = 1000
-
-_Place: TypeAlias = tuple[str, str]
 _Sensed: TypeAlias = tuple[str, str, str]
 
 
@@ -90,10 +89,10 @@ class Fights:
     """The fights of the last hour; of the 1,000 parts that apps commanded last."""
 
     def __init__(self) -> None:
-        self._turns: BoundedMap[_Place, tuple[Turn, ...]] = BoundedMap(_MOST)
-        self._fights: BoundedMap[_Place, _Fight] = BoundedMap(_MOST)
+        self._turns: BoundedMap[PartRef, tuple[Turn, ...]] = BoundedMap(_MOST)
+        self._fights: BoundedMap[PartRef, _Fight] = BoundedMap(_MOST)
 
-    def add(self, place: _Place, turn: Turn) -> DeviceFight | None:
+    def add(self, place: PartRef, turn: Turn) -> DeviceFight | None:
         """Record a command; return the fight that it makes, unless it goes on since one of the commands before."""
         before = self._turns.get(place, ())
         if before and before[-1].issuer == turn.issuer:
@@ -117,7 +116,7 @@ class Fights:
         )
 
 
-def _message(place: _Place, fight: _Fight) -> DeviceFight:
+def _message(place: PartRef, fight: _Fight) -> DeviceFight:
     device, part = place
     one, other = (f"{turn.issuer.removeprefix('/')} ({settings_text(turn.values)})" for turn in fight.last[:2])
     newest = fight.last[-1].at

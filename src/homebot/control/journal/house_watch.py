@@ -12,7 +12,6 @@ from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.device import ChangedSetting, ChangedSettings
 from homebot.devices.names import DEVICE_SETTINGS, DIRECTORY_NODE
 from homebot.devices.value import PlainValue
-from homebot.errors import InvalidNameError
 from homebot.graph import OTHERS, Node, QoSProfile, ReliabilityPolicy
 from homebot.support.bounded_map import BoundedMap
 
@@ -138,11 +137,8 @@ class HouseWatch:
 
     def follow_gateway(self, gateway: str) -> None:
         """Record the raw commands to a gateway from now on."""
-        try:
-            out = GatewayNames(gateway).out
-            self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
-        except InvalidNameError:
-            return  # no node publishes under such a name
+        out = GatewayNames(gateway).out
+        self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
 
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:

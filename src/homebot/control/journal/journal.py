@@ -11,6 +11,7 @@ from homebot.control.journal.command_folding import CommandFolding
 from homebot.control.journal.command_log import ENDS, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.store import JournalNote, with_newer
+from homebot.control.timeline.facts import PartRef
 from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
@@ -46,9 +47,6 @@ __all__ = ["CommandJournal", "LeaseStep"]
 LeaseStep: TypeAlias = Literal["held", "released", "ended", "expired", "outranked", "handed_back"]
 
 BeginRaw: TypeAlias = Callable[[str, str, str, float, float], None]
-
-_Part: TypeAlias = tuple[str, str]
-"""The ids of a device and of one of its parts."""
 
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
@@ -126,7 +124,7 @@ class CommandJournal:
     def requested(
         self,
         issuer: str,
-        place: _Part,
+        place: PartRef,
         settings: tuple[Setting, ...],
         trigger: Trigger,
         at: float,
@@ -160,14 +158,14 @@ class CommandJournal:
         self.record("judged", command, verdicts=(noted,))
 
     def reported(
-        self, place: _Part, command_id: str, issuer: str, reported: tuple[str, PlainValue], cause: str = ""
+        self, place: PartRef, command_id: str, issuer: str, reported: tuple[str, PlainValue], cause: str = ""
     ) -> None:
         """Record a reported value of a commanded part; *cause* is that of a change, else empty."""
         settings = (Setting.of(*reported),)
         now = self._clock.now()
         self._add(JournalNote("reported", now, *place, command_id, issuer, settings=settings, cause=cause))
 
-    def decided(self, issuer: str, place: _Part, outcome: Outcome, kind: EntryKind = "outcome") -> None:
+    def decided(self, issuer: str, place: PartRef, outcome: Outcome, kind: EntryKind = "outcome") -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
 
@@ -237,7 +235,7 @@ class CommandJournal:
         )
 
     def lease(
-        self, kind: LeaseStep, place: _Part, held: Setting, issuer: str, text: str, trigger: Trigger = NO_TRIGGER
+        self, kind: LeaseStep, place: PartRef, held: Setting, issuer: str, text: str, trigger: Trigger = NO_TRIGGER
     ) -> None:
         """Record a step of a lease on the part *place*."""
         self._add(JournalNote(kind, self._clock.now(), *place, "", issuer, trigger, (held,), text))

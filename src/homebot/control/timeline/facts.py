@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from typing import TypeAlias
 
 from homebot.devices.value import PlainValue
 
-__all__ = ["Order", "ReportRole", "Reported"]
+__all__ = ["Order", "PartRef", "ReportRole", "Reported"]
+
+PartRef: TypeAlias = tuple[str, str]
+"""The ids of a device and of one of its parts."""
 
 
 class ReportRole(Enum):

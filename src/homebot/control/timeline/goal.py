@@ -11,7 +11,7 @@ from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.values import END_POSITIONS, STOPPED, changes, fits, is_other_end, is_same, related
 from homebot.devices.value import PlainValue
 
-__all__ = ["NOTHING", "Motion", "Nothing", "WantedValue", "side_role"]
+__all__ = ["NOTHING", "STEP", "Motion", "Nothing", "WantedValue", "side_role"]
 
 
 class Nothing(Enum):
@@ -23,7 +23,7 @@ class Nothing(Enum):
 NOTHING: Final = Nothing.NOTHING
 _RUNS: Final = frozenset({"opening", "closing"})
 _OPENINGS: Final = frozenset({"movement", "valve"})
-_STEP: Final = 0.5
+STEP: Final = 0.5
 """Percent by which a level or a position changes at least while a device is on its way."""
 
 
@@ -130,7 +130,7 @@ class Motion:
             return False
         before = self._now.get(capability)
         self._now[capability] = value
-        return isinstance(before, float) and abs(before - goal) - abs(value - goal) >= _STEP
+        return isinstance(before, float) and abs(before - goal) - abs(value - goal) >= STEP
 
 
 def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:

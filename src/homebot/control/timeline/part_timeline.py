@@ -50,9 +50,9 @@ class PartTimeline:
         self.profile = profile
         self.unsure_since: dict[str, float] = {}
         self.dropped_change: Reported | None = None
-        self.on_report: Callable[[CommandProgress, Reported], None] = _ignore
-        self.on_end: Callable[[CommandProgress], None] = _ignore
-        self.on_undone: Callable[[CommandProgress], None] = _ignore
+        self.on_report: Callable[[CommandProgress, Reported], None] = lambda *_: None
+        self.on_end: Callable[[CommandProgress], None] = lambda *_: None
+        self.on_undone: Callable[[CommandProgress], None] = lambda *_: None
         self._first = first
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float]] = {}
@@ -231,7 +231,3 @@ class PartTimeline:
             if commands[0].ended_at >= before and len(commands) <= MOST_REPORTS:
                 break
             commands.popleft()
-
-
-def _ignore(*_: object) -> None:
-    pass

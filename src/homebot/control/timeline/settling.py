@@ -8,7 +8,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias, final
 
 from homebot.control import durations
 from homebot.control.timeline.facts import Order, Reported, ReportRole
-from homebot.control.timeline.goal import WantedValue, side_role
+from homebot.control.timeline.goal import STEP, WantedValue, side_role
 from homebot.control.values import departs, is_intermediate
 from homebot.devices.value import PlainValue
 
@@ -18,8 +18,6 @@ FadeSign: TypeAlias = Literal["fading", "back", "unknown"]
 
 _ON: Final = "on_off"
 _NONE: Final[frozenset[str]] = frozenset()
-_STEP: Final = 0.5
-"""Percent by which a level changes at least while a lamp fades."""
 
 
 class Undoing(NamedTuple):
@@ -224,10 +222,10 @@ class FadeOut:
         if not isinstance(level, float) or not self.is_possible:
             return "unknown"
         self._told_at = now
-        if level < self._level - _STEP:
+        if level < self._level - STEP:
             self._level, self._lowered_at = level, now
             return "fading"
-        return "back" if level > self._level + _STEP or self._lowered_at == -math.inf else "unknown"
+        return "back" if level > self._level + STEP or self._lowered_at == -math.inf else "unknown"
 
     def sign(self, now: float) -> FadeSign:
         """Return the meaning of a report of "on" at *now*, by the level in the same message."""
