@@ -83,7 +83,9 @@ def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
         if (named := find_devices(door, by_name, limit)).results:
             return named
         raise
-    return found if found.results else find_devices(door, by_name, limit)
+    if found.results or not (named := find_devices(door, by_name, limit)).results:
+        return found
+    return named
 
 
 def _show_left_out(found: QueryDevicesResponse) -> None:
