@@ -64,7 +64,7 @@ def test_a_robot_owns_what_is_below_its_name_and_a_sole_one_the_plain_pose_topic
         (TWO, "/tf", tf("map>rosie/odom", "map>bob/odom"), "the frame 'bob/odom'"),
         (TWO, "/tf", tf("map>odom"), "the frame 'odom'"),
         (TWO, "/tf", tf("map>gripper"), "the frame 'gripper'"),
-        (TWO, "/rosie/tf", tf("map>odom"), ""),
+        (TWO, "/rosie/tf", tf("map>odom", "odom>gripper"), ""),
         (TWO, "/rosie/tf", tf("map>bob/odom"), "the frame 'bob/odom'"),
         (TWO, "/rosie/tf", tf("odom>map"), "the frame 'map'"),
         (ONE, "/rosie/room", RobotRoom(robot="rosie", room="Hall"), ""),

@@ -83,4 +83,4 @@ class RobotOwners:
 
     def _is_plain(self, frame: str) -> bool:
         """Return whether *frame* names no robot: stated in the namespace of a robot, it is that robot's."""
-        return frame.partition("/")[0] not in self.names and frame not in self._by_frame
+        return frame.partition("/")[0] not in self.names
