@@ -117,8 +117,9 @@ class _PairedLink(HomekitLink):
 class _IpLink(_PairedLink):
     """A connection by TCP."""
 
-    answers_within = 15.0
-    """Homebridge waits 9 s for a plug-in that hangs (HAP-NodeJS, ``TIMEOUT_WARNING``, ``TIMEOUT_AFTER_WARNING``)."""
+    answers_within = 20.0
+    """Homebridge waits 9 s for a plug-in that hangs (HAP-NodeJS, ``TIMEOUT_WARNING`` and ``TIMEOUT_AFTER_WARNING``);
+    the library sends a command only after the answer to a reading."""
 
     _transport: asyncio.Transport | None = None
 
