@@ -8,7 +8,7 @@ from itertools import permutations
 import pytest
 from tests.discovery.announcements import announce, part_of
 
-from homebot.conventions.dns_sd.found_service import FoundService, host_identifier, identifiers_of, name_of
+from homebot.conventions.dns_sd.found_service import FoundService, host_identifiers, identifiers_of, name_of
 from homebot.devices import Sighting
 from homebot.devices.part import Part
 from homebot.discovery import DeviceIndex
@@ -25,7 +25,7 @@ def find() -> Find:
     ) -> Sighting:
         full = f"{service_type}.local."
         found = FoundService(f"{name}.{full}", name, full, host, 80, ("192.168.1.20",), properties)
-        ids = (*identifiers_of(found), host_identifier(found))
+        ids = (*identifiers_of(found), *host_identifiers(found))
         return announce(found.key, *parts, convention="", ids=ids, name=name_of(found), gateway=gateway, on="")
 
     return make
@@ -69,6 +69,15 @@ def test_the_services_of_a_sonos_are_one_device(find: Find) -> None:
         find("sonosRINCON_949F3EC192E401400", "_spotify-connect._tcp", host.lower(), sn="94-9F-3E-C1-92-E4:9"),
     ]
     assert len(devices(services)) == 1
+
+
+def test_a_group_of_speakers_is_none_of_them(find: Find) -> None:
+    host = "0a1b2c3d-4e5f-4071-8293-a4b5c6d7e8f9.local."
+    group = find(
+        "Google-Cast-Group-1111", "_googlecast._tcp", host, md="Google Cast Group", id="1" * 32, fn="Everywhere"
+    )
+    speaker = find("Nest-Mini-0a1b", "_googlecast._tcp", host, md="Nest Mini", id="2" * 32, fn="Kitchen")
+    assert len(devices([group, speaker])) == 2
 
 
 def test_a_lamp_and_its_page_are_one_device(find: Find) -> None:

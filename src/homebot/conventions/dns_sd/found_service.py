@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from homebot.devices.identity import HOST, identifiers, in_pairs
 from homebot.support.addresses import parse_address
 
-__all__ = ["FoundService", "facts_of", "host_identifier", "identifiers_of", "name_of", "printable", "usable_addresses"]
+__all__ = ["FoundService", "facts_of", "host_identifiers", "identifiers_of", "name_of", "printable", "usable_addresses"]
 
 _HARDWARE = ("mac", "macaddr", "macaddress", "mac_address", "deviceid", "ethmac", "bridgeid")
 """Keys of TXT records that say the hardware address: of ESPHome, WLED, Tasmota, AirPlay, Hue and others. A ``bssid`` is
@@ -87,7 +87,7 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     """Return the identifiers of a service's device beyond this gateway; see :mod:`homebot.devices.identity`.
 
     A host name and an instance name count where they contain a hardware address: without one, they are names that
-    people give. For the host as such, see :func:`host_identifier`.
+    people give. For the host as such, see :func:`host_identifiers`.
     """
     said = service.properties
     label = service.host.removesuffix(".").removesuffix(".local")
@@ -105,9 +105,10 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     return identifiers([*hardware, *named, *declared])
 
 
-def host_identifier(service: FoundService) -> str:
-    """Return the identifier that all services of one host have."""
-    return f"{HOST}{printable(service.host).removesuffix('.').casefold()}"
+def host_identifiers(service: FoundService) -> tuple[str, ...]:
+    """Return the identifier that all services of one host have; none for a group of speakers that one announces."""
+    is_group = service.properties.get("md") == "Google Cast Group"
+    return () if is_group else (f"{HOST}{printable(service.host).removesuffix('.').casefold()}",)
 
 
 def name_of(service: FoundService) -> str:

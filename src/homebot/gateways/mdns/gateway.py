@@ -12,7 +12,7 @@ import anyio.to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
-from homebot.conventions.dns_sd.found_service import FoundService, facts_of, host_identifier, identifiers_of, name_of
+from homebot.conventions.dns_sd.found_service import FoundService, facts_of, host_identifiers, identifiers_of, name_of
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import problems_of
@@ -251,7 +251,7 @@ class MdnsGateway(Gateway):
         bare = GatewayDevice(service.key, name_of(service), service_type=service.service_type.removesuffix(".local."))
         listed.device = known = device or listed.device or bare
         facts = facts_of(service) | hint_facts(service, self.context.gateways) | dict(known.metadata)
-        host = (host_identifier(service),) if known.parts or listed.runner is None else ()  # else it is not known yet
+        host = host_identifiers(service) if known.parts or listed.runner is None else ()  # else it is not known yet
         identifiers = (*known.identifiers, *identifiers_of(service), *host)
         if self._sleeps(listed):
             facts["sleep"] = "asleep" if service.key in self._asleep else "awake"
