@@ -6,22 +6,20 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
-from homebot.conventions.payload import shown
 from homebot.conventions.units import conversion_of
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.support.folding import fold, words_of
 from homebot.wot.binding import Binding
+from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
 from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of
 from homebot.wot.thing import Affordance, DataSchema, Form, Thing
 from homebot.wot.vocabulary import CAPABILITY_TYPES, LOCK_ACTIONS, LONE_TYPES, NAMES, OWNED, THING_TYPES
 
-__all__ = ["ClassifiedAffordance", "ClassifiedPart", "parts_of"]
+__all__ = ["parts_of"]
 
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
@@ -33,49 +31,6 @@ _BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltag
 
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
 _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
-
-
-@dataclass(frozen=True, slots=True)
-class ClassifiedAffordance:
-    """An affordance as a capability.
-
-    Attributes:
-        observed: The form of its values; None if the protocol has none, or it is never read.
-        written: The form of its commands; None if the protocol has none, or it is never written.
-        actions: The actions that set it in place of that, by value.
-    """
-
-    capability: Capability
-    affordance: Affordance
-    observed: Form | None
-    written: Form | None
-    actions: Mapping[str, ClassifiedAffordance] = field(default_factory=dict)
-
-    def request(self, value: PlainValue) -> tuple[ClassifiedAffordance, Form, PlainValue]:
-        """Return the affordance that sets it to *value*, with the form and the value for that.
-
-        Raises:
-            RefusedError: None does.
-        """
-        if isinstance(value, str) and value in self.actions:
-            return self.actions[value].request(value=True)
-        if self.written is None:
-            what = " or ".join(self.actions) or "no values"
-            raise RefusedError(f"{self.capability.name} {shown(value)}", f"it takes {what}")
-        return self, self.written, value
-
-
-@dataclass(frozen=True, slots=True)
-class ClassifiedPart:
-    """A part of a thing, and the affordances that are its capabilities, in the same order."""
-
-    part: Part
-    affordances: tuple[ClassifiedAffordance, ...]
-
-    @property
-    def settable(self) -> dict[str, ClassifiedAffordance]:
-        """Those that can be set, by capability."""
-        return {one.capability.name: one for one in self.affordances if one.written is not None or one.actions}
 
 
 @dataclass(slots=True)

@@ -23,7 +23,8 @@ from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.things.port import ThingPayload, ThingPort
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.binding import Binding
-from homebot.wot.classify import ClassifiedAffordance, ClassifiedPart, parts_of
+from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
+from homebot.wot.classify import parts_of
 from homebot.wot.payload import decode_document, encode_document
 from homebot.wot.scale import in_told_unit
 from homebot.wot.thing import Affordance, Form, Thing, facts_of, identifiers_of
