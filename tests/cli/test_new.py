@@ -1,4 +1,4 @@
-"""A new app passes its own test and the check of its configuration, and runs."""
+"""A new app passes its own test; the guide to a first app checks its configuration and runs it."""
 
 from __future__ import annotations
 
@@ -7,31 +7,19 @@ import sys
 from pathlib import Path
 
 import pytest
-from tests.ports import reserve_port
 
 from homebot.cli.main import main
 
 
-def _passes(folder: Path, *words: str) -> str:
-    """Run a module of Python in *folder*, and return what it said."""
-    command = [sys.executable, "-m", *words]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, cwd=folder)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout + done.stderr
-
-
 @pytest.mark.slow
-def test_a_new_folder_passes_and_runs(tmp_path: Path) -> None:
+def test_a_new_folder_passes(tmp_path: Path) -> None:
     assert main(["new", str(tmp_path / "Hall-Light")]) == 0
     folder = tmp_path / "Hall-Light"
     found = sorted(path.name for path in folder.iterdir())
     assert found == ["hall_light.py", "hall_light.service", "homebot.toml", "house.toml", "test_hall_light.py"]
-    _passes(folder, "pytest", "-q", "-p", "no:cacheprovider")
-    _passes(folder, "homebot", "config", "check")
-    door = f"127.0.0.1:{reserve_port()}"
-    said = _passes(folder, "homebot", "run", "--house", "house.toml", "--for", "2", "--door", door)
-    assert "running the app hall_light" in said
-    assert "lights/hall on mqtt" in said
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
     unit = (folder / "hall_light.service").read_text()
     assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
 
