@@ -73,7 +73,8 @@ def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -
     try:
         descriptor = os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     except OSError as exc:
-        raise UsageError(f"{target} cannot be written: {exc.strerror}") from exc
+        hint = "; give another name" if isinstance(exc, FileExistsError) else ""
+        raise UsageError(f"{target} cannot be written: {exc.strerror}{hint}") from exc
     try:
         with (
             os.fdopen(descriptor, "wb") as file,

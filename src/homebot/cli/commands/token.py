@@ -64,7 +64,8 @@ def _new(options: argparse.Namespace) -> int:
     try:
         token_file.touch(0o600, exist_ok=False)
     except OSError as exc:
-        raise UsageError(f"{token_file} cannot be written: {exc.strerror}; choose another name") from exc
+        hint = "; choose another name" if isinstance(exc, FileExistsError) else ""
+        raise UsageError(f"{token_file} cannot be written: {exc.strerror}{hint}") from exc
     try:
         token_file.write_text(f"{secrets.token_urlsafe(32)}\n", encoding="ascii")
         tables = parse_toml(f"{before}\n{table}", str(config))
