@@ -51,6 +51,15 @@ def test_a_door_without_a_contact_is_an_error(doors: dict[str, list[str]], key: 
     assert problem in str(raised.value)
 
 
+@pytest.mark.parametrize(("stated", "zone"), [({}, "Asia/Kolkata"), ({"time_zone": "Europe/Vienna"}, "Europe/Vienna")])
+def test_quiet_hours_go_by_the_zone_of_the_home(stated: dict[str, object], zone: str) -> None:
+    """In a container they went by UTC."""
+    tables = {"home": {"zone": "Asia/Kolkata"}, "control": {"approvals": True, **stated}}
+    plan = make_plan(parse_config(tables, "homebot.toml"))
+    assert plan.control is not None
+    assert plan.control.time_zone == zone
+
+
 def test_a_wrong_plan_is_told_once() -> None:
     wrong = config({"bath": ["Bath door"]}, {"bath": {"doors": ["attic"]}})
     (error,) = plan_errors(parse_config(wrong, "homebot.toml"))

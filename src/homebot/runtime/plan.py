@@ -228,6 +228,8 @@ def _control(config: Config) -> ControlSettings | None:
     if not config.control:
         return None
     settings = parse_settings(homebot.control.ControlSettings, config.control, config.source, "control", config.folder)
+    if not settings.time_zone:
+        settings = settings.model_copy(update={"time_zone": config.home.zone})
     if settings.presence_guard is not None and settings.presence_guard.doors:
         try:
             places = _places(config)

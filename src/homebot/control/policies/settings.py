@@ -64,7 +64,7 @@ class PolicySettings(BaseModel):
         rate_limit: The limit for switching to and fro; ``false`` for none.
         always_ask: Whether locks, garage doors, ovens and the like take a right that names them.
         approvals: Whether these take no command until the owner approves each device.
-        time_zone: The time zone of the home, such as ``Europe/Vienna``; empty for that of the computer.
+        time_zone: The time zone, such as ``Europe/Vienna``; empty for that of ``[home]``, or else of the computer.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
