@@ -279,6 +279,7 @@ def test_degrees_fahrenheit_are_converted_both_ways() -> None:
         ("cover.a", {"supported_features": 112}, "tilt", 0.0, ("close_cover_tilt", {})),
         ("cover.a", {"supported_features": 112}, "tilt", 100.0, ("open_cover_tilt", {})),
         ("lock.a", {"code_format": "\\d+"}, "lock", "unlocked", ("unlock", {"code": "1234"})),
+        ("notify.a", {}, "text", "Dinner!", ("send_message", {"message": "Dinner!"})),
     ],
 )
 def test_a_command_is_the_call_of_a_service(

@@ -14,7 +14,7 @@ from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.actions import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
-from homebot.conventions.homeassistant.topics import CommandTopic
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import (
     NO_READINGS,
     Readings,
@@ -47,7 +47,7 @@ def build_fan(config: DiscoveryConfig) -> DescribedPart:
         "on_off", config.source("state_topic", "state_value_template"), config.required_command(), payloads, states
     )
     _add_speed(entity, config)
-    _add_preset(entity, config)
+    _add_modes(entity, config, "preset_mode", "preset_mode", config.value_source("preset_mode"))
     payloads = {
         True: config.text("payload_oscillation_on", "oscillate_on"),
         False: config.text("payload_oscillation_off", "oscillate_off"),
@@ -89,14 +89,12 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
     entity.add_value("fan_speed", config.value_source("percentage"), read, command, writer)
 
 
-def _add_preset(entity: Entity, config: DiscoveryConfig) -> None:
-    modes = config.options("preset_modes")
-    unknown = config.text("payload_reset_preset_mode", "None")
-    command = config.command_of("preset_mode")
+def _add_modes(entity: Entity, config: DiscoveryConfig, capability: str, name: str, source: ValueSource | None) -> None:
+    """Add the modes in the field ``<name>s``, one of which is commanded by the fields of *name*."""
+    modes, unknown = config.options(f"{name}s"), config.text(f"payload_reset_{name}", "None")
     if unknown in modes:
-        raise WireError(f"{config.component}: preset_modes has {shown(unknown)}, which means that the mode is unknown")
-    source = config.value_source("preset_mode")
-    entity.add_choice("preset_mode", source, command, modes, {unknown: None})
+        raise WireError(f"{config.component}: {name}s has {shown(unknown)}, which means that the mode is unknown")
+    entity.add_choice(capability, source, config.command_of(name), modes, {unknown: None})
 
 
 def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
@@ -120,12 +118,8 @@ def build_humidifier(config: DiscoveryConfig) -> DescribedPart:
     )
     measured = config.source("current_humidity_topic", "current_humidity_template")
     entity.add_number("humidity", measured, None, unit="%", unknown=unknown, from_device=_whole_within(0, 100))
-    modes = config.options("modes")
-    no_mode = config.text("payload_reset_mode", "None")
-    if no_mode in modes:
-        raise WireError(f"humidifier: modes has {shown(no_mode)}, which means that the mode is unknown")
     source = config.source("mode_state_topic", "mode_state_template")
-    entity.add_choice("humidifier_mode", source, config.command_of("mode"), modes, {no_mode: None})
+    _add_modes(entity, config, "humidifier_mode", "mode", source)
     return entity.build()
 
 

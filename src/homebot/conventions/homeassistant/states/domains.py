@@ -17,6 +17,7 @@ from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
     Fields,
+    WriteField,
     alarm_commands,
     class_of,
     condition_component,
@@ -45,6 +46,7 @@ from homebot.conventions.homeassistant.states.rows import (
     has,
     moves,
     percent,
+    read_named,
     read_number,
     read_state,
     read_text,
@@ -60,10 +62,6 @@ __all__ = ["DOMAINS"]
 
 _COLORS = frozenset({"hs", "xy", "rgb", "rgbw", "rgbww"})
 _USUAL_KELVINS = (2_000, 6_535)
-
-
-def _named(*states: str) -> Mapping[str, PlainValue]:
-    return {one: one for one in states}
 
 
 def _lamp(info: Fields) -> LightFeatures:
@@ -210,14 +208,19 @@ _NUMBER: Final = number_component(
 _SELECT: Final = EntityComponent("x_setting", (choice("option", "state", "options", "select_option", "option"),))
 
 
-def _write_text(info: Fields, value: PlainValue, _code: str) -> Fields:
-    least, most = (int(one) for one in bounds_of(info, "min", "max") or (0, 255))
-    if not isinstance(value, str) or not least <= len(value) <= most:
-        raise RefusedError("text", f"it takes a text of {least} to {most} characters")
-    return {"service": "set_value", "value": value}
+def _text_writer(service: str, field: str, longest: int) -> WriteField:
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        least, most = (int(one) for one in bounds_of(info, "min", "max") or (0, longest))
+        if not isinstance(value, str) or not least <= len(value) <= most:
+            raise RefusedError("text", f"it takes a text of {least} to {most} characters")
+        return {"service": service, field: value}
+
+    return write
 
 
-_TEXT: Final = text_component(read_text("state"), _write_text, lambda info: info.get("mode") == "password")
+_TEXT: Final = text_component(
+    read_text("state"), _text_writer("set_value", "value", 255), lambda info: info.get("mode") == "password"
+)
 _PRESS: Final = {"service": "press"}
 _BUTTON: Final = EntityComponent(
     "x_setting", (push_row("push", _PRESS), push_row("locate", _PRESS, lambda info: class_of(info) == "identify"))
@@ -270,7 +273,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
             ),
         ),
     ),
-    "lock": EntityComponent("door_lock", (EntityRow("lock", read_state(_named(*LOCK_STATES)), _write_lock),)),
+    "lock": EntityComponent("door_lock", (EntityRow("lock", read_named(*LOCK_STATES), _write_lock),)),
     "valve": EntityComponent("water_valve", _opening("valve", "valve")),
     "fan": FAN,
     "humidifier": HUMIDIFIER,
@@ -286,7 +289,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, *MOWER_STATES)),
     "alarm_control_panel": EntityComponent(
         "x_alarm_panel",
-        (EntityRow("alarm", read_state(_named(*ALARM_STATES)), _write_alarm, options=ALARM_STATES),),
+        (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES),),
     ),
     "siren": EntityComponent(
         "siren",
@@ -319,6 +322,8 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "input_select": _SELECT,
     "text": _TEXT,
     "input_text": _TEXT,
+    "notify": EntityComponent("x_setting", (EntityRow("text", None, _text_writer("send_message", "message", 4096)),)),
+    "schedule": EntityComponent("x_binary_sensor", (EntityRow("state", read_state({"on": True, "off": False})),)),
     "button": _BUTTON,
     "input_button": _BUTTON,
     "input_boolean": EntityComponent("x_setting", (SWITCH,)),

@@ -30,6 +30,7 @@ __all__ = [
     "has",
     "moves",
     "percent",
+    "read_named",
     "read_number",
     "read_state",
     "read_text",
@@ -65,6 +66,11 @@ def read_text(field: str) -> ReadField:
 def read_state(meanings: Mapping[str, PlainValue]) -> ReadField:
     """Return a reader of the state by its *meanings*; another one is unknown."""
     return lambda _info, state: meanings.get(value) if isinstance(value := state.get("state"), str) else None
+
+
+def read_named(*states: str) -> ReadField:
+    """Return a reader of the state, which is one of these; another one is unknown."""
+    return read_state({one: one for one in states})
 
 
 def bounds_of(info: Fields, low: str, high: str) -> tuple[float, float] | tuple[()]:
@@ -120,7 +126,7 @@ def moves(name: str, services: Mapping[str, tuple[int, str]], *states: str) -> t
         known = {move: service for move, (bit, service) in services.items() if features & bit}
         return {"service": known[require_option(name, value, known)]}
 
-    read, can_move = read_state({one: one for one in states}), has(*(bit for bit, _ in services.values()))
+    read, can_move = read_named(*states), has(*(bit for bit, _ in services.values()))
     return EntityRow(name, read, when=lambda info: not can_move(info)), EntityRow(name, read, write, "", can_move)
 
 
