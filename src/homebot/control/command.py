@@ -12,7 +12,7 @@ from homebot.control.timeline.facts import Order
 from homebot.control.values import COLORS, END_POSITIONS, POWERS, STOPPED, fits
 from homebot.devices import Device, DevicePart, State
 from homebot.devices.always_ask import why_it_asks
-from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY, OWN
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import Setting
 from homebot.devices.outcomes import Gone
@@ -112,7 +112,8 @@ class IssuedCommand:
     @property
     def is_always_sent(self) -> bool:
         """True for a stop, the latch of an unlocked door, a press: no report shows that it is unnecessary."""
-        return self.is_momentary or any(_is_always_sent(*one) for one in self.settings.items())
+        always = (value in CAPABILITIES.get(name, OWN).always_sent for name, value in self.settings.items())
+        return self.is_momentary or any(always)
 
     @property
     def opens_further(self) -> bool:
@@ -135,11 +136,6 @@ class IssuedCommand:
 
 def _starts_motor(settings: Mapping[str, PlainValue]) -> bool:
     return any(one in _MOTIONS and value != STOPPED for one, value in settings.items())
-
-
-def _is_always_sent(capability: str, value: PlainValue) -> bool:
-    known = CAPABILITIES.get(capability)
-    return known is not None and value in known.always_sent
 
 
 def is_by_hand(trigger: Trigger, now: float) -> bool:

@@ -7,7 +7,7 @@ from typing import Final, TypeAlias, final
 
 from homebot.control.values import value_text
 from homebot.devices import Device, KeyValue, State
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.journal_messages import (
     DeviceFight,
     ExplainDeviceRequest,
@@ -271,8 +271,7 @@ def _means(capability: str, value: PlainValue, wanted: str) -> bool:
                 return (value > 0) is (wanted == "on")
             if capability == "position" and wanted in {"open", "closed"}:
                 return (value > 0) is (wanted == "open")
-            known = CAPABILITIES.get(capability)
-            unit = _squeezed(known.unit) if known is not None else ""
+            unit = _squeezed(CAPABILITIES.get(capability, OWN).unit)
             name, number = _squeezed(capability), value_text(value)
             return _squeezed(wanted) in {number, f"{number}{unit}", f"{name}{number}", f"{name}{number}{unit}"}
     return False
@@ -321,18 +320,12 @@ def _capabilities(device: Device) -> Iterator[Capability]:
 
 
 def _may_be(capability: Capability, wanted: str) -> bool:
-    known = CAPABILITIES.get(capability.name)
-    options = {option.casefold() for option in _options(capability)}
-    if known is None or (known.kind == "text" and not options):
+    known = CAPABILITIES.get(capability.name, OWN)
+    options = {option.casefold() for option in capability.options or known.options}
+    if not known.kind or (known.kind == "text" and not options):
         return True
     if known.kind == "bool":
         return wanted in _FLAGS
     if options:
         return wanted in options or _WORDS.get(wanted) in options
     return any(char.isdigit() for char in wanted) or wanted in {"on", "off", "open", "closed"}
-
-
-def _options(capability: Capability) -> Sequence[str]:
-    """Return its texts, else those of the vocabulary."""
-    known = CAPABILITIES.get(capability.name)
-    return capability.options or (known.options if known is not None else ())

@@ -10,7 +10,7 @@ from typing import Final
 
 from homebot.control.values import changes, related
 from homebot.devices import KeyValue
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.part import Capability, Part
 from homebot.devices.setting_check import accepted_values, check_setting
 from homebot.devices.text.commands import decode_command
@@ -173,8 +173,7 @@ def _is_unit(text: str, unit: str) -> bool:
 
 
 def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
-    known = CAPABILITIES.get(name)
-    kind = "text" if known is None else known.kind
+    kind = CAPABILITIES.get(name, OWN).kind
     plain = text.strip()
     if kind == "bool":
         flag = _FLAGS.get(plain.casefold())
@@ -209,4 +208,4 @@ def _number(name: str, text: str, part: Part, target: str) -> float:
 
 def _unit(name: str, capabilities: Iterable[Capability]) -> str:
     own = next((one.unit for one in capabilities if one.name == name and one.unit), "")
-    return own or (CAPABILITIES[name].unit if name in CAPABILITIES else "")
+    return own or CAPABILITIES.get(name, OWN).unit

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from homebot.devices.capabilities import CAPABILITIES, CapabilityType
+from homebot.devices.capabilities import CAPABILITIES, OWN, CapabilityType
 from homebot.devices.value import PlainValue
 
 __all__ = [
@@ -60,7 +60,6 @@ _ROUNDING: Final = 0.005
 """Of a number without a fineness: that of its text."""
 
 _NUMBER: Final = 0.51
-_DEFAULT: Final = CapabilityType("", "text", "")
 
 _HUE: Final = 4.0  # degrees; 254 steps are 1.4 apart, and white has none
 _SATURATION: Final = 4.5  # percent; by way of x and y with three digits magenta loses 4
@@ -167,7 +166,7 @@ def is_other_end(capability: str, wanted: float, seen: float) -> bool:
 
 
 def _type(capability: str) -> CapabilityType:
-    return CAPABILITIES.get(capability, _DEFAULT)
+    return CAPABILITIES.get(capability, OWN)
 
 
 def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -> bool:

@@ -13,9 +13,18 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeAlias
 if TYPE_CHECKING:
     from homebot.devices.value import PlainValue
 
-__all__ = ["CAPABILITIES", "EVENTS", "LIGHTS_UP", "CapabilityType", "ValueKind", "implied_settings", "settable_options"]
+__all__ = [
+    "CAPABILITIES",
+    "EVENTS",
+    "LIGHTS_UP",
+    "OWN",
+    "CapabilityType",
+    "ValueKind",
+    "implied_settings",
+    "settable_options",
+]
 
-ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers"]
+ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers", ""]
 
 
 _Words: TypeAlias = Mapping[str, frozenset[str]]
@@ -27,7 +36,7 @@ class CapabilityType(NamedTuple):
 
     Attributes:
         name: The name, for example ``on_off``.
-        kind: The kind of its values.
+        kind: The kind of its values; empty for any.
         meaning: The meaning of a value, as text.
         cluster: Number of the Matter cluster; None where Matter has none.
         unit: Of a number; empty if it has none, or each device names its own.
@@ -310,6 +319,9 @@ def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
 """Every capability by name. A device with a value that fits none has ``value``, ``measurement`` or ``state``."""
 
+OWN: Final = CapabilityType("", "", "")
+"""The type of a capability of a device's own, which the vocabulary does not have."""
+
 EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
 """Names of those with events as values."""
 
@@ -330,8 +342,8 @@ LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
 
 def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]:
     """Return those of the *options* of *capability* that a command may set, rather than a report alone have."""
-    known = CAPABILITIES.get(capability)
-    return tuple([one for one in options if known is None or one not in known.only_reported])
+    known = CAPABILITIES.get(capability, OWN)
+    return tuple([one for one in options if one not in known.only_reported])
 
 
 def implied_settings(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from homebot.devices.capabilities import CAPABILITIES, settable_options
+from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -31,7 +31,7 @@ def check_setting(target: str, part: Part, capability: str, value: PlainValue) -
         if one.name == capability and one.settable:
             if not _is_taken(one, value):
                 shown = f"{value:g}" if isinstance(value, float) else f"{value!r:.40}"
-                accepted = "True or False" if _kind(one) == "bool" else _accepted(one)
+                accepted = "True or False" if CAPABILITIES.get(capability, OWN).kind == "bool" else _accepted(one)
                 raise RefusedError(f"{shown} as {capability} of {target}", f"it takes {accepted}")
             return
     known = ", ".join(dict.fromkeys(one.name for one in part.capabilities if one.settable))
@@ -49,27 +49,29 @@ def accepted_values(part: Part, capability: str) -> str:
 
 
 def _accepted(capability: Capability) -> str:
-    known = CAPABILITIES.get(capability.name)
-    if options := capability.options or (known.options if known is not None else ()):
+    known = CAPABILITIES.get(capability.name, OWN)
+    if options := capability.options or known.options:
         return ", ".join(settable_options(capability.name, options))
-    match _kind(capability):
+    match known.kind:
         case "bool":
             return "on or off"
         case "numbers":
             return _COLOR
         case "number":
-            return _span(_bounds(capability), capability)
+            bounds, unit = capability.bounds or known.bounds, capability.unit or known.unit
+            return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"
     return "a text"
 
 
 def _is_taken(capability: Capability, value: PlainValue) -> bool:
     """Return whether *value* is of the kind of *capability*, and one that it accepts; that of an own one may be any."""
-    kind = _kind(capability)
+    known = CAPABILITIES.get(capability.name, OWN)
+    kind = known.kind
     match value:
         case bool():
             return kind in ("bool", "")
         case float():
-            bounds = _bounds(capability)
+            bounds = capability.bounds or known.bounds
             return kind in ("number", "") and math.isfinite(value) and (not bounds or bounds[0] <= value <= bounds[1])
         case str():
             return kind in ("text", "") and (
@@ -78,17 +80,3 @@ def _is_taken(capability: Capability, value: PlainValue) -> bool:
         case (float() | int() as hue, float() | int() as saturation):
             return kind in ("numbers", "") and 0 <= hue <= _HUE and 0 <= saturation <= _SATURATION
     return False
-
-
-def _kind(capability: Capability) -> str:
-    known = CAPABILITIES.get(capability.name)
-    return "" if known is None else known.kind
-
-
-def _span(bounds: tuple[float, ...], capability: Capability) -> str:
-    unit = capability.unit or (CAPABILITIES[capability.name].unit if capability.name in CAPABILITIES else "")
-    return f"{bounds[0]:g} to {bounds[1]:g} {unit}".rstrip() if bounds else "a finite number"
-
-
-def _bounds(capability: Capability) -> tuple[float, ...]:
-    return capability.bounds or (CAPABILITIES[capability.name].bounds if capability.name in CAPABILITIES else ())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
 from homebot.history.buckets import COUNTERS
 from homebot.history.sealing import MASK
@@ -249,8 +249,7 @@ class Collector:
                 self.left_out += 1
                 return None
             device, part, capability = place
-            known = CAPABILITIES.get(capability)
-            unit = self._units.get(device, {}).get((part, capability)) or (known.unit if known else "")
+            unit = self._units.get(device, {}).get((part, capability)) or CAPABILITIES.get(capability, OWN).unit
             series = self.series[place] = Series(number, place, unit)
             self.batch.new.append(series)
         self._count += 1

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from homebot.conventions.units import conversion_of
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
@@ -200,7 +200,7 @@ def _in_context(capability: str, main: str) -> str:
 
 
 def _suits(capability: str, schema: DataSchema) -> bool:
-    expected, kind = CAPABILITIES[capability].kind if capability in CAPABILITIES else "", _KINDS.get(schema.type, "")
+    expected, kind = CAPABILITIES.get(capability, OWN).kind, _KINDS.get(schema.type, "")
     if capability == "color":
         return kind == "text" or is_rgb(schema)
     if capability == "lock":

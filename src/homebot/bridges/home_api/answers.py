@@ -12,7 +12,7 @@ from homebot.bridges.home_api import shapes
 from homebot.bridges.home_api.device_search import HomeCalls, all_listed, listed, meant_device
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.devices import names
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.outcomes import Evidence
 from homebot.devices.wording.history_words import chain_lines, chains_of, finding_text, result_text
@@ -199,8 +199,7 @@ def _takes(device: Device) -> dict[str, str]:
     """Return the settable capabilities of the main parts, each with its values."""
     found: dict[str, str] = {}
     for one in (one for part in main_parts(device) for one in part.part.capabilities if one.settable):
-        known = CAPABILITIES.get(one.name)
-        found[one.name] = span(one) or ("on, off" if known is not None and known.kind == "bool" else "any")
+        found[one.name] = span(one) or ("on, off" if CAPABILITIES.get(one.name, OWN).kind == "bool" else "any")
     return found
 
 

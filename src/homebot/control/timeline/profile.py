@@ -12,7 +12,7 @@ from typing import Final, NamedTuple
 
 from homebot.control import durations
 from homebot.control.values import fits, is_same
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.value import PlainValue
 
 __all__ = ["KEPT", "KEPT_ANSWERS", "DeviceProfile", "Return"]
@@ -199,5 +199,4 @@ _NONE: Final = object()
 
 
 def _rounds(capability: str) -> bool:
-    known = CAPABILITIES.get(capability)
-    return known is not None and known.rounds
+    return CAPABILITIES.get(capability, OWN).rounds

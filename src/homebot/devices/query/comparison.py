@@ -92,7 +92,7 @@ def _value(capability: CapabilityType, value: Token) -> PlainValue:
             return _flag(capability, value)
         case "number":
             return _number(capability, value)
-        case "text":
+        case "text" | "":
             return _option(capability, value)
         case "numbers":
             hint = f"ask for `with {capability.name}`"

@@ -12,7 +12,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Final, TypeAlias
 
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
@@ -139,7 +139,7 @@ class TextDecoder:
         return None
 
     def _learn(self, name: str, capability: Capability) -> None:
-        match CAPABILITIES[name].kind if name in CAPABILITIES else "":
+        match CAPABILITIES.get(name, OWN).kind:
             case "bool":
                 for value, text in enumerate(BOOL_WORDS.get(name, ("off", "on"))):
                     self._texts.setdefault(text.encode(), self._values(name, bool(value)))
@@ -187,8 +187,7 @@ def decode_text(text: str, part: Part) -> Decoded:
 
 def bounds_of(capability: Capability) -> tuple[float, float]:
     """Return the smallest and the largest value of *capability*; infinite where none is known."""
-    known = CAPABILITIES.get(capability.name)
-    bounds = capability.bounds or (known.bounds if known else ())
+    bounds = capability.bounds or CAPABILITIES.get(capability.name, OWN).bounds
     return (bounds[0], bounds[-1]) if bounds else (-math.inf, math.inf)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, TypeAlias, cast
 
-from homebot.devices.capabilities import CAPABILITIES, EVENTS
+from homebot.devices.capabilities import CAPABILITIES, EVENTS, OWN
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.names import is_text_address
 
@@ -87,17 +87,16 @@ def value_text(capability: str, value: PlainValue, unit: str = "") -> str:
         case list():
             return " ".join(_number(one) for one in value)
         case _:
-            return f"{_number(value)} {unit or _unit(capability)}".rstrip()
+            return f"{_number(value)} {unit or CAPABILITIES.get(capability, OWN).unit}".rstrip()
 
 
 def span(capability: Capability) -> str:
     """Return which values it may have, in words; empty if nothing is known of that."""
-    known = CAPABILITIES.get(capability.name)
+    known = CAPABILITIES.get(capability.name, OWN)
     if capability.options:
         return ", ".join(capability.options)
-    bounds = capability.bounds or (known.bounds if known else ())
-    if bounds:
-        return f"{_number(bounds[0])} to {_number(bounds[-1])} {capability.unit or _unit(capability.name)}".rstrip()
+    if bounds := capability.bounds or known.bounds:
+        return f"{_number(bounds[0])} to {_number(bounds[-1])} {capability.unit or known.unit}".rstrip()
     return ""
 
 
@@ -110,11 +109,6 @@ def plain_value(value: Value) -> PlainValue:
 def is_topic(address: str) -> bool:
     """Return whether *address* says anything to people: not so the one of a part that takes texts."""
     return bool(address) and not is_text_address(address)
-
-
-def _unit(capability: str) -> str:
-    known = CAPABILITIES.get(capability)
-    return known.unit if known else ""
 
 
 def _number(value: float) -> str:

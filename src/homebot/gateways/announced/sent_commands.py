@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from homebot.conventions.description import Codec, DescribedPart, Publications, TakesCode
-from homebot.devices.capabilities import CAPABILITIES, MOMENTARY
+from homebot.devices.capabilities import CAPABILITIES, MOMENTARY, OWN
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, WrongCodeError
@@ -42,8 +42,8 @@ def sent_commands(described: DescribedPart) -> Iterator[str]:
 
 def _samples(capability: Capability) -> tuple[PlainValue, ...]:
     """Return the values that a capability can be set to; of a number the largest one."""
-    known = CAPABILITIES.get(capability.name)
-    if capability.options or known is None:
+    known = CAPABILITIES.get(capability.name, OWN)
+    if capability.options or not known.kind:
         return capability.options
     match known.kind:
         case "bool":
