@@ -93,15 +93,6 @@ def test_a_notification_reports_changes() -> None:
     assert dict(device.read_notification(frame(news))) == {(device.id, "switch:0"): {"on_off": True}}
 
 
-def test_a_press_is_an_event() -> None:
-    """Likewise NotifyEvent."""
-    device = asked(MODELS["Plus i4"])
-    device.describe()
-    event = {"component": "input:2", "id": 2, "event": "double_push", "ts": 1631266595.44}
-    news = {"src": "x", "dst": "homebot", "method": "NotifyEvent", "params": {"ts": 1631266595.44, "events": [event]}}
-    assert dict(device.read_notification(frame(news))) == {(device.id, "input:2"): {"press": "double"}}
-
-
 def test_a_sleeper_reports_its_whole_status_and_is_missed_after_two_and_a_half_periods() -> None:
     model = MODELS["H&T Gen3"]
     device = asked(model)

@@ -30,7 +30,7 @@ class ServedShelly(ServedWebDevice):
     """A dimmer or a cover.
 
     Args:
-        password: Its password; empty for none.
+        password: Its password, with which calls on a WebSocket are signed; empty for none.
 
     Attributes:
         refused_calls: Calls that had no valid password.
@@ -79,11 +79,11 @@ class ServedShelly(ServedWebDevice):
             return WebReply(as_json(self._about()))
         if request.path == "/rpc" and request.method == "POST":
             call = as_object(request.body)
-            return self._answer_http(request, {"src": "user", **call}, whole=True)
+            return self._answer_http({"src": "user", **call}, whole=True)
         if request.path.startswith("/rpc/"):
             params = dict(as_object(request.body)) or {name: _parsed(text) for name, text in request.query.items()}
             call = {"id": 1, "src": "user", "method": request.path.removeprefix("/rpc/"), "params": params}
-            return self._answer_http(request, call, whole=False)
+            return self._answer_http(call, whole=False)
         return WebReply(b"Not Found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
@@ -150,30 +150,16 @@ class ServedShelly(ServedWebDevice):
         self._nonces[nonce] = count
         return True
 
-    def _answer_http(self, request: WebRequest, call: Mapping[str, object], *, whole: bool) -> WebReply:
-        if self._password and call.get("method") not in OPEN_METHODS and not self._is_let_in(request):
+    def _answer_http(self, call: Mapping[str, object], *, whole: bool) -> WebReply:
+        if self._password and call.get("method") not in OPEN_METHODS:
             self.refused_calls += 1
-            challenge = f'Digest qop="auth", realm="{self.id}", nonce="{self._challenge()}", algorithm={ALGORITHM}'
-            return WebReply(b"", UNAUTHORIZED, "text/plain", {"WWW-Authenticate": challenge})
+            return WebReply(b"", UNAUTHORIZED, "text/plain")
         (answer,) = self._run(call) or [{}]
         if whole:
             return WebReply(as_json(answer))
         if "error" in answer:
             return WebReply(as_json(answer["error"]), 404)
         return WebReply(as_json(answer.get("result")))
-
-    def _is_let_in(self, request: WebRequest) -> bool:
-        scheme, _, fields = request.headers.get("authorization", "").partition(" ")
-        if scheme.lower() != "digest":
-            return False
-        said = {
-            name.strip(): value.strip().strip('"')
-            for name, _, value in (field.partition("=") for field in fields.split(","))
-        }
-        secret = _hash("admin", self.id, self._password)
-        asked = _hash(request.method, said.get("uri", ""))
-        given = (said.get(name, "") for name in ("nonce", "nc", "cnonce", "qop"))
-        return said.get("response") == _hash(secret, *given, asked)
 
 
 def _hash(*texts: str) -> str:
