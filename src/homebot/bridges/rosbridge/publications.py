@@ -39,8 +39,8 @@ _PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"[^"\\]*", ?)?"top
 _LONGEST: Final = 65_536
 """Characters of a frame that is read at once when a reader comes."""
 
-_CHECKED_EVERY: Final = 1.0
-"""Seconds after which a message that nobody reads is checked all the same, so that its client learns of mistakes."""
+_CHECKED: Final = 10
+"""Messages of a topic that are checked in a second though nobody reads them, so that its client learns of mistakes."""
 
 
 _RECENT: Final = 1.0
@@ -65,7 +65,8 @@ class _Publication:
     message_type: type[Message]
     is_latched: bool
     ids: set[Identifier] = field(default_factory=set)
-    checked_at: float = -math.inf
+    second: float = -math.inf
+    checked: int = 0
 
 
 class Publications:
@@ -119,7 +120,7 @@ class Publications:
         """Publish a message, which came in a frame of *size* characters, and return the fields that it lacked.
 
         A topic that exists need not be advertised. On homebot's own topics a message has to have all fields. Of a
-        stream that nobody reads one message a second is checked.
+        stream that nobody reads ten messages a second are checked.
 
         Raises:
             TypeMismatchError: The message does not fit the topic.
@@ -133,7 +134,9 @@ class Publications:
         if self._is_unread(publication):
             self._keep(op.topic, op, size)
             return ()
-        publication.checked_at = self._now()
+        if self._now() >= publication.second + 1.0:
+            publication.second, publication.checked = self._now(), 0
+        publication.checked += 1
         message, missing = self._message(publication.message_type, op)
         if not publication.is_latched:
             self._keep(op.topic, op, size)
@@ -172,9 +175,9 @@ class Publications:
         self._topics.pop(topic).publisher.close()
 
     def _is_unread(self, publication: _Publication) -> bool:
-        """Return whether nobody reads the messages of *publication*, and one was checked within the last second."""
+        """Return whether nobody reads the messages of *publication*, and enough were checked within this second."""
         is_read = publication.is_latched or publication.publisher.subscription_count
-        return not is_read and self._now() < publication.checked_at + _CHECKED_EVERY
+        return not is_read and publication.checked >= _CHECKED and self._now() < publication.second + 1.0
 
     def _open(self, topic: str, ros_type: str, *, latched: bool) -> _Publication:
         message_type = message_type_of_topic(self._node.graph, self._node.resolve_name(topic), ros_type)
