@@ -131,7 +131,7 @@ async def test_a_slow_reader_gets_everything_that_must_come_when_it_reads_again(
 
 @pytest.fixture
 def tight_broker() -> Iterator[TestBroker]:
-    with broker_thread() as thread, serve_broker(thread, SMALL) as broker:
+    with broker_thread() as thread, serve_broker(thread, TestBroker, SMALL) as broker:
         yield broker
 
 

@@ -1,6 +1,6 @@
 """A real MQTT broker in a test: fresh per test, watched, and ready to fail on demand."""
 
-from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_blocking_broker, serve_broker
+from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_broker
 from homebot.testing.mqtt.core import ClientView
 from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.faults import Fault
@@ -24,6 +24,5 @@ __all__ = [
     "TestBroker",
     "TestTls",
     "broker_thread",
-    "serve_blocking_broker",
     "serve_broker",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import final
+from typing import TypeVar, final
 
 import anyio
 
@@ -18,7 +18,7 @@ from homebot.testing.mqtt.packet_log import PacketLog, ProtocolViolation
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread
 
-__all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_blocking_broker", "serve_broker"]
+__all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_broker"]
 
 
 class BrokerView:
@@ -234,29 +234,17 @@ class BlockingTestBroker(BrokerView):
 _DEFAULTS = BrokerSettings()
 
 
+BrokerT = TypeVar("BrokerT", TestBroker, BlockingTestBroker)
+
+
 @contextmanager
 def serve_broker(
-    thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
-) -> Iterator[TestBroker]:
-    """Serve a fresh broker on *thread*, for tests on an event loop; it is gone at the end of the block."""
-    with _core(thread, settings, tls) as core:
-        yield TestBroker(core, thread)
-
-
-@contextmanager
-def serve_blocking_broker(
-    thread: BrokerThread, settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
-) -> Iterator[BlockingTestBroker]:
-    """Serve as :func:`serve_broker` does, for tests that block."""
-    with _core(thread, settings, tls) as core:
-        yield BlockingTestBroker(core, thread)
-
-
-@contextmanager
-def _core(thread: BrokerThread, settings: BrokerSettings, tls: TestTls | None) -> Iterator[BrokerCore]:
+    thread: BrokerThread, kind: type[BrokerT], settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
+) -> Iterator[BrokerT]:
+    """Serve a fresh broker on *thread*; it is gone at the end of the block."""
     core = thread.call(_start, settings, tls)
     try:
-        yield core
+        yield kind(core, thread)
     finally:
         thread.call(_stop, core)
 

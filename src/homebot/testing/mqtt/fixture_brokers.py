@@ -12,7 +12,7 @@ from typing import Final, Self, final
 import pytest
 
 from homebot.errors import UsageError
-from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_blocking_broker, serve_broker
+from homebot.testing.mqtt.broker import BlockingTestBroker, BrokerT, TestBroker, serve_broker
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread, broker_thread
 
@@ -43,13 +43,15 @@ class FixtureBrokers:
 
     def serve(self, test: pytest.Item | None = None) -> AbstractContextManager[TestBroker]:
         """Serve a fresh broker during the block, as the marks of *test* describe it."""
-        settings = BrokerSettings() if test is None else _settings(test)
-        return serve_broker(self._thread, settings, self._tls if settings.tls else None)
+        return self._serve(TestBroker, test)
 
     def serve_blocking(self, test: pytest.Item) -> AbstractContextManager[BlockingTestBroker]:
         """Serve as :meth:`serve` does, for a test that blocks."""
-        settings = _settings(test)
-        return serve_blocking_broker(self._thread, settings, self._tls if settings.tls else None)
+        return self._serve(BlockingTestBroker, test)
+
+    def _serve(self, kind: type[BrokerT], test: pytest.Item | None) -> AbstractContextManager[BrokerT]:
+        settings = BrokerSettings() if test is None else _settings(test)
+        return serve_broker(self._thread, kind, settings, self._tls if settings.tls else None)
 
     @cached_property
     def _tls(self) -> TestTls:
