@@ -308,7 +308,6 @@ def before_a_restart(name: str) -> list[JournalEntry]:
         ("journal_denied", "denied", ["journal"]),
         ("journal_denied_json", "denied", ["journal", "--json", "--limit", "1"]),
         ("journal_lease", "lease", ["journal"]),
-        ("journal_device", "hand", ["journal", "--device", "Kitchen lamp", "--since", "10m"]),
         ("journal_device", "hand", ["journal", "Kitchen lamp", "--since", "10m"]),
         ("journal_limited", "app", ["journal", "--limit", "2"]),
         ("journal_json", "raw", ["journal", "--json"]),

@@ -35,9 +35,7 @@ device did it by itself), and what the door refused. `homebot why DEVICE` tells 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot journal``."""
     set_client_command(parser, _journal, _EXAMPLES)
-    about = parser.add_mutually_exclusive_group()
-    about.add_argument("about", metavar="DEVICE", nargs="?", help="only entries about this device, by id or name")
-    about.add_argument("--device", metavar="DEVICE", help="the same")
+    parser.add_argument("device", metavar="DEVICE", nargs="?", help="only entries about this device, by id or name")
     parser.add_argument(
         "--command", metavar="ID", default="", dest="command_id", help="only entries about this command"
     )
@@ -53,8 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _journal(door: DoorClient, options: argparse.Namespace) -> int:
     """Print entries of the journal, oldest first."""
     client = JournalClient(door)
-    about = options.about or options.device
-    device = named_device(door, about).id if about else ""
+    device = named_device(door, options.device).id if options.device else ""
     now = house_time(door)
     if options.follow:
         door.subscribe(JOURNAL_ENTRIES)
