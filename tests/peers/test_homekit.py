@@ -11,20 +11,18 @@ from pathlib import Path
 import anyio
 import ifaddr  # noqa: F401 - it starts a program when it is imported, which must not be in the event loop
 import pytest
+from tests.gateways.watched_gateway import WatchedGateway
 from tests.patience import PATIENCE
 from tests.peers.network import Lan, Machine, Program
 
 from homebot.devices import Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.health import GetHealth, HealthRequest
-from homebot.devices.names import PairingNames
-from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.pairing_messages import PairResponse
+from homebot.devices.value import PlainValue
 from homebot.gateways.homekit import HomekitGateway, HomekitGatewaySettings
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.testing.gateway_contract import running
-from homebot.testing.gateway_contract.steps import KEPT
 
 ACCESSORY = Path(__file__).parent / "homekit" / "accessory.py"
 PIN = "031-45-154"
@@ -34,15 +32,14 @@ MOST_AWAY = 5.0
 """Seconds after which homebot is back when the accessory is."""
 
 
-class Home:
+class Home(WatchedGateway):
     """What the gateway published, and the way to command it."""
 
     def __init__(self, gateway: HomekitGateway, node: Node) -> None:
         self.values: dict[tuple[str, str], PlainValue] = {}
         self.devices: dict[str, Sighting] = {}
-        self._gateway, self._node = gateway, node
-        self._sightings = node.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT)
-        self._reports = node.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
+        self.gateway, self.watcher = gateway, node
+        self._sightings, self._reports = self.sightings(), self.reports()
 
     async def found(self, key: str, *, has_parts: bool = True) -> Sighting:
         with anyio.fail_after(PATIENCE):
@@ -59,8 +56,7 @@ class Home:
                     self.values[report.key, one.capability] = one.value.plain()
 
     async def pair(self, code: str) -> PairResponse:
-        client = self._node.create_client(Pair, PairingNames("homekit").pair)
-        return await client.call(PairRequest(device=KEY, code=code), timeout=PATIENCE)
+        return await self.pair_with(KEY, code)
 
     async def pair_for_sure(self) -> None:
         """Pair with the right code: HAP-python 5.0 loses leading zeros of SRP, and refuses one in a hundred."""
@@ -69,22 +65,14 @@ class Home:
             answers.append(await self.pair(PIN))
         assert answers[-1].message == ""
 
-    async def unpair(self) -> PairResponse:
-        client = self._node.create_client(Unpair, PairingNames("homekit").unpair)
-        return await client.call(UnpairRequest(device=KEY), timeout=PATIENCE)
-
     async def notes(self) -> str:
-        client = self._node.create_client(GetHealth, self._gateway.names.health)
-        return "; ".join((await client.call(HealthRequest(), timeout=PATIENCE)).notes)
+        return "; ".join((await self.health()).notes)
 
     async def send(
         self, key: str, capability: str, value: PlainValue, expires_after: float = 0.0
     ) -> SendCommandResponse:
         part = next(one.id for one in self.devices[key].parts if one.capabilities[0].name in {"on_off", "lock"})
-        command = Command(key=key, part=part, capability=capability, value=Value.of(value), expires_after=expires_after)
-        return await self._node.create_client(SendCommand, self._gateway.names.send_command).call(
-            command, timeout=PATIENCE
-        )
+        return await self.command(key, part, capability, value, expires_after)
 
 
 @asynccontextmanager
@@ -142,7 +130,7 @@ async def test_an_accessory_is_found_paired_read_commanded_and_unpaired(lan: Lan
         await home.until(LOCK, "lock", "locking")
         await home.until(LOCK, "lock", "locked")
 
-        assert (await home.unpair()).success
+        assert (await home.unpair_from(KEY)).success
         await home.found(KEY, has_parts=False)
         await home.pair_for_sure()  # it is free again
         await home.until(LAMP, "reachable", True)

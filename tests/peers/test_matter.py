@@ -5,12 +5,12 @@ from __future__ import annotations
 import ctypes.util
 import signal
 import subprocess
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
-import anyio
 import pytest
+from tests.gateways.watched_gateway import reading
 from tests.peers.network import INTERFACE, Lan, Machine, Program
 from tests.peers.node_package import node_folder
 from tests.peers.other_python import python_with
@@ -27,7 +27,7 @@ from homebot.gateways.matter.commissioning import (
     Decommission,
     DecommissionRequest,
 )
-from homebot.graph import Graph, Node, Subscription
+from homebot.graph import Graph, Node
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
@@ -91,14 +91,6 @@ async def light(machine: Machine, folder: Path, matter_js: Path) -> AsyncIterato
         yield program
 
 
-async def reported(reports: Subscription[Report], capability: str, is_it: Callable[[PlainValue], bool]) -> None:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            report = await reports.receive()
-            if any(one.capability == capability and is_it(one.value.plain()) for one in report.readings):
-                return
-
-
 async def send(node: Node, key: str, capability: str, value: PlainValue) -> SendCommandResponse:
     client = node.create_client(SendCommand, NAMES.send_command)
     return await client.call(Command(key=key, part="1", capability=capability, value=Value.of(value)), timeout=60)
@@ -126,25 +118,25 @@ async def test_a_light_is_commissioned_commanded_lost_found_and_removed(
         assert (joined.success, joined.message, joined.name) == (True, "", "Hall light")
         seen = await sightings.receive()
         assert (seen.kind, [part.service_type for part in seen.parts]) == ("appeared", ["light", "generic_switch"])
-        await reported(reports, "on_off", lambda one: one is False)
+        await reading(reports, "on_off", False)
 
         assert (await send(watcher, joined.key, "on_off", True)).success
         await lamp.prints("light is on")
-        await reported(reports, "on_off", lambda one: one is True)
+        await reading(reports, "on_off", True)
         assert (await send(watcher, joined.key, "level", 40.0)).success
         await lamp.prints("level is 102")
-        await reported(reports, "level", lambda one: one == 40.16)
+        await reading(reports, "level", 40.16)
         lamp.end(signal.SIGUSR2)
-        await reported(reports, "press", lambda one: one == "single")
-        await reported(reports, "on_off", lambda one: one is False)
+        await reading(reports, "press", "single")
+        await reading(reports, "on_off", False)
 
         lamp.end(signal.SIGKILL)
-        await reported(reports, "reachable", lambda one: one is False)
+        await reading(reports, "reachable", False)
         response = await send(watcher, joined.key, "on_off", True)
         assert (response.success, response.problem) == (False, "unreachable")
 
         async with light(device, tmp_path, matter_js) as again:
-            await reported(reports, "reachable", lambda one: one is True)
+            await reading(reports, "reachable", True)
             decommission = watcher.create_client(Decommission, COMMISSIONING.decommission)
             assert (await decommission.call(DecommissionRequest(key=joined.key), timeout=PATIENCE)).success
             await again.prints("decommissioned")
