@@ -76,7 +76,7 @@ def devices_of(resources: HueResources, ids: Collection[str]) -> Iterator[HueDev
     """Yield the devices with these ids, and the scenes of each room or zone with one as one device."""
     for rid in ids:
         one = resources.get(rid)
-        if one.get("type") in _DEVICES:
+        if text_of(one.get("type")) in _DEVICES:
             yield _device(resources, rid, one)
         elif one and (scenes := tuple(resources.holders(rid, "scene", "smart_scene"))):
             services = tuple(_service(scene, fields, scene, _name(fields)) for scene, fields in scenes)

@@ -1,0 +1,72 @@
+"""Damaged accessories of HomeKit and resources of Hue bridges: refused in our words, or understood."""
+
+from __future__ import annotations
+
+import json
+import random
+from contextlib import suppress
+
+from tests.fuzz.conftest import Fuzz, Mutator
+from tests.gateways.homekit.fake_accessories import PERMS, accessory, characteristic, service
+
+from homebot.conventions.homekit.accessory import parse_accessories
+from homebot.conventions.homekit.climate import CLIMATE_ROWS
+from homebot.conventions.homekit.lights_and_power import POWER_ROWS
+from homebot.conventions.homekit.openings import OPENING_ROWS
+from homebot.conventions.homekit.parts import parts_of
+from homebot.conventions.hue.devices import devices_of
+from homebot.conventions.hue.resources import HueResources
+from homebot.conventions.hue.service_rows import press_of
+from homebot.errors import PeerError, WireError
+from homebot.gateways.announced.value_check import can_report
+from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.hue.resources import device_resources, group_resources, scene_resource
+
+ROWS = (*CLIMATE_ROWS, *OPENING_ROWS, *POWER_ROWS)
+SERVICES = [one for row in ROWS for one in row.services.split()]
+KINDS = sorted({one for row in ROWS for one in f"{row.watched} {row.target}".split()})
+LIMITS = ("minValue", "maxValue", "minStep", "valid-values")
+
+
+def test_damaged_accessories_are_refused_or_read(fuzz: Fuzz) -> None:
+    def case(rng: random.Random) -> None:
+        damage = Mutator(rng, KINDS)
+        limits = {name: damage.value(1) for name in LIMITS if rng.random() < 0.2}
+        chosen = enumerate(rng.sample(KINDS, 8), 20)
+        known = [characteristic(at, kind, damage.scalar(), PERMS, **limits) for at, kind in chosen]
+        listed = damage.damaged([accessory(1, "x", service(8, rng.choice(SERVICES), *known))])
+        with suppress(WireError):
+            for part in (part for one in parse_accessories(listed).values() for part in parts_of(one)):
+                for one in part.part.capabilities:
+                    value = part.rows[one.name].read_value(part.service)
+                    assert not one.readable or can_report(part.part, one.name, value), (one.name, value)
+                    with suppress(PeerError):
+                        written, _ = part.command(one.name, rng.choice((damage.plain(), *one.options)))
+                        json.dumps([known.encode(number) for known, number in written.items()], allow_nan=False)
+
+    fuzz.run("homekit accessories", case)
+
+
+def test_damaged_resources_are_refused_or_read(fuzz: Fuzz) -> None:
+    device, state = SimulatedDeviceInfo("home", "lamp", "x", "x", "hall"), DeviceState(text="on", value=5.0)
+    kinds = ("lamp", "plug", "gradient", "motion", "lux", "contact")
+    listed = [one for kind in kinds for one in device_resources(device, kind, state)]
+    listed += [*group_resources("room", "Hall", [(str(listed[0]["id"]), "device")], "")]
+    listed.append(scene_resource("Hall", "x", [], 1.0))
+
+    def case(rng: random.Random) -> None:
+        damage, resources = Mutator(rng), HueResources()
+        with suppress(WireError):
+            resources.replace([damage.damaged(one) if rng.random() < 0.3 else one for one in listed])
+            change = damage.damaged(rng.choice(listed))
+            press_of(change if isinstance(change, dict) else {})
+            resources.change(rng.choice(("add", "update", "delete")), change)
+            for one in (one for device in devices_of(resources, sorted(resources.ids)) for one in device.services):
+                for row, capability in zip(one.rows, one.part.capabilities, strict=True):
+                    value = None if row.read is None else row.read(resources.get(one.id))
+                    assert not capability.readable or can_report(one.part, row.capability, value), (row, value)
+                    with suppress(PeerError):
+                        wanted = damage.plain(), rng.choice((0.0, 1e9))
+                        json.dumps(row.write and row.write(resources.get(one.id), *wanted), allow_nan=False)
+
+    fuzz.run("hue resources", case)
