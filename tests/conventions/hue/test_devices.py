@@ -210,66 +210,6 @@ def described(resources: HueResources, kind: str, item: Fields) -> set[str]:
     return {one.id for one in devices_of(resources, resources.change(kind, item))}
 
 
-JSON = st.recursive(
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=5),
-    lambda inner: (
-        st.lists(inner, max_size=3)
-        | st.dictionaries(st.sampled_from(["rid", "on", "xy", "x", "mirek", "name", "motion", "event", "state"]), inner)
-    ),
-    max_leaves=6,
-)
-KINDS = st.sampled_from(
-    [
-        *("device", "room", "zone", "scene", "light", "button", "motion", "tamper", "zigbee_connectivity"),
-        "motion_area_configuration",
-    ]
-)
-NAMES = st.sampled_from(
-    [
-        "metadata",
-        "services",
-        "children",
-        "group",
-        "on",
-        "dimming",
-        "color",
-        "color_temperature",
-        "effects",
-        "motion",
-        "button",
-        "tamper_reports",
-        "product_data",
-        "mac_address",
-        "status",
-        "service_id",
-        "enabled",
-    ]
-)
-REFERENCES = st.lists(st.fixed_dictionaries({"rid": st.sampled_from("abcd")}), max_size=4)
-RESOURCE = st.builds(
-    lambda rid, kind, fields, services: {**fields, "id": rid, "type": kind, "services": services, "children": services},
-    st.sampled_from("abcd"),
-    KINDS,
-    st.dictionaries(NAMES, JSON, max_size=6),
-    REFERENCES,
-)
-
-
-@given(st.lists(RESOURCE | JSON, max_size=5), st.sampled_from(["add", "update", "delete", "x"]), RESOURCE | JSON)
-def test_any_resources_are_read_or_refused(listed: list[object], kind: str, change: object) -> None:
-    resources = HueResources()
-    try:
-        resources.replace(listed)
-        resources.change(kind, change)
-    except WireError:
-        return
-    for device in devices_of(resources, resources.ids):
-        for one in device.services:
-            for found in one.rows:
-                if found.read is not None:
-                    found.read(resources.get(one.id))
-
-
 NAMED = st.builds(
     lambda rid, name, references: {
         "id": rid,
