@@ -292,30 +292,22 @@ def test_semantic_types_come_first_then_names_then_types_of_values() -> None:
     [
         ([], {"on": "boolean", "level": "number"}, {"": ("light", ["on_off", "level"])}),
         ([], {"switch": "boolean"}, {"": ("switch", ["on_off"])}),
-        (["SmartPlug"], {"on": "boolean", "voltage": "number"}, None),
-        (["Thermostat"], {"temperature": "number", "targetTemperature": "number"}, None),
+        (["SmartPlug"], {"on": "boolean", "voltage": "number"},
+         {"": ("plug", ["on_off"]), "voltage": ("electrical_meter", ["voltage"])}),
+        (["Thermostat"], {"temperature": "number", "targetTemperature": "number"},
+         {"": ("thermostat", ["local_temperature", "heating_setpoint"])}),
         (["iot:Lock"], {"locked": "string"}, {"": ("door_lock", ["lock"])}),
         (["WindowCovering"], {"position": "integer"}, {"": ("window_covering", ["position"])}),
-        ([], {"temperature": "number", "humidity": "number"}, None),
+        ([], {"temperature": "number", "humidity": "number"},
+         {"temperature": ("temperature_sensor", ["temperature"]), "humidity": ("humidity_sensor", ["humidity"])}),
         ([], {"sht/temperature": "number"}, {"sht/temperature": ("temperature_sensor", ["temperature"])}),
-        ([], {"colour": "string", "brightness": "number", "on": "boolean"}, None),
+        ([], {"colour": "string", "brightness": "number", "on": "boolean"},
+         {"": ("light", ["color", "level", "on_off"])}),
     ],
-)
+)  # fmt: skip
 def test_a_thing_has_the_type_of_its_types_or_properties(
-    types: list[str], properties: dict[str, str], expected: dict[str, tuple[str, list[str]]] | None
+    types: list[str], properties: dict[str, str], expected: dict[str, tuple[str, list[str]]]
 ) -> None:
-    expected = (
-        expected
-        or {
-            "voltage": {"": ("plug", ["on_off"]), "voltage": ("electrical_meter", ["voltage"])},
-            "targetTemperature": {"": ("thermostat", ["local_temperature", "heating_setpoint"])},
-            "humidity": {
-                "temperature": ("temperature_sensor", ["temperature"]),
-                "humidity": ("humidity_sensor", ["humidity"]),
-            },
-            "colour": {"": ("light", ["color", "level", "on_off"])},
-        }[next(one for one in properties if one in {"voltage", "targetTemperature", "humidity", "colour"})]
-    )
     thing = lamp() | {"@type": types, "actions": {}, "events": {}}
     thing["properties"] = {
         name: {"type": kind, "forms": [{"href": f"mqtt://b/{name}"}]} for name, kind in properties.items()
@@ -372,11 +364,7 @@ def changed(path: str, value: object) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("path", "value", "problem"),
     [
-        (
-            "@context",
-            None,
-            "@context: must contain https://www.w3.org/2022/wot/td/v1.1",
-        ),
+        ("@context", None, "@context: must contain https://www.w3.org/2022/wot/td/v1.1"),
         ("@context", ["https://schema.org"], "@context: must contain https://www.w3.org/2022/wot/td/v1.1"),
         ("title", None, "title: is missing; expected a text"),
         ("base", "http://[x", "base: 'http://[x' is not an address"),

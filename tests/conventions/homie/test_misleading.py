@@ -109,31 +109,13 @@ def test_another_switch_is_not_that_of_a_lamp() -> None:
 
 
 HINTS = (
-    "fan",
-    "light",
-    "lamp",
-    "lock",
-    "valve",
-    "shutter",
-    "blind",
-    "garage",
-    "thermostat",
-    "heater",
-    "speed",
-    "power",
-)
+    "fan", "light", "lamp", "lock", "valve", "shutter",
+    "blind", "garage", "thermostat", "heater", "speed", "power",
+)  # fmt: skip
 BESIDE = (
-    "child",
-    "offset",
-    "display",
-    "enabled",
-    "delay",
-    "sensitivity",
-    "schedule",
-    "indicator",
-    "calibration",
-    "timeout",
-)
+    "child", "offset", "display", "enabled", "delay",
+    "sensitivity", "schedule", "indicator", "calibration", "timeout",
+)  # fmt: skip
 OBJECTS = ("tank", "heater", "meter", "bell", "filter", "empty", "installed", "dock")
 CONDITIONS = ("water", "gas", "door", "smoke", "leak", "window")
 forms: st.SearchStrategy[dict[str, object]] = st.sampled_from(

@@ -1,4 +1,5 @@
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -24,16 +25,17 @@ COLOR = {
     },
 }
 SHUTTER = {
-    "type": f"{CAP}shutter",
-    "properties": {
-        "position": PERCENT,
-        "action": {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False},
-    },
+    "position": PERCENT,
+    "action": {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False},
 }
 
 
 def order(*words: str) -> dict[str, object]:
     return {"datatype": "enum", "format": ",".join(words), "settable": True, "retained": False}
+
+
+def states(words: str, *, settable: bool = False) -> dict[str, object]:
+    return {"datatype": "enum", "format": words, "settable": settable}
 
 
 def told(part: DescribedPart, capability: str, value: PlainValue) -> list[tuple[str, str]]:
@@ -44,6 +46,108 @@ def told(part: DescribedPart, capability: str, value: PlainValue) -> list[tuple[
 
 def read(part: DescribedPart, topic: str, payload: str, *, retained: bool = False) -> object:
     return dict(part.codec.read(f"homie/5/thing/{topic}", payload.encode(), retained=retained))
+
+
+THINGS: dict[str, tuple[str, str, dict[str, Any], str, dict[str, object], dict[tuple[str, PlainValue], str | None]]] = {
+    "a lamp without switch is off at zero": (
+        "level", "", {"dim": {"datatype": "float", "format": "0:1:0.01", "settable": True}}, "light",
+        {"dim 0.5": {"level": 50.0, "on_off": True}, "dim 0": {"level": 0.0, "on_off": False}},
+        {("on_off", True): "dim 1", ("level", 50.0): "dim 0.5"},
+    ),
+    "a shutter takes movements and positions": (
+        "shutter", f"{CAP}shutter", SHUTTER, "window_covering",
+        {"position 30": {"position": 30.0}, "position 130": {}},
+        {("movement", "open"): "action up", ("movement", "closed"): "action down",
+         ("movement", "stopped"): "action stop", ("position", 30.0): "position 30"},
+    ),
+    "a shutter without words is moved by its position": (
+        "blind", "", {"position": PERCENT}, "window_covering", {},
+        {("movement", "open"): "position 100", ("movement", "stopped"): None},
+    ),
+    "a garage door is a closure": (
+        "garage-door", f"{CAP}garage-door",
+        {"state": states("open,closed,opening,closing,stopped"), "action": order("open", "close", "trigger", "stop")},
+        "closure", {"state opening": {"movement": "opening"}}, {("movement", "closed"): "action close"},
+    ),
+    "a lock is locked where it is true": (
+        "lock", f"{CAP}lock", {"state": FLAG}, "door_lock", {"state true": {"lock": "locked"}},
+        {("lock", "unlocked"): "state false", ("lock", "open"): None},
+    ),
+    "a lock with orders draws its latch": (
+        "lock", f"{CAP}lock", {"state": WATCHED, "action": order("lock", "unlock", "open")}, "door_lock", {},
+        {("lock", "locked"): "action lock", ("lock", "open"): "action open"},
+    ),
+    "a lock of words is no setting": (
+        "bolt", "lock", {"state": states("locked,unlocked", settable=True)}, "door_lock",
+        {"state locked": {"lock": "locked"}}, {("lock", "unlocked"): "state unlocked"},
+    ),
+    "a lock of capital words": (
+        "bolt", "lock", {"state": states("LOCKED,UNLOCKED", settable=True)}, "door_lock",
+        {"state LOCKED": {"lock": "locked"}}, {("lock", "unlocked"): "state UNLOCKED"},
+    ),
+    "a lock of words with orders": (
+        "bolt", "lock", {"state": states("locked,unlocked,jammed"), "action": order("lock", "unlock")}, "door_lock",
+        {"state locked": {"lock": "locked"}}, {("lock", "unlocked"): "action unlock"},
+    ),
+    "an alarm is an alarm panel and no setting": (
+        "panel", "alarm", {"state": states("disarmed,armed_home,armed_away", settable=True)}, "x_alarm_panel",
+        {"state armed_away": {"alarm": "armed_away"}},
+        {("alarm", "disarmed"): "state disarmed", ("alarm", "triggered"): None},
+    ),
+    "the state of an alarm is not what it was told": (
+        "panel", "alarm",
+        {"target": states("disarmed,armed_away", settable=True), "state": states("disarmed,armed_away,triggered")},
+        "x_alarm_panel", {"state triggered": {"alarm": "triggered"}, "target armed_away": {}},
+        {("alarm", "armed_away"): "target armed_away"},
+    ),
+    "a valve is open where it is true": (
+        "valve", f"{CAP}valve", {"state": FLAG}, "water_valve", {"state true": {"valve": "open"}},
+        {("valve", "closed"): "state false"},
+    ),
+    "a fan takes its speed as an option": (
+        "fan", "", {"speed": states("OFF,LOW,HIGH", settable=True)}, "fan", {}, {("fan_mode", "low"): "speed LOW"},
+    ),
+    "a fan with a switch is switched by that": (
+        "fan", f"{CAP}fan", {"state": FLAG, "speed": PERCENT}, "fan", {"speed 30": {"fan_speed": 30.0}},
+        {("on_off", False): "state false"},
+    ),
+    "an enum of on and off is a boolean": (
+        "relay", "", {"state": states("ON,OFF", settable=True)}, "switch",
+        {"state ON": {"on_off": True}, "state UNKNOWN": {}}, {("on_off", False): "state OFF"},
+    ),
+    "a relay is on where it is closed": (
+        "circuit", "", {"relay": states("UNKNOWN,OPEN,CLOSED", settable=True)}, "switch",
+        {"relay CLOSED": {"on_off": True}, "relay UNKNOWN": {}}, {("on_off", False): "relay OPEN"},
+    ),
+    "a valve of words is closed where it is closed": (
+        "lawn", "", {"valve": states("OPEN,CLOSED", settable=True)}, "water_valve",
+        {"valve CLOSED": {"valve": "closed"}, "valve UNKNOWN": {}}, {("valve", "open"): "valve OPEN"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("node", "kind", "properties", "service_type", "heard", "orders"), THINGS.values(), ids=THINGS)
+def test_a_node_is_one_part_that_is_read_and_told(
+    introduce: Introduce,
+    node: str,
+    kind: str,
+    properties: dict[str, Any],
+    service_type: str,
+    heard: dict[str, object],
+    orders: dict[tuple[str, PlainValue], str | None],
+) -> None:
+    (part,) = introduce({node: {"type": kind, "properties": properties}}).values()
+    assert (part.part.service_type, part.part.guessed) == (service_type, not kind.startswith(CAP))
+    for message, readings in heard.items():
+        prop, payload = message.split()
+        assert read(part, f"{node}/{prop}", payload) == readings
+    for (capability, value), sent in orders.items():
+        if sent is None:
+            with pytest.raises(RefusedError):
+                part.codec.write(capability, value)
+        else:
+            prop, payload = sent.split()
+            assert told(part, capability, value) == [(f"{node}/{prop}/set", payload)]
 
 
 def test_nodes_of_a_lamp_are_one_part(introduce: Introduce) -> None:
@@ -74,16 +178,6 @@ def test_two_switches_and_two_levels_stay_apart(introduce: Introduce) -> None:
     }
 
 
-def test_a_lamp_without_switch_is_off_at_zero(introduce: Introduce) -> None:
-    lamp = introduce({"level": {"properties": {"dim": {"datatype": "float", "format": "0:1:0.01", "settable": True}}}})
-    part = lamp["level"]
-    assert part.part.guessed
-    assert told(part, "on_off", True) == [("level/dim/set", "1")]
-    assert told(part, "level", 50.0) == [("level/dim/set", "0.5")]
-    assert read(part, "level/dim", "0.5") == {"level": 50.0, "on_off": True}
-    assert read(part, "level/dim", "0") == {"level": 0.0, "on_off": False}
-
-
 def test_controls_come_first(introduce: Introduce) -> None:
     parts = introduce({"a": {"properties": {"t": {"datatype": "float", "unit": "°C"}}}, "b": SWITCH})
     assert list(parts) == ["b", "a/t"]
@@ -97,36 +191,6 @@ def test_an_outlet_is_a_plug(introduce: Introduce) -> None:
     assert introduce({"switch": SWITCH}, type="hc-smarthome/v2/dc/outlet")["switch"].part.service_type == "plug"
 
 
-def test_a_shutter_takes_movements_and_positions(introduce: Introduce) -> None:
-    shutter = introduce({"shutter": SHUTTER})["shutter"]
-    assert shutter.part.service_type == "window_covering"
-    assert told(shutter, "movement", "open") == [("shutter/action/set", "up")]
-    assert told(shutter, "movement", "closed") == [("shutter/action/set", "down")]
-    assert told(shutter, "movement", "stopped") == [("shutter/action/set", "stop")]
-    assert told(shutter, "position", 30.0) == [("shutter/position/set", "30")]
-    assert read(shutter, "shutter/position", "30") == {"position": 30.0}
-    assert read(shutter, "shutter/position", "130") == {}
-
-
-def test_a_shutter_without_words_is_moved_by_its_position(introduce: Introduce) -> None:
-    shutter = introduce({"blind": {"properties": {"position": PERCENT}}})["blind"]
-    assert shutter.part.guessed
-    assert told(shutter, "movement", "open") == [("blind/position/set", "100")]
-    with pytest.raises(RefusedError):
-        shutter.codec.write("movement", "stopped")
-
-
-def test_a_garage_door_is_a_closure(introduce: Introduce) -> None:
-    properties = {
-        "state": {"datatype": "enum", "format": "open,closed,opening,closing,stopped"},
-        "action": order("open", "close", "trigger", "stop"),
-    }
-    door = introduce({"garage-door": {"type": f"{CAP}garage-door", "properties": properties}})["garage-door"]
-    assert (door.part.service_type, door.part.tag) == ("closure", "garage")
-    assert read(door, "garage-door/state", "opening") == {"movement": "opening"}
-    assert told(door, "movement", "closed") == [("garage-door/action/set", "close")]
-
-
 def test_a_garage_door_that_takes_other_words_has_another_digest(introduce: Introduce) -> None:
     def door(words: str) -> DescribedPart:
         properties = {"action": order(*words.split(","))}
@@ -135,84 +199,16 @@ def test_a_garage_door_that_takes_other_words_has_another_digest(introduce: Intr
     first, other, again = door("up,down"), door("open,down"), door("up,down")
     assert told(first, "movement", "open") == [("garage-door/action/set", "up")]
     assert told(other, "movement", "open") == [("garage-door/action/set", "open")]
+    assert first.part.tag == "garage"
     assert first.part.payloads == again.part.payloads != other.part.payloads
 
 
-def test_a_lock_is_locked_where_it_is_true(introduce: Introduce) -> None:
-    lock = introduce({"lock": {"type": f"{CAP}lock", "properties": {"state": FLAG}}})["lock"]
-    assert lock.part.service_type == "door_lock"
-    assert read(lock, "lock/state", "true") == {"lock": "locked"}
-    assert told(lock, "lock", "unlocked") == [("lock/state/set", "false")]
-    with pytest.raises(RefusedError):
-        lock.codec.write("lock", "open")
-
-
-def test_a_lock_with_orders_draws_its_latch(introduce: Introduce) -> None:
-    properties = {"state": WATCHED, "action": order("lock", "unlock", "open")}
-    lock = introduce({"lock": {"type": f"{CAP}lock", "properties": properties}})["lock"]
-    assert told(lock, "lock", "locked") == [("lock/action/set", "lock")]
-    assert told(lock, "lock", "open") == [("lock/action/set", "open")]
-
-
-def states(*words: str, settable: bool = False) -> dict[str, object]:
-    return {"datatype": "enum", "format": ",".join(words), "settable": settable}
-
-
-@pytest.mark.parametrize(
-    ("properties", "locked", "command"),
-    [
-        ({"state": states("locked", "unlocked", settable=True)}, "locked", ("state/set", "unlocked")),
-        ({"state": states("LOCKED", "UNLOCKED", settable=True)}, "LOCKED", ("state/set", "UNLOCKED")),
-        (
-            {"state": states("locked", "unlocked", "jammed"), "action": order("lock", "unlock")},
-            "locked",
-            ("action/set", "unlock"),
-        ),
-    ],
-)
-def test_a_lock_of_words_is_a_lock_and_no_setting(
-    introduce: Introduce, properties: dict[str, object], locked: str, command: tuple[str, str]
-) -> None:
-    parts = introduce({"bolt": {"type": "lock", "properties": properties}})
-    assert {name: one.part.service_type for name, one in parts.items()} == {"bolt": "door_lock"}
-    assert read(parts["bolt"], "bolt/state", locked) == {"lock": "locked"}
-    assert told(parts["bolt"], "lock", "unlocked") == [(f"bolt/{command[0]}", command[1])]
-
-
-def test_an_alarm_is_an_alarm_panel_and_no_setting(introduce: Introduce) -> None:
-    properties = {"state": states("disarmed", "armed_home", "armed_away", settable=True)}
-    (part,) = introduce({"panel": {"type": "alarm", "name": "Alarm panel", "properties": properties}}).values()
-    assert part.part.service_type == "x_alarm_panel"
-    assert read(part, "panel/state", "armed_away") == {"alarm": "armed_away"}
-    assert told(part, "alarm", "disarmed") == [("panel/state/set", "disarmed")]
-    with pytest.raises(RefusedError):
-        part.codec.write("alarm", "triggered")
-
-
 def test_a_switch_beside_an_alarm_stays_one(introduce: Introduce) -> None:
-    parts = introduce({"panel": {"properties": {"on": FLAG, "mode": states("disarmed", "armed", settable=True)}}})
+    parts = introduce({"panel": {"properties": {"on": FLAG, "mode": states("disarmed,armed", settable=True)}}})
     assert {name: one.part.service_type for name, one in parts.items()} == {
         "panel/$alarm": "x_alarm_panel",
         "panel": "switch",
     }
-
-
-def test_the_state_of_an_alarm_is_not_what_it_was_told(introduce: Introduce) -> None:
-    properties = {
-        "target": states("disarmed", "armed_away", settable=True),
-        "state": states("disarmed", "armed_away", "triggered"),
-    }
-    (part,) = introduce({"panel": {"type": "alarm", "properties": properties}}).values()
-    assert part.part.reads == ("homie/5/thing/panel/state",)
-    assert read(part, "panel/state", "triggered") == {"alarm": "triggered"}
-    assert told(part, "alarm", "armed_away") == [("panel/target/set", "armed_away")]
-
-
-def test_a_valve_is_open_where_it_is_true(introduce: Introduce) -> None:
-    valve = introduce({"valve": {"type": f"{CAP}valve", "properties": {"state": FLAG}}})["valve"]
-    assert valve.part.service_type == "water_valve"
-    assert read(valve, "valve/state", "true") == {"valve": "open"}
-    assert told(valve, "valve", "closed") == [("valve/state/set", "false")]
 
 
 def test_a_thermostat_is_in_celsius_for_any_unit(introduce: Introduce) -> None:
@@ -310,13 +306,6 @@ def test_a_vacuum_cleaner_is_known_by_its_words(introduce: Introduce) -> None:
     assert told(cleaner, "vacuum", "returning") == [("basic/operation/set", "HOME")]
 
 
-def test_a_fan_takes_its_speed_as_an_option(introduce: Introduce) -> None:
-    speed = {"datatype": "enum", "format": "OFF,LOW,HIGH", "settable": True}
-    fan = introduce({"speed": {"properties": {"speed": speed}}}, name="Ceiling fan")["speed"]
-    assert (fan.part.service_type, fan.part.guessed) == ("fan", True)
-    assert told(fan, "fan_mode", "low") == [("speed/speed/set", "LOW")]
-
-
 @pytest.mark.parametrize(
     ("node", "prop", "service_type", "capability"),
     [
@@ -368,36 +357,6 @@ def test_a_fan_of_steps_from_one_has_a_speed(introduce: Introduce) -> None:
     assert told(fan, "fan_speed", 60.0) == [("fan/speed/set", "3")]
     lone = introduce({"fan": {"type": "fan", "properties": {"speed": speed}}})["fan"]
     assert {one.name for one in lone.part.capabilities} == {"fan_speed"}
-
-
-def test_a_fan_with_a_switch_is_switched_by_that(introduce: Introduce) -> None:
-    fan = introduce({"fan": {"type": f"{CAP}fan", "properties": {"state": FLAG, "speed": PERCENT}}})["fan"]
-    assert told(fan, "on_off", False) == [("fan/state/set", "false")]
-    assert read(fan, "fan/speed", "30") == {"fan_speed": 30.0}
-
-
-@pytest.mark.parametrize(
-    ("node", "name", "options", "capability", "topic_value", "expected", "sent"),
-    [
-        ("relay", "state", "ON,OFF", "on_off", "ON", True, "OFF"),
-        ("circuit", "relay", "UNKNOWN,OPEN,CLOSED", "on_off", "CLOSED", True, "OPEN"),
-        ("lawn", "valve", "OPEN,CLOSED", "valve", "CLOSED", "closed", "OPEN"),
-    ],
-)
-def test_an_enum_of_two_opposites_is_a_boolean(
-    introduce: Introduce,
-    node: str,
-    name: str,
-    options: str,
-    capability: str,
-    topic_value: str,
-    expected: object,
-    sent: str,
-) -> None:
-    part = introduce({node: {"properties": {name: {"datatype": "enum", "format": options, "settable": True}}}})[node]
-    assert read(part, f"{node}/{name}", topic_value) == {capability: expected}
-    assert told(part, capability, "open" if capability == "valve" else False) == [(f"{node}/{name}/set", sent)]
-    assert read(part, f"{node}/{name}", "UNKNOWN") == {}
 
 
 def test_the_relay_of_a_breaker_always_asks(introduce: Introduce) -> None:
