@@ -11,7 +11,7 @@ from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, note_near_matches, unapproved, why_none
 from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
-from homebot.devices.query.tokens import quoted
+from homebot.devices.query.tokens import MAX_QUERY, quoted
 from homebot.devices.wording.values import life, state_text, types
 from homebot.errors import PeerError
 from homebot.support.printable import printable
@@ -76,16 +76,20 @@ def _find(options: argparse.Namespace) -> int:
 
 def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
     """Return the matches of *query*, or else the devices with that name, which may have words with other meanings."""
-    by_name = f"name={quoted(query)}"
     try:
         found = find_devices(door, query, limit)
     except PeerError:
-        if (named := find_devices(door, by_name, limit)).results:
+        if named := _named(door, query, limit):
             return named
         raise
-    if found.results or not (named := find_devices(door, by_name, limit)).results:
-        return found
-    return named
+    return found if found.results else _named(door, query, limit) or found
+
+
+def _named(door: DoorClient, name: str, limit: int) -> QueryDevicesResponse | None:
+    """Return the devices called *name*, if there are any."""
+    query = f"name={quoted(name)}"
+    found = find_devices(door, query, limit) if len(query) <= MAX_QUERY else None
+    return found if found and found.results else None
 
 
 def _show_left_out(found: QueryDevicesResponse) -> None:
