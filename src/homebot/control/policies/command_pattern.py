@@ -186,8 +186,7 @@ def known_value(command: IssuedCommand, capability: str, facts: Facts) -> PlainV
     A report after that command is certain if it has the commanded value, and five minutes after the command in any
     case.
     """
-    states = (one for one in command.device.states if one.capability == capability and one.part == command.part.id)
-    state = next(states, None)
+    state = command.states.get(capability)
     if state is None:
         return None
     value, age = state.value.plain(), facts.age(state.told_at.to_seconds())
