@@ -1,8 +1,6 @@
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.config import MAX_OPTIONS, DiscoveryConfig
@@ -137,20 +135,6 @@ def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:
 
 def test_a_command_is_retained_only_if_the_config_requires_it() -> None:
     assert config(command_topic="a").required_command().publication(21.0) == Publication("a", b"21.0")
-
-
-@given(
-    st.dictionaries(
-        st.sampled_from(["qos", "retain", "encoding", "k"]), st.none() | st.text() | st.integers() | st.floats()
-    )
-)
-def test_any_fields_make_a_config_or_a_wire_error(fields: dict[str, object]) -> None:
-    try:
-        one = DiscoveryConfig("light", "lamp", fields)
-        (one.text("k"), one.flag("k"), one.integer("k", 0), one.number("k", 0), one.template("k"), one.command("k"))
-    except WireError:
-        return
-    assert one.qos in (0, 1, 2)
 
 
 def test_a_command_without_template_takes_none_from_a_nameless_field() -> None:

@@ -1,6 +1,4 @@
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from homebot.conventions.homeassistant.topics import ConfigTopic, parse_config_topic, valid_topic
 from homebot.errors import WireError
@@ -62,9 +60,3 @@ def test_a_state_topic_may_be_a_filter(topic: str) -> None:
 def test_a_state_topic_that_cannot_be_is_refused(topic: str) -> None:
     with pytest.raises(WireError):
         valid_topic(topic, validate_filter)
-
-
-@given(st.text(max_size=60))
-def test_any_text_is_a_config_topic_or_none(text: str) -> None:
-    found = parse_config_topic("p", f"p/{text}/config")
-    assert found is None or f"p/{found.key}/config" == f"p/{text}/config" or not found.node_id

@@ -67,6 +67,7 @@ TOO_MANY = "more than 4096"
         ("{% set n = namespace(x=(1,)) %}{% for i in range(999) %}{% set n.x = (n.x,) %}{% endfor %}", TOO_MUCH),
         ("{% set n = namespace(x=3) %}{% for i in range(99) %}{% set n.x = n.x * n.x %}{% endfor %}", "256 bits"),
         ("{{ ('a' * 60000) | regex_match('(a+)+b') }}", "nests repetitions"),
+        ("{{ ('a' * 6000) | regex_match('(a+)?(a+)?b') }}", TOO_MUCH),
         ("{{ ('a' * 60) | regex_search('(a|aa)*b') }}", "nests repetitions"),
         ("{{ ('a' * 60) | regex_search('(?:(?:a*)*)*b') }}", "nests repetitions"),
         (r"{{ ('a' * 60) | regex_search('(a*)\\1b') }}", "refers"),
