@@ -171,7 +171,10 @@ async def test_a_list_fills_the_fields_of_a_goal_and_what_it_and_its_end_lack_is
         await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         await robot.settle()
         await user.send("send_action_goal", id="first", args=[5], **GOAL)
-        assert (await robot.receive())["args"] == {"order": 5}
+        asked = await robot.receive()
+        assert asked["args"] == {"order": 5}
+        await robot.send("action_result", id=asked["id"], action="/fib", values=[[5]], status=4, result=True)
+        assert (await user.receive())["values"] == {"sequence": [5]}
         await user.send("send_action_goal", id="g", args={}, **GOAL)
         asked = await robot.receive()
         assert asked["args"] == {"order": 0}

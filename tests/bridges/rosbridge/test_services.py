@@ -48,7 +48,7 @@ async def test_what_a_request_and_its_response_lack_is_zero_or_empty_but_not_of_
     await peer.send("advertise_service", service="/switch", type="std_srvs/SetBool")
     await peer.send("call_service", service="/switch", args=[True])
     asked = await peer.receive()
-    await peer.send("service_response", service="/switch", id=asked["id"], values={"success": True}, result=True)
+    await peer.send("service_response", service="/switch", id=asked["id"], values=[True], result=True)
     assert (await peer.receive())["values"] == {"success": True, "message": ""}
     house.node("control").create_service(HoldPart, HOLD_PART, lambda _: zero_message(LeaseState))
     await peer.send("call_service", service=HOLD_PART, args={"part": "1"})

@@ -15,6 +15,7 @@ from homebot.bridges.rosbridge.protocol import (
     frame_text,
 )
 from homebot.bridges.rosbridge.provided_services import Provisions
+from homebot.bridges.rosbridge.services import named_values
 from homebot.bridges.rosbridge.types import action_type_of, request_from_client
 from homebot.errors import PeerError
 from homebot.graph import Node
@@ -95,9 +96,9 @@ class ProvidedActions:
             return
         end: tuple[int, Message | None] = (GoalState.ABORTED, None)
         try:
-            if isinstance(op.values, dict):
+            if isinstance(op.values, dict | list):
                 result_type = running.goal.action_type.Result
-                end = op.status, self._read(result_type, op.values)
+                end = op.status, self._read(result_type, named_values(result_type, op.values))
         finally:
             running.end.set_result(end)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, frame_text
+from homebot.bridges.rosbridge.services import named_values
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.errors import PeerError, RefusedError
 from homebot.graph import Node
@@ -135,5 +136,5 @@ class ProvidedServices:
             del self._pending[identifier]
         if not response.result:
             raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
-        values = response.values if isinstance(response.values, dict) else {}
+        values = named_values(service_type.Response, response.values or {})
         return request_from_client(service_type.Response, values, self._node.graph.clock.now())

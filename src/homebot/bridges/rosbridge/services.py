@@ -34,18 +34,20 @@ from homebot.messages.message import Message
 __all__ = ["call_service", "cause_of_call", "missing_service", "named_values", "parse_queries", "refusal"]
 
 
-def named_values(request_type: type[Message], args: dict[str, Any] | list[Any]) -> dict[str, Any]:
-    """Return *args* by the names of the fields; a list fills the fields in order.
+def named_values(message_type: type[Message], values: object) -> dict[str, Any]:
+    """Return *values* by the names of the fields; a list fills the fields in order.
 
     Raises:
-        TypeMismatchError: A list has too many values.
+        TypeMismatchError: They are neither an object nor a list, or a list has too many values.
     """
-    if isinstance(args, dict):
-        return args
-    names = [field.name for field in fields_of(request_type)]
-    if len(args) > len(names):
-        raise TypeMismatchError(f"{request_type.ros_type} has {len(names)} fields, got {len(args)} values")
-    return dict(zip(names, args, strict=False))
+    if isinstance(values, dict):
+        return values
+    if not isinstance(values, list):
+        raise TypeMismatchError(f"not a {message_type.ros_type}: expected an object, got {str(values)[:60]!r}")
+    names = [field.name for field in fields_of(message_type)]
+    if len(values) > len(names):
+        raise TypeMismatchError(f"{message_type.ros_type} has {len(names)} fields, got {len(values)} values")
+    return dict(zip(names, values, strict=False))
 
 
 def parse_queries(
