@@ -13,6 +13,7 @@ from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
 
 __all__ = [
+    "WIDE",
     "Available",
     "CommandReader",
     "PublishedEntity",
@@ -39,7 +40,7 @@ Available: TypeAlias = dict[str, Capability]
 """The capabilities of a part that are in no entity yet, by name."""
 
 _SWITCHED = ("ON", "OFF")
-_WIDE = (-1e15, 1e15)
+WIDE = (-1e15, 1e15)
 _WHOLE = 1e15
 
 
@@ -181,7 +182,7 @@ def _command_reader(capability: Capability, row: Row) -> CommandReader:
     if known.kind == "bool":
         return payload_reader(name, dict(zip(row.payloads, (True, False), strict=True)))
     if known.kind == "number":
-        return _number_reader(name, capability.bounds or known.bounds or _WIDE)
+        return _number_reader(name, capability.bounds or known.bounds or WIDE)
     options = capability.options or known.options
     return payload_reader(name, {option: option for option in options}) if options else lambda text: {name: text}
 

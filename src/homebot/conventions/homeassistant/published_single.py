@@ -10,12 +10,7 @@ import json
 from collections.abc import Mapping
 
 from homebot.conventions.device_classes import CONDITION_CLASSES, QUANTITY_CLASSES
-from homebot.conventions.homeassistant.published_entity import (
-    PublishedEntity,
-    Row,
-    Values,
-    payload_reader,
-)
+from homebot.conventions.homeassistant.published_entity import WIDE, PublishedEntity, Row, Values, payload_reader
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.part import Capability, Part
 
@@ -28,7 +23,6 @@ _BUTTONS: Mapping[str, tuple[str, Mapping[str, object]]] = {
 }
 """Component and fields of the capabilities that are pressed."""
 
-_WIDE = (-1e15, 1e15)
 _MOST_STEPS = 200.0
 _STEPS = ((1.0, 0.01), (50.0, 0.1))
 """The step of a number entity, by the width of its range."""
@@ -77,9 +71,9 @@ def _setting(part: Part, capability: Capability, base: str) -> PublishedEntity:
 
 def _number_fields(capability: Capability) -> dict[str, object]:
     known = CAPABILITIES[capability.name]
-    low, high = capability.bounds or known.bounds or _WIDE
+    low, high = capability.bounds or known.bounds or WIDE
     if low >= high:
-        low, high = _WIDE
+        low, high = WIDE
     span = high - low
     fields: dict[str, object] = {"min": low, "max": high, "mode": "box" if span > _MOST_STEPS else "auto"}
     fields["step"] = next((step for most, step in _STEPS if span <= most), 1.0)

@@ -7,7 +7,6 @@ and text.py; core 2026.11: date.py, datetime.py and time.py.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
 
 from homebot.conventions.command_values import moment_text, option_writer, require_moment
 from homebot.conventions.description import DescribedPart, Publications
@@ -122,10 +121,9 @@ def build_notify(config: DiscoveryConfig) -> DescribedPart:
     return _build_text(config, 0, _LONGEST_MESSAGE, None)
 
 
-_Read: TypeAlias = Callable[[str], Readings]
-
-
-def _build_text(config: DiscoveryConfig, least: int, most: int, read: _Read | None) -> DescribedPart:
+def _build_text(
+    config: DiscoveryConfig, least: int, most: int, read: Callable[[str], Readings] | None
+) -> DescribedPart:
     command = config.required_command()
 
     def write(value: PlainValue, _transition: float) -> Publications:

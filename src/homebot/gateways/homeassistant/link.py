@@ -8,7 +8,7 @@ Source: Home Assistant core 2024.3, ``components/websocket_api``; https://develo
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Final, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import anyio
 
@@ -17,7 +17,10 @@ from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.pending_calls import PendingCalls
 
-__all__ = ["HomeAssistantLink", "OnEvent", "Socket"]
+if TYPE_CHECKING:
+    from homebot.gateways.homeassistant.socket import HomeAssistantSocket
+
+__all__ = ["HomeAssistantLink", "OnEvent"]
 
 GREETS_WITHIN: Final = 10.0
 ANSWERS_WITHIN: Final = 30.0
@@ -37,16 +40,6 @@ OnEvent: TypeAlias = Callable[[Mapping[str, object]], Awaitable[None]]
 _Frame: TypeAlias = Mapping[str, object]
 
 
-class Socket(Protocol):
-    """An open WebSocket."""
-
-    async def send(self, message: str) -> None:
-        """Send a message."""
-
-    async def receive(self) -> bytes:
-        """Wait for a message."""
-
-
 class HomeAssistantLink:
     """A connection to Home Assistant.
 
@@ -57,7 +50,7 @@ class HomeAssistantLink:
         version: The version of Home Assistant, once it has greeted.
     """
 
-    def __init__(self, socket: Socket, max_bytes: int, on_invalid: Callable[[bytes, str], None]) -> None:
+    def __init__(self, socket: HomeAssistantSocket, max_bytes: int, on_invalid: Callable[[bytes, str], None]) -> None:
         self.version = ""
         self._socket = socket
         self._max_bytes = max_bytes
