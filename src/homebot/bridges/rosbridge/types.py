@@ -254,13 +254,16 @@ def _in_ros2(
         if name in whole:
             whole[name] = _element(field, whole[name], missing, f"{path}{name}.", stamp)
         elif missing is not None and message_type.model_fields[name].is_required() and field.choices is None:
-            is_message = field.message is not None and not field.is_array
-            is_header = is_message and field.ros_type == _HEADER and not path
-            zero = _element(field, {}, {}, stamp=stamp if is_header else None) if is_message else zero_of(field)
-            whole[name] = zero
+            is_header = field.ros_type == _HEADER and not path
+            whole[name] = _zero(field, stamp if is_header else None)
             if not is_header:
                 missing[f"{path}{name}"] = None
     return whole
+
+
+def _zero(field: FieldDefinition, stamp: object) -> object:
+    """Return the zero of *field* in JSON; a header in it gets *stamp*, unless that is None."""
+    return zero_of(field) if field.message is None or field.is_array else _element(field, {}, {}, stamp=stamp)
 
 
 def _element(
