@@ -133,7 +133,8 @@ class DeviceProfile:
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
         """Record that the device reported *seen* for *wanted*; a device that reports wanted values has no record."""
         if capability not in self.answers:
-            is_usual = wanted == seen or not (_rounds(capability) or fits(capability, wanted, seen))
+            rounds = CAPABILITIES.get(capability, OWN).rounds
+            is_usual = wanted == seen or not (rounds or fits(capability, wanted, seen))
             if is_usual or is_same(capability, wanted, seen):
                 return
         answers = self.answers.setdefault(capability, OrderedDict())
@@ -155,7 +156,7 @@ class DeviceProfile:
 
         It is the largest error of at least three answers with two different values.
         """
-        if capability not in self.answers or not _rounds(capability):
+        if capability not in self.answers or not CAPABILITIES.get(capability, OWN).rounds:
             return 0.0
         known = [
             (wanted, seen)
@@ -196,7 +197,3 @@ class DeviceProfile:
 
 
 _NONE: Final = object()
-
-
-def _rounds(capability: str) -> bool:
-    return CAPABILITIES.get(capability, OWN).rounds

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
-from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.states import bounds_of
 from homebot.devices.value import PlainValue
@@ -21,7 +21,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
         RefusedError: It cannot; the message names the accepted values.
     """
     found = _settable(part, capability)
-    kind = _kind(found)
+    kind = CAPABILITIES.get(capability, OWN).kind
     if kind == "bool":
         require_bool(capability, value)
     elif kind == "number":
@@ -37,7 +37,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
     """Return whether *value* can be one that *part* reports for *capability*; None, for unknown, always can."""
     found = next((one for one in part.capabilities if one.name == capability and one.readable), None)
-    return found is not None and (value is None or _is_of_kind(_kind(found), value))
+    return found is not None and (value is None or _is_of_kind(CAPABILITIES.get(capability, OWN).kind, value))
 
 
 def _settable(part: Part, capability: str) -> Capability:
@@ -56,8 +56,3 @@ def _is_of_kind(kind: str, value: PlainValue) -> bool:
     if kind == "numbers":
         return isinstance(value, tuple) and all(map(math.isfinite, value))
     return isinstance(value, str)
-
-
-def _kind(capability: Capability) -> str:
-    known = CAPABILITIES.get(capability.name)
-    return "text" if known is None else known.kind
