@@ -93,6 +93,7 @@ def test_a_robot_that_cleans_is_no_fan_and_its_water_tank_does_not_leak(has_stat
         ("valve", {"valve-position": PERCENT}, []),
         ("garage", {"light": {"datatype": "enum", "format": "off,on", "settable": True}}, []),
         ("window-lock", {"locked": FLAG}, ["door_lock"]),
+        ("ev-charger", {"lock-state": {**choice("LOCKED", "UNLOCKED"), "settable": False}}, []),
         ("radiator", {"color": {"datatype": "color", "format": "rgb", "settable": True}}, ["light"]),
     ],
 )  # fmt: skip

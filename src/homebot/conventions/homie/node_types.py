@@ -114,7 +114,13 @@ def declared_class(device_type: str) -> str:
 def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
     """Return the kinds suggested by the words of *node*, then those suggested by the words *around* it."""
     own = tokens_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
+    if own & _CHARGERS:
+        return ()
     return tuple(dict.fromkeys(kind for tokens in (own, around) for kind, hints in _GUESSES if tokens & hints))
+
+
+_CHARGERS = frozenset({"charger", "ev", "evse"})
+"""Words of nodes that charge a car, whose lock is that of the plug."""
 
 
 def tokens_in(*texts: str) -> frozenset[str]:
