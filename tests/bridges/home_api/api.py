@@ -72,6 +72,7 @@ async def running_api(folder: Path) -> AsyncIterator[Api]:
         tokens[name] = {"token_file": str(folder / name), "scope": scope}
     tables = {
         "home": {"name": "villa"},
+        "places": {"devices": {"home425/lights/lamp4": {"aliases": ["Door stop"]}}},
         "door": {"port": 0, "tokens": tokens},
         "gateways": {"mqtt": {}},
         "history": {"enabled": True},

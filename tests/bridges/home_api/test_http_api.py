@@ -13,6 +13,9 @@ async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
         assert [one["type"] for one in found.values["devices"]] == ["light"] * 4
         assert found.size < 600  # for what is 25 kB as the directory has it
 
+        by_name = await api.get("/api/devices?q=door%20stop")
+        assert [one["name"] for one in by_name.values["devices"]] == ["Door stop"], "its words mean doors"
+
         some = await api.get("/api/devices?limit=2")
         assert (len(some.values["devices"]), some.values["more"]) == (2, 3)
 

@@ -15,6 +15,7 @@ from homebot.devices import names
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.outcomes import Evidence
+from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.history_words import chain_lines, chains_of, finding_text, result_text
 from homebot.devices.wording.journal_words import clock_text, issuer_text
 from homebot.devices.wording.json_message import JsonMessage
@@ -59,8 +60,10 @@ async def home_in_short(home: HomeCalls, _: shapes.NoQuestion) -> shapes.HomeAns
 
 
 async def find_devices(home: HomeCalls, asked: shapes.ListQuestion) -> shapes.DeviceList:
-    """Return the devices that fit a query, by id."""
+    """Return the devices that fit a query, by id, or else those called so, by words that may mean something else."""
     answer = await listed(home, query=asked.q, limit=asked.limit)
+    if answer.success and not answer.devices and 0 < len(asked.q) <= _WIDEST:
+        answer = await listed(home, query=f"name={quoted(asked.q)}", limit=asked.limit)
     if not answer.success:
         raise ProblemError(HTTPStatus.BAD_REQUEST, answer.message)
     devices = tuple(map(_line, answer.devices))
