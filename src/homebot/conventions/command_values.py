@@ -25,6 +25,7 @@ __all__ = [
     "require_number",
     "require_option",
     "require_transition",
+    "require_true",
 ]
 
 Writer: TypeAlias = Callable[[PlainValue, float], Publications]
@@ -44,6 +45,12 @@ def require_bool(capability: str, value: PlainValue) -> bool:
     if isinstance(value, bool):
         return value
     raise RefusedError(f"{capability} {shown(value)}", "it takes true or false")
+
+
+def require_true(capability: str, value: PlainValue) -> None:
+    """Check that *value* is true, the only one of an action without state."""
+    if value is not True:
+        raise RefusedError(f"{capability} {shown(value)}", "it takes only true")
 
 
 def require_number(capability: str, value: PlainValue, least: float, most: float, unit: str = "") -> float:
@@ -119,8 +126,7 @@ def push_writer(capability: str, publish: Callable[[], Publications]) -> Writer:
     """Return a writer of true alone, for an action without state."""
 
     def write(value: PlainValue, _transition: float) -> Publications:
-        if value is not True:
-            raise RefusedError(f"{capability} {shown(value)}", "it takes only true")
+        require_true(capability, value)
         return publish()
 
     return write

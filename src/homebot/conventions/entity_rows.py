@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple, TypeAlias
 
-from homebot.conventions.command_values import require_number
+from homebot.conventions.command_values import require_number, require_true
 from homebot.conventions.device_classes import CLOSURE_CLASSES, condition_of, quantity_of
 from homebot.conventions.payload import clean_text, shown
 from homebot.conventions.units import Quantity
@@ -170,8 +170,7 @@ def push_row(name: str, command: Fields, when: Callable[[Fields], object] | None
     """Return the row of an action without state."""
 
     def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
-        if value is not True:
-            raise RefusedError(f"{name} {shown(value)}", "it takes only true")
+        require_true(name, value)
         return command
 
     return EntityRow(name, None, write, "", when)

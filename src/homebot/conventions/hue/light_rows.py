@@ -17,12 +17,12 @@ from homebot.conventions.command_values import (
     require_number,
     require_option,
     require_transition,
+    require_true,
 )
 from homebot.conventions.hue.resources import Fields, HueBody, HueRow, at
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
 from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
 __all__ = ["LIGHT_ROWS", "transition_of"]
@@ -118,8 +118,7 @@ def _write_effect(light: Fields, value: PlainValue, seconds: float) -> HueBody:
 
 
 def _write_locate(_device: Fields, value: PlainValue, _seconds: float) -> HueBody:
-    if value is not True:
-        raise RefusedError("locate false", "it takes only true; it ends by itself")
+    require_true("locate", value)
     return {"identify": {"action": "identify"}}
 
 

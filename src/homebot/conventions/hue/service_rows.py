@@ -8,13 +8,14 @@ and ``smart_scene``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Final
 
+from homebot.conventions.command_values import require_true
 from homebot.conventions.hue.light_rows import transition_of
 from homebot.conventions.hue.resources import Fields, HueBody, HueRow, at
-from homebot.conventions.payload import shown, text_of
+from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError
 from homebot.support.numbers import finite_number
 
 __all__ = ["BUTTON_KINDS", "MOTION_KINDS", "SERVICE_ROWS", "press_of"]
@@ -87,13 +88,9 @@ def _words(meanings: Mapping[str, bool], *path: str) -> Callable[[Fields], Plain
     return lambda one: None if one.get("enabled") is False else meanings.get(text_of(at(one, *path)))
 
 
-def _write_recall(action: str) -> Callable[[Fields, PlainValue, float], HueBody]:
-    def write(_scene: Fields, value: PlainValue, seconds: float) -> HueBody:
-        if value is not True:
-            raise RefusedError(f"scene {shown(value)}", "it takes only true")
-        return {"recall": {"action": action, **({"duration": transition_of(seconds)} if seconds else {})}}
-
-    return write
+def _write_recall(action: str, _scene: Fields, value: PlainValue, seconds: float) -> HueBody:
+    require_true("scene", value)
+    return {"recall": {"action": action, **({"duration": transition_of(seconds)} if seconds else {})}}
 
 
 _MOTION, _WARMTH, _LIGHT = (frozenset({one, "enabled"}) for one in ("motion", "temperature", "light"))
@@ -112,6 +109,6 @@ SERVICE_ROWS: Final = (
     HueRow("device_power", "battery_low", _POWER, _read_low),
     *(HueRow(kind, "press", _ANY, options=_presses) for kind in BUTTON_KINDS),
     HueRow("relative_rotary", "press", _ANY, options=lambda _: tuple(_TURNS.values())),
-    HueRow("scene", "scene", frozenset(), write=_write_recall("active")),
-    HueRow("smart_scene", "scene", frozenset(), write=_write_recall("activate")),
+    HueRow("scene", "scene", frozenset(), write=partial(_write_recall, "active")),
+    HueRow("smart_scene", "scene", frozenset(), write=partial(_write_recall, "activate")),
 )

@@ -13,6 +13,7 @@ from functools import partial
 
 import anyio
 
+from homebot.conventions.command_values import require_true
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.capabilities import implied_settings
 from homebot.devices.gateway_messages import Command
@@ -135,8 +136,7 @@ class ThingDevice:
 
     def _payload(self, part: str, one: ClassifiedAffordance, form: Form, value: PlainValue) -> bytes:
         if one.affordance.kind == "action":
-            if value is not True:
-                raise RefusedError(f"{one.capability.name} {shown(value)}", "it takes only true")
+            require_true(one.capability.name, value)
             return b""
         format_ = self._port.binding.formats(form.content_type)
         if format_ is None:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import Writer
+from homebot.conventions.command_values import Writer, require_true
 from homebot.conventions.description import (
     AnnouncementEvent,
     DescribedPart,
@@ -15,12 +15,12 @@ from homebot.conventions.description import (
     Publication,
     Publications,
 )
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object, shown
+from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object
 from homebot.conventions.table_codec import Reader, TableCodec, raw_bytes
 from homebot.devices.capabilities import implied_settings
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
-from homebot.errors import InvalidNameError, RefusedError, WireError
+from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
 from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
 from homebot.wot.classify import parts_of
@@ -176,8 +176,7 @@ def _spell(one: ClassifiedAffordance, value: PlainValue) -> Publication:
     by, form, value = one.request(value)
     payload = b""
     if by.affordance.kind == "action":
-        if value is not True:
-            raise RefusedError(f"{by.capability.name} {shown(value)}", "it takes only true")
+        require_true(by.capability.name, value)
     elif (format_ := basic_formats(form.content_type)) is not None:
         payload = format_.encode(encode_document(by.capability, by.affordance, value))
     return Publication(form.topic, payload, form.qos, form.retain)
