@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict, cast
@@ -151,21 +152,18 @@ class _Room(TypedDict):
 
 def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     """Return the stated rooms, and after them those that only devices announce."""
-    counts: dict[str, int] = {}
-    names: dict[str, str] = {}
-    for area in areas:
-        if area:
-            counts[fold(area)] = counts.get(fold(area), 0) + 1
-            names.setdefault(fold(area), area)
+    named = [area for area in areas if area]
+    counts = Counter(map(fold, named))
+    announced = {fold(area): area for area in reversed(named)}  # as the first device spells it
     rooms: list[_Room] = []
     for room in places.rooms:
-        names.pop(fold(room.name), None)
-        count = counts.get(fold(room.name), 0)
+        announced.pop(fold(room.name), None)
+        count = counts[fold(room.name)]
         shape: list[object] = [{"x": [*one.x], "y": [*one.y], "is_hole": one.is_hole} for one in room.areas]
         rooms.append({"name": room.name, "floor": room.floor, "doors": [*room.doors], "devices": count, "areas": shape})
-    announced = [names[key] for key in sorted(names)]
     return rooms + [
-        {"name": name, "floor": "", "doors": [], "devices": counts[fold(name)], "areas": []} for name in announced
+        {"name": name, "floor": "", "doors": [], "devices": counts[key], "areas": []}
+        for key, name in sorted(announced.items())
     ]
 
 
