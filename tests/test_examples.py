@@ -67,14 +67,9 @@ def test_the_gateway_runs_as_the_list_says_and_changes_nothing_of_the_example(tm
         subprocess.run(["sh", "-c", command], cwd=folder, check=True)
     program, *arguments = shlex.split(run)
     assert program == "homebot"
-    started = [sys.executable, "-m", "homebot", *arguments]
-    environment = {**unmarked(), "HOMEBOT_DOOR": "127.0.0.1:0"}
-    with subprocess.Popen(started, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder) as process:
-        assert process.stderr is not None
-        assert any("found hall on folder" in line for line in process.stderr)  # reads until that line
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=120)
-    assert process.returncode == 0
+    assert arguments.pop(0) == "run"
+    with homebot_in(folder, *arguments, until=("found hall on folder",)):
+        pass
     assert {path: path.read_bytes() for path in given} == given
     assert {path.name for path in folder.iterdir()} - {path.name for path in given} <= {"lamps", "__pycache__"}
 
