@@ -32,8 +32,11 @@ HS = feature("composite", "color_hs", key="color", features=[])
 EFFECT = feature("enum", "effect", 2, values=["blink", "stop_effect"])
 
 
-def built(*exposes: dict[str, Any], model: str = "m", power: str = "Mains", **definition: Any) -> list[DescribedPart]:
+def built(
+    *exposes: dict[str, Any], model: str = "m", power: str = "Mains", endpoints: object = None, **definition: Any
+) -> list[DescribedPart]:
     entry = {
+        "endpoints": endpoints,
         "ieee_address": "0x00158d0001abcdef",
         "friendly_name": "a",
         "power_source": power,
@@ -348,6 +351,21 @@ def test_a_device_with_firmware_reports_updates() -> None:
         "update_available": True,
     }
     assert said(update, state="ON") == {}
+
+
+def test_the_scenes_in_a_device_are_parts() -> None:
+    """Zigbee2MQTT lists them with each endpoint, and announces each to Home Assistant."""
+    sunset, night = {"id": 3, "name": "Sunset"}, {"id": 4, "name": "Night"}
+    broken = [None, 5, {"id": True}, {"id": "6", "name": "x"}, {"name": "x"}]
+    endpoints = {"1": {"scenes": [sunset, *broken]}, "2": {"scenes": [night, sunset]}, "3": {"scenes": None}, "4": 7}
+    lamp, *scenes = built({"type": "light", "features": [onoff()]}, endpoints=endpoints)
+    assert [(one.part.id, one.part.name, one.part.service_type) for one in scenes] == [
+        ("scene_3", "Sunset", "x_scene"),
+        ("scene_4", "Night", "x_scene"),
+    ]
+    assert lamp.part.service_type == "light"
+    assert told(scenes[0], "scene", value=True) == {"scene_recall": 3}
+    assert [one.readable for one in scenes[0].part.capabilities] == [False]
 
 
 def test_a_transition_must_fit_the_radio() -> None:

@@ -115,6 +115,7 @@ class BridgeDevice:
         has_updates: Whether its firmware can be updated over the air.
         takes_transition: Whether the bridge lists a transition among the model's options.
         bare_endpoints: Numbers of its endpoints without a name.
+        scenes: Names of the scenes that are stored in it, by number.
         facts: Such as ``manufacturer`` and ``model``.
     """
 
@@ -129,6 +130,7 @@ class BridgeDevice:
     has_updates: bool
     takes_transition: bool
     bare_endpoints: frozenset[str]
+    scenes: Mapping[int, str]
     facts: Mapping[str, str]
 
 
@@ -168,6 +170,7 @@ def read_bridge_device(base: str, entry: Mapping[str, object]) -> BridgeDevice:
         has_updates=definition.get("supports_ota") is True,
         takes_transition=_takes_transition(definition.get("options")),
         bare_endpoints=_bare_endpoints(entry.get("endpoints")),
+        scenes=_scenes(as_fields(entry.get("endpoints"))),
         facts=_facts(entry, definition),
     )
 
@@ -192,6 +195,14 @@ def _bare_endpoints(endpoints: object) -> frozenset[str]:
     return frozenset(number for number in endpoints if isinstance(number, str) and number not in names)
 
 
+def _scenes(endpoints: Mapping[str, object]) -> dict[int, str]:
+    """Return the scenes of all *endpoints*; each is recalled by its number alone."""
+    listed = (as_fields(one).get("scenes") for one in endpoints.values())
+    scenes = [as_fields(one) for scenes in listed if isinstance(scenes, list) for one in scenes[:_MOST_SCENES]]
+    return {number: _fact_text(one.get("name")) for one in scenes if type(number := one.get("id")) is int}
+
+
+_MOST_SCENES = 256
 _MOST_OPTIONS = 1_000
 _DEFINITION_FACTS = {"manufacturer": "vendor", "model": "description", "model_id": "model"}
 _ENTRY_FACTS = {"manufacturer": "manufacturer", "model_id": "model_id"}

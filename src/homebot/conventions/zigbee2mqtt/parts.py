@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
+from homebot.conventions.command_values import push_writer
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import is_movable, moved, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
@@ -111,6 +112,8 @@ class _PartsBuilder:
             yield from self._parts_of(topics, expose) if depends_on_others else self._moved_parts_of(topics, expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
+        for number, name in self._device.scenes.items():
+            yield _scene(self._topics, number, name)
 
     def _find_possible_roles(self) -> frozenset[str]:
         roles = {
@@ -238,6 +241,14 @@ def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart:
     )
     part.add_flag(state, "on_off")
     part.request(state)
+    return part.build()
+
+
+def _scene(topics: Zigbee2MqttTopics, number: int, name: str) -> DescribedPart:
+    part = Zigbee2MqttPart(topics, f"scene_{number}", "x_scene", name=clean_text(name), advertised="scene")
+    writer = push_writer("scene", lambda: topics.publish({"scene_recall": number}))
+    part.add_capability("scene", readable=False, writer=writer)
+    part.add_command_topics(topics.command)
     return part.build()
 
 
