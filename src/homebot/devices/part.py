@@ -68,6 +68,10 @@ class Part(Message):
     writes: tuple[str, ...] = ()
     payloads: str = ""
 
+    def is_below(self, places: Iterable[str]) -> bool:
+        """Return whether it has one of the topics *places*, or one below them."""
+        return any(f"{one}/".startswith(f"{place}/") for place in places for one in (*self.reads, *self.writes))
+
 
 def size_of_texts(texts: Iterable[str]) -> int:
     """Return the size of *texts* in bytes, about."""

@@ -29,22 +29,28 @@ async def list_devices(house: House, *entries: object) -> None:
     await house.say("zigbee2mqtt/bridge/devices", json.dumps(entries), retain=True)
 
 
-async def announce(house: House, topic: str = CONFIG, origin: str = "Zigbee2MQTT", device: str = ADDRESS) -> None:
+async def announce(
+    house: House, origin: str = "Zigbee2MQTT", device: str = ADDRESS, state_topic: str = "zigbee2mqtt/plug"
+) -> None:
     config = {
-        "unique_id": topic,
-        "state_topic": "zigbee2mqtt/plug",
+        "unique_id": "linkquality",
+        "state_topic": state_topic,
         "value_template": "{{ value_json.linkquality }}",
         "device": {"identifiers": [f"zigbee2mqtt_{device}"]},
         "origin": {"name": origin},
     }
-    await house.say(topic, json.dumps(config), retain=True)
+    await house.say(CONFIG, json.dumps(config), retain=True)
+
+
+def kinds(house: House) -> list[tuple[str, str]]:
+    return [(one.key, one.kind) for one in house.sighted()]
 
 
 async def test_what_a_bridge_announces_of_a_listed_device_is_not_registered() -> None:
     async with simple_house(conventions=CONVENTIONS) as house:
         await list_devices(house, ENTRY)
         await announce(house)
-        assert [one.key for one in house.sighted()] == [LISTED]
+        assert kinds(house) == [(LISTED, "appeared")]
         assert house.gateway.counters.announcements_derived == 1
 
 
@@ -52,11 +58,7 @@ async def test_what_a_bridge_announced_before_its_list_came_is_removed_with_the_
     async with simple_house(conventions=CONVENTIONS) as house:
         await announce(house)
         await list_devices(house, ENTRY)
-        assert [(one.key, one.kind) for one in house.sighted()] == [
-            (DERIVED, "appeared"),
-            (LISTED, "appeared"),
-            (DERIVED, "removed"),
-        ]
+        assert kinds(house) == [(DERIVED, "appeared"), (LISTED, "appeared"), (DERIVED, "removed")]
 
 
 async def test_what_another_program_announces_of_a_listed_device_is_registered() -> None:
@@ -79,12 +81,34 @@ async def test_a_device_that_left_the_list_is_again_what_its_bridge_announces() 
         await list_devices(house, ENTRY)
         await list_devices(house)
         await announce(house)
-        assert [(one.key, one.kind) for one in house.sighted()][1:] == [(LISTED, "removed"), (DERIVED, "appeared")]
+        assert kinds(house)[1:] == [(LISTED, "removed"), (DERIVED, "appeared")]
 
 
 async def test_withdrawing_an_announcement_that_was_not_registered_changes_nothing() -> None:
     async with simple_house(conventions=CONVENTIONS) as house:
         await list_devices(house, ENTRY)
         await announce(house)
+        assert len(kinds(house)) == 1
         await house.say(CONFIG, "", retain=True)
-        assert [one.key for one in house.sighted()] == [LISTED]
+        assert not kinds(house)
+
+
+async def test_an_announcement_that_names_its_program_at_last_is_removed() -> None:
+    """As after an update of the bridge."""
+    async with simple_house(conventions=CONVENTIONS) as house:
+        await list_devices(house, ENTRY)
+        await announce(house, origin="")
+        await announce(house)
+        assert kinds(house)[1:] == [(DERIVED, "appeared"), (DERIVED, "removed")]
+
+
+@pytest.mark.parametrize("is_listed_first", [True, False])
+async def test_a_list_that_a_bridge_left_behind_hides_nothing(is_listed_first: bool) -> None:  # noqa: FBT001
+    """A bridge that gets another base topic leaves its list on the broker."""
+    async with simple_house(conventions=CONVENTIONS) as house:
+        if is_listed_first:
+            await list_devices(house, ENTRY)
+        await announce(house, state_topic="z2m/plug")
+        if not is_listed_first:
+            await list_devices(house, ENTRY)
+        assert sorted(kinds(house)) == [(DERIVED, "appeared"), (LISTED, "appeared")]

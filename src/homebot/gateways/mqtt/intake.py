@@ -13,6 +13,7 @@ from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, 
 from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
+from homebot.gateways.announced.derived import LISTED
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.registry import Readers, RegistryChange
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
@@ -180,6 +181,7 @@ class AnnouncementHandler:
         if names_program and self._registry.derived.is_derived(described):
             self._accepted = True
             self._counters.announcements_derived += 1
+            self._remove(described.full_key, LISTED)
             return
         described, reserved = self._reserved.without(described)
         for told in reserved:
@@ -199,7 +201,7 @@ class AnnouncementHandler:
             self._quarantine.log_limited(NOT_READ, words, source=message.topic)
         self._publish(change, message)
         for key in self._registry.derived.of(described) if names_program and described.native else ():
-            self._remove(key, "the list of its bridge describes the device")
+            self._remove(key, LISTED)
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
         """Publish the difference that *message* made, and have the device subscribed to and asked."""
