@@ -29,7 +29,7 @@ class SightingIntake:
         pending: Where the announcements of devices that were forgotten are kept.
     """
 
-    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_table")
+    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_restored", "_table")
 
     def __init__(
         self, table: DeviceTable, liveness: Liveness, merger: DeviceMerger, pending: PendingReports, max_devices: int
@@ -40,6 +40,7 @@ class SightingIntake:
         self._pending = pending
         self._max_devices = max_devices
         self._number = 0
+        self._restored: set[SourceKey] = set()  # not announced since the start
 
     def add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in an announcement that is not known yet; it may be rejected, which is counted."""
@@ -69,6 +70,7 @@ class SightingIntake:
         self._number += 1
         table.changes.announced += 1
         table.sources[key] = source
+        self._restored.discard(key)
         source.number = self._number
         why = _first_reason(sighting) if sighting.kind == "updated" else sighting.why
         if count == 1:
@@ -112,14 +114,28 @@ class SightingIntake:
             source.seen_at, source.heard_at = sighting.seen_at, self._liveness.now
             entry.invalidate_device()
             self._liveness.extend(entry, source, self._liveness.now)
+        self._restored.discard(key)
+        if self._restored and sighting.native:
+            self._withdraw_derived(entry, sighting)
 
     def withdraw(self, key: SourceKey, why: str) -> None:
         """Forget a known announcement; its device goes with the last one."""
+        self._restored.discard(key)
         entry = self._table.owners[key]
         if len(entry.sources) == 1:
             self._merger.remove(entry, why, retained_only=False, at=entry.last_seen().to_seconds())
         else:
             self._merger.withdraw(entry, key, why)
+
+    def _withdraw_derived(self, entry: Entry, listed: Sighting) -> None:
+        """Forget what the program that lists a device announced of it before the start, and leaves out since."""
+        if (origin := _origin(listed)) is None:
+            return
+        restored = [(key, one.sighting) for key, one in entry.sources.items() if key in self._restored]
+        for key, sighting in restored:
+            is_alike = (sighting.gateway, sighting.native, _origin(sighting)) == (listed.gateway, False, origin)
+            if is_alike and any(part.is_below(listed.owns) for part in sighting.parts):
+                self.withdraw(key, "the list of its bridge describes it")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
         """Take in a device of the index file; one that is known already, or too many, is left out.
@@ -138,9 +154,15 @@ class SightingIntake:
             source.number = self._number
             source.lost = table.lost.get(key[0])
             table.sources[key] = source
+        self._restored |= entry.sources.keys()
         self._merger.restore(entry, now, wall)
         for key in entry.sources:
             self._merger.join_repetitions(key)
+
+
+def _origin(sighting: Sighting) -> str | None:
+    """Return the program that announced it; None if it is not named."""
+    return next((one.value for one in sighting.metadata if one.key == "origin"), None)
 
 
 def _first_reason(sighting: Sighting) -> str:
