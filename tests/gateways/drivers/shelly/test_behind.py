@@ -62,6 +62,7 @@ class Watched:
 
     def __init__(self, watcher: Node, gateway: MdnsGateway) -> None:
         self.sightings: dict[str, Sighting] = {}
+        self.gone: list[str] = []
         self.values: dict[tuple[str, str, str], PlainValue] = {}
         self._all = (
             watcher.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT),
@@ -80,6 +81,7 @@ class Watched:
             while key not in self.sightings or self.sightings[key].kind != (kind or self.sightings[key].kind):
                 sighting = await self._all[0].receive()
                 self.sightings[sighting.key] = sighting
+                self.gone += [sighting.key] if sighting.kind == "removed" else []
         return self.sightings[key]
 
     async def command(self, key: str, part: str, capability: str, value: PlainValue) -> bool:
@@ -124,5 +126,6 @@ async def test_each_is_listed_commanded_and_missed_with_the_shelly() -> None:
         async with served(server):
             await watched.until_value(trv, "", REACHABLE, True)
             await watched.until_sighted(door, "removed")
+            assert watched.gone == [door]
             await computer.withdraw(ID, TYPE)
             await watched.until_sighted(trv, "removed")

@@ -65,6 +65,7 @@ class ShellyDriver(Driver):
         self._described: tuple[GatewayDevice, ...] = ()
         self._rpc: RpcLink | None = None
         self._setup_changed = anyio.Event()
+        self._components_known = anyio.Event()
         self._offset = 0
 
     async def run(self) -> None:
@@ -88,15 +89,19 @@ class ShellyDriver(Driver):
                     await self._live(device, self._rpc)
                 finally:
                     self._rpc = None
+                    self._components_known.set()
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the device has accepted it."""
-        if self._rpc is None or self._device is None:
+        rpc, device = self._rpc, self._device
+        if rpc is None or device is None:
             raise LinkError(f"{self.service.name} is not connected")
         value = command.value.plain()
-        key = self._device.id if command.key == self.service.key else command.key
-        for call in self._device.calls((key, command.part), command.capability, value, command.transition):
-            await self._rpc.call(call.method, call.params)
+        key = device.id if command.key == self.service.key else command.key
+        if key != device.id:
+            await self._components_known.wait()
+        for call in device.calls((key, command.part), command.capability, value, command.transition):
+            await rpc.call(call.method, call.params)
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
         """Return the address that answers, and the facts that the device reveals without a password."""
@@ -142,6 +147,7 @@ class ShellyDriver(Driver):
             try:
                 await rpc.call(COMPONENTS, components_from(self._offset), partial(self._on_components, device))
             except RefusedError:
+                self._components_known.set()
                 return
             if self._offset == 0:
                 return
@@ -155,6 +161,7 @@ class ShellyDriver(Driver):
     async def _on_components(self, device: Gen2RpcDevice, page: Fields, _frame: bytes) -> None:
         self._offset = device.add_page(page)
         if self._offset == 0:
+            self._components_known.set()
             self._describe(device)
             await self._report(device.read_status(device.components_status()))
 
@@ -176,6 +183,7 @@ class ShellyDriver(Driver):
             self._described = tuple(self._gateway_device(one, device.stale_after) for one in news)
         if self._described:
             self.host.describe(self._described[0])
+        if self._components_known.is_set():  # on a new link those behind it are not gone, but not read yet
             self.host.describe_behind(self._described[1:])
 
     def _gateway_device(self, news: DeviceAnnounced, stale_after: float) -> GatewayDevice:
