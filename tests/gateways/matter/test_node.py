@@ -141,6 +141,7 @@ def test_attributes_become_readings(
         (LAMP, "color", (180.0, 100.0), "MoveToHueAndSaturation", {"hue": 127, "saturation": 254}),
         (COVER, "position", 75.0, "GoToLiftPercentage", {"liftPercent100thsValue": 2500}),
         (COVER, "movement", "stopped", "StopMotion", {}),
+        ({**LAMP, "1/29/0": [{"0": 0x0303}]}, "level", 50.0, "MoveToLevelWithOnOff", {"level": 100}),
         (LOCK, "lock", "unlocked", "UnlockDoor", {}),
         ({**LOCK, "1/257/65532": 4096}, "lock", "unlocked", "UnboltDoor", {}),
         ({**LOCK, "1/257/65532": 4096}, "lock", "open", "UnlockDoor", {}),

@@ -26,7 +26,7 @@ _ENHANCED_HUE, _ENHANCED_MODE, _CAPABILITIES, _LEAST_MIREDS, _MOST_MIREDS = 0x40
 _HAS_HUE, _HAS_ENHANCED_HUE, _HAS_XY, _HAS_MIREDS = 1 << 0, 1 << 1, 1 << 3, 1 << 4
 _MODE_XY, _MODE_MIREDS = 1, 2
 
-_SPEAKER: Final = 0x0022
+_SPEAKER, _PUMP = 0x0022, 0x0303
 _WHITES: Final = (2000, 6500)
 _MOST_COLOR: Final = 65_279
 _LONGEST: Final = 6553.0
@@ -66,8 +66,9 @@ def _write_on(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
 
 def _levels(endpoint: MatterEndpoint) -> tuple[int, int]:
     """Return the lowest and the highest level; 0 is none, as it means off."""
+    full = 200 if _PUMP in endpoint.device_types else 254  # a pump counts in half percent
     most = endpoint.whole(LEVEL, _MAX_LEVEL)
-    most = most if most is not None and 1 <= most <= 254 else 254
+    most = most if most is not None and 1 <= most <= full else full
     least = endpoint.whole(LEVEL, _MIN_LEVEL)
     return (min(max(least, 1), most) if least is not None else 1), most
 
