@@ -268,3 +268,4 @@ def test_a_part_is_named_by_its_labels_or_tags(attributes: dict[str, object], na
 def test_an_endpoint_of_no_bridge_is_of_its_node() -> None:
     device = only_device({**PLUG, "1/57/17": True})
     assert [one.id for one in device.device.parts] == ["1"]
+        ({"1/80/0": "Bulb mode", "1/80/2": [{"0": "On", "1": 1}], "1/80/3": 1}, "Bulb mode"),

@@ -22,10 +22,10 @@ from homebot.conventions.payload import clean_text
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
 
-__all__ = ["APPLIANCE_ROWS", "is_oven_cabinet"]
+__all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
-OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, HEATER_MODE = 72, 73, 87, 158
+OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, 159)
 """Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:

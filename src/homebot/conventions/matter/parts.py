@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, is_oven_cabinet
+from homebot.conventions.matter.appliance_clusters import APPLIANCE_ROWS, MODE_SELECT, is_oven_cabinet
 from homebot.conventions.matter.climate_clusters import CLIMATE_ROWS
 from homebot.conventions.matter.cluster_row import ClusterRow
 from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndpoint, field_of
@@ -91,7 +91,7 @@ def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *
     service_type, is_guessed = _service_type(endpoint, capabilities)
     return Part(
         id=str(endpoint.id),
-        name=_name(endpoint),
+        name=_name(endpoint) or (endpoint.text(MODE_SELECT, 0) if service_type == "x_setting" else ""),
         service_type="window_covering" if covers and service_type == "closure" else service_type,
         advertised=_advertised(endpoint),
         guessed=is_guessed,
