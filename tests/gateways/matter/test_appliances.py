@@ -55,6 +55,16 @@ PRESETS = {
     ],
     "1/513/65532": 257,
 }
+CHARGER = {
+    "1/29/0": [{"0": 0x050C, "1": 1}, {"0": 0x0510, "1": 1}],
+    "1/144/8": 7_200_000,
+    "1/153/1": 1,
+    "1/153/5": 32_000,
+    "1/153/6": 6000,
+    "1/157/0": [{"0": "Manual", "1": 0}, {"0": "Solar", "1": 2}],
+    "1/157/1": 2,
+}
+PUMP = {"1/29/0": [{"0": 0x0303, "1": 1}], "1/6/0": True, "1/8/0": 200, "1/512/16": 32}
 PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
 METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288": 250, "1/2820/1539": 1000}
 
@@ -117,6 +127,11 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
         (WARM, "x_setting", {"option": "High"}),
         ({**WARM, "1/86/4": 7}, "x_setting", {"option": None}),
         ({"1/153/0": 6}, "x_sensor", {"plugged_in": None, "running": False, "problem": True}),
+        (CHARGER, "x_setting", {"on_off": True, "option": "Solar"}),
+        ({**CHARGER, "1/153/1": 3}, "x_setting", {"on_off": False}),
+        (PUMP, "pump", {"level": 100.0, "running": True, "problem": False}),
+        ({**PUMP, "1/8/0": 50, "1/512/16": 2}, "pump", {"level": 25.0, "running": False, "problem": True}),
+        ({"1/29/0": [{"0": 0x050F}], "1/148/4": 40}, "water_heater", {"measurement": 40.0}),
     ],
 )
 def test_attributes_become_readings(
@@ -152,6 +167,15 @@ def test_a_filter_is_a_part_beside_its_purifier() -> None:
         (PRESETS, "preset_mode", "unoccupied", 513, "SetActivePresetRequest", {"presetHandle": "Ag=="}),
         (COLD, "number", -16.5, 86, "SetTemperature", {"targetTemperature": -1650}),
         (WARM, "option", "Low", 86, "SetTemperature", {"targetTemperatureLevel": 0}),
+        (CHARGER, "on_off", False, 153, "Disable", {}),
+        (
+            CHARGER,
+            "on_off",
+            True,
+            153,
+            "EnableCharging",
+            {"chargingEnabledUntil": None, "minimumChargeCurrent": 6000, "maximumChargeCurrent": 32_000},
+        ),
         (HOB, "on_off", False, 6, "Off", {}),
         ({**HOB, "1/6/65532": 0}, "on_off", True, 6, "On", {}),  # speakers list Off alone, and take both
         (CLOSURE, "movement", "closed", 260, "MoveTo", {"position": 0}),
@@ -257,6 +281,7 @@ def test_a_lock_is_only_moved_as_a_lock() -> None:
             "column 1 up wheel",
         ),
         ({"1/29/4": [{"0": None, "1": 0x41, "2": 1}]}, "freezer"),
+        ({"1/80/0": "Bulb mode", "1/80/2": [{"0": "On", "1": 1}], "1/80/3": 1}, "Bulb mode"),
         ({"1/29/4": [{"1": 8, "2": 99}, {"1": 99, "2": 1}, 7, {"1": None}]}, ""),
     ],
 )
@@ -268,4 +293,3 @@ def test_a_part_is_named_by_its_labels_or_tags(attributes: dict[str, object], na
 def test_an_endpoint_of_no_bridge_is_of_its_node() -> None:
     device = only_device({**PLUG, "1/57/17": True})
     assert [one.id for one in device.device.parts] == ["1"]
-        ({"1/80/0": "Bulb mode", "1/80/2": [{"0": "On", "1": 1}], "1/80/3": 1}, "Bulb mode"),

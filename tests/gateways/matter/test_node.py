@@ -97,6 +97,7 @@ def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code:
         ({"1/29/0": [{"0": 0x0043, "1": 1}], "1/69/0": True}, "water_leak_detector", {"water_leak": True}),
         ({"1/29/0": [{"0": 0x0107, "1": 1}], "1/1030/0": 1}, "occupancy_sensor", {"occupancy": True}),
         ({"1/29/0": [{"0": 0x0076, "1": 1}], "1/92/1": 2, "1/92/2": 0}, "smoke_co_alarm", {"smoke": True}),
+        ({"1/29/0": [{"0": 0x0076, "1": 1}], "1/92/6": False, "1/92/7": 1}, "smoke_co_alarm", {"problem": True}),
         (
             {"1/29/0": [{"0": 0x0510, "1": 1}, {"0": 0x010A, "1": 1}], "1/6/0": False, "1/144/8": 70_500},
             "plug",
@@ -119,7 +120,11 @@ def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code:
             "fan",
             {"on_off": True, "fan_speed": 50.0, "fan_mode": "medium"},
         ),
-        ({"1/29/0": [{"0": 0x0042, "1": 1}], "1/129/4": 1, "1/129/65532": 0}, "water_valve", {"valve": "open"}),
+        (
+            {"1/29/0": [{"0": 0x0042, "1": 1}], "1/129/4": 1, "1/129/9": 4, "1/129/65532": 0},
+            "water_valve",
+            {"valve": "open", "problem": True},
+        ),
     ],
 )
 def test_attributes_become_readings(
@@ -136,12 +141,12 @@ def test_attributes_become_readings(
     [
         (LAMP, "on_off", False, "Off", {}),
         (LAMP, "level", 50.0, "MoveToLevelWithOnOff", {"level": 127}),
+        ({**LAMP, "1/29/0": [{"0": 0x0303}]}, "level", 50.0, "MoveToLevelWithOnOff", {"level": 100}),
         (LAMP, "level", 0.1, "MoveToLevelWithOnOff", {"level": 1}),
         (LAMP, "color_temperature", 4000.0, "MoveToColorTemperature", {"colorTemperatureMireds": 250}),
         (LAMP, "color", (180.0, 100.0), "MoveToHueAndSaturation", {"hue": 127, "saturation": 254}),
         (COVER, "position", 75.0, "GoToLiftPercentage", {"liftPercent100thsValue": 2500}),
         (COVER, "movement", "stopped", "StopMotion", {}),
-        ({**LAMP, "1/29/0": [{"0": 0x0303}]}, "level", 50.0, "MoveToLevelWithOnOff", {"level": 100}),
         (LOCK, "lock", "unlocked", "UnlockDoor", {}),
         ({**LOCK, "1/257/65532": 4096}, "lock", "unlocked", "UnboltDoor", {}),
         ({**LOCK, "1/257/65532": 4096}, "lock", "open", "UnlockDoor", {}),

@@ -1,7 +1,8 @@
-"""The clusters of appliances: modes, temperatures, operational states, vacuum cleaners and car chargers. Pure.
+"""The clusters of appliances: modes, temperatures, operational states, pumps, vacuum cleaners and car chargers. Pure.
 
-Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 7.2 to 7.4
-(RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy EVSE).
+Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 4.2
+(Pump), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy EVSE), 9.5 (Water
+Heater).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, number, one_of
+from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, number, one_of
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
@@ -27,6 +28,7 @@ __all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
+_SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, 159)
 """Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:
 an endpoint with several is operated by the first."""
@@ -163,6 +165,15 @@ def _read_plugged_in(_at: MatterEndpoint, raw: object) -> PlainValue:
     return None if state is None or state >= _FAULT else state != 0  # a fault says nothing about the plug
 
 
+def _write_charging(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    """Return the order to charge without an end, at most with the current of the circuit, or not to charge."""
+    if command.value is not True:
+        return (ClusterInvocation(EVSE, "Disable", is_timed=True),)
+    least, most = (endpoint.whole(EVSE, attribute) or 0 for attribute in (_LEAST_CURRENT, _CIRCUIT_CURRENT))
+    currents = {"minimumChargeCurrent": least, "maximumChargeCurrent": most}
+    return (ClusterInvocation(EVSE, "EnableCharging", {"chargingEnabledUntil": None, **currents}, is_timed=True),)
+
+
 def _has_run_mode(endpoint: MatterEndpoint) -> bool:
     return endpoint.has(RUN_MODE, _current_attribute(RUN_MODE))
 
@@ -191,9 +202,13 @@ APPLIANCE_ROWS: Final = (
     ClusterRow(
         CLEANING, _STATE, "vacuum", _read_vacuum, _write_vacuum, 0, _has_run_mode, _VACUUM_OPTIONS, also_read=RUN_MODE
     ),
+    ClusterRow(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),
     ClusterRow(EVSE, 0, "plugged_in", _read_plugged_in),
     ClusterRow(EVSE, 0, "running", one_of(_CHARGES)),
     ClusterRow(EVSE, 0, "problem", one_of(_FAULT)),
     ClusterRow(EVSE, 48, "battery", number(1, 0, 100)),  # of the car
+    ClusterRow(PUMP, 16, "running", any_bit(1 << 5)),
+    ClusterRow(PUMP, 16, "problem", any_bit(0b11)),  # of itself, or of its supply
+    ClusterRow(WATER_HEATER, 4, "measurement", number(1, 0, 100), unit="%"),  # how much of the water is hot
     ClusterRow(FRIDGE_ALARM, 2, "problem", one_of(_IS_OPEN)),
 )

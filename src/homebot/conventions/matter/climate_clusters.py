@@ -11,7 +11,7 @@ from functools import partial
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, choice, number
+from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, choice, number
 from homebot.conventions.matter.endpoint import (
     AttributeWrite,
     ClusterInvocation,
@@ -128,11 +128,6 @@ def _write_preset(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrd
     return (ClusterInvocation(THERMOSTAT, "SetActivePresetRequest", {"presetHandle": handle}),)
 
 
-def _read_not_zero(_at: MatterEndpoint, raw: object) -> PlainValue:
-    value = whole_number(raw)
-    return None if value is None else value != 0
-
-
 def _write_fan_on(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
     if command.value is not True:
         return (AttributeWrite(FAN, _FAN_MODE, 0),)
@@ -194,9 +189,9 @@ CLIMATE_ROWS: Final = (
     ),
     ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
     ClusterRow(THERMOSTAT, None, "preset_mode", _read_preset, _write_preset, _HAS_PRESETS, _presets, _preset_options),
-    ClusterRow(FAN, _FAN_MODE, "on_off", _read_not_zero, _write_fan_on, when=lambda one: not one.has(ON_OFF)),
+    ClusterRow(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
     ClusterRow(FAN, _FAN_SETTING, "fan_speed", _read_speed, _write_speed),
     ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), _write_fan_mode, options=_fan_options),
-    ClusterRow(FAN, _ROCK, "oscillation", _read_not_zero, _write_rock, _ROCKS),
+    ClusterRow(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),
     ClusterRow(FAN, _AIRFLOW, "direction", _read_direction, _write_direction, _TURNS_AROUND, options=_DIRECTIONS),
 )

@@ -17,6 +17,7 @@ __all__ = [
     "MatterCommand",
     "Reader",
     "WriteValue",
+    "any_bit",
     "choice",
     "closed_hundredths",
     "flag",
@@ -130,6 +131,16 @@ def one_of(*values: int) -> Reader:
     def read(_at: MatterEndpoint, raw: object) -> PlainValue:
         value = whole_number(raw)
         return None if value is None else value in values
+
+    return read
+
+
+def any_bit(mask: int = -1) -> Reader:
+    """Return a reader of a bitmap into whether it has a bit of *mask*, which is of all bits unless given."""
+
+    def read(_at: MatterEndpoint, raw: object) -> PlainValue:
+        bits = whole_number(raw)
+        return None if bits is None else bool(bits & mask)
 
     return read
 

@@ -13,7 +13,7 @@ import base64
 from typing import Final
 
 from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, choice, closed_hundredths
+from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, choice, closed_hundredths
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
@@ -39,7 +39,7 @@ _LOCK_STATES: Final = {0: "unlocked", 1: "locked", 2: "unlocked", 3: "open"}
 _DOOR_STATES: Final = {0: True, 1: False, 3: True, 5: True}
 _HAS_DOOR, _CAN_UNBOLT = 1 << 5, 1 << 12
 
-_VALVE_STATE, _VALVE_TARGET, _VALVE_LEVEL = 4, 5, 6
+_VALVE_STATE, _VALVE_TARGET, _VALVE_LEVEL, _VALVE_FAULT = 4, 5, 6, 9
 _HAS_LEVEL: Final = 1 << 1
 
 _MAIN_STATE, _CLOSURE_STATE, _CLOSURE_TARGET, _PANEL_STATE = 1, 3, 4, 0
@@ -193,6 +193,7 @@ OPENING_ROWS: Final = (
     ClusterRow(LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, _has_lock_state),
     ClusterRow(VALVE, _VALVE_STATE, "valve", _read_valve, _write_valve, options=_MOVES[:-1]),
     ClusterRow(VALVE, _VALVE_STATE, "position", _read_flow, _write_flow, _HAS_LEVEL),
+    ClusterRow(VALVE, _VALVE_FAULT, "problem", any_bit()),  # it is stuck, leaks or is not connected
     ClusterRow(
         CLOSURE,
         _CLOSURE_STATE,

@@ -118,11 +118,11 @@ def _advertised(endpoint: MatterEndpoint) -> str:
 
 
 def _service_type(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...]) -> tuple[str, bool]:
-    """Return the type of a part, and whether it is guessed; a meter only if it is nothing else."""
+    """Return the type of a part, and whether it is guessed; a meter only if it is, and switches, nothing else."""
     found = [_SERVICE_TYPES[one] for one in endpoint.device_types if one in _SERVICE_TYPES]
-    if found:
-        return next((one for one in found if one != _METER), _METER), False
     names = {one.name for one in capabilities}
+    if kind := next((one for one in found if one != _METER), _METER if found and "on_off" not in names else ""):
+        return kind, False
     return next((kind for name, kind in _CAPABILITY_TYPES.items() if name in names), "x_sensor"), True
 
 

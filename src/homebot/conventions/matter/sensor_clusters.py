@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, flag, number, one_of
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, flag, number, one_of
 from homebot.conventions.matter.endpoint import MatterEndpoint, field_of
 from homebot.conventions.payload import as_fields
 from homebot.devices.value import PlainValue
@@ -70,6 +70,7 @@ _CONCENTRATION, _UNIT = 0, 8
 _ORGANIC: Final = 1070
 _SCALED_PRESSURE, _SCALE = 16, 20
 _HAS_BATTERY: Final = 1 << 1
+_FAULT, _END_OF_SERVICE, _EXPIRED = 6, 7, 1
 
 
 def _read_lux(_at: MatterEndpoint, raw: object) -> PlainValue:
@@ -84,9 +85,9 @@ def _read_energy(_at: MatterEndpoint, raw: object) -> PlainValue:
     return None if milliwatt_hours is None else round(milliwatt_hours / 1e6, 6)
 
 
-def _read_lowest_bit(_at: MatterEndpoint, raw: object) -> PlainValue:
-    bits = whole_number(raw)
-    return None if bits is None else bool(bits & 1)
+def _read_fault(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+    is_faulty = endpoint.flag(ALARM, _FAULT)
+    return None if is_faulty is None else is_faulty or endpoint.whole(ALARM, _END_OF_SERVICE) == _EXPIRED
 
 
 def _read_charging(_at: MatterEndpoint, raw: object) -> PlainValue:
@@ -190,10 +191,10 @@ SENSOR_ROWS: Final = (
         ClusterRow(BOOLEAN_STATE, 0, name, flag(means=name != "contact"), when=partial(_is_boolean_state, name))
         for name in (*_BOOLEAN_STATES.values(), "state")
     ),
-    ClusterRow(OCCUPANCY, 0, "occupancy", _read_lowest_bit),
+    ClusterRow(OCCUPANCY, 0, "occupancy", any_bit(1)),
     ClusterRow(ALARM, 1, "smoke", one_of(1, 2)),
     ClusterRow(ALARM, 2, "carbon_monoxide_alarm", one_of(1, 2)),
-    ClusterRow(ALARM, 6, "problem", flag()),
+    ClusterRow(ALARM, _FAULT, "problem", _read_fault),
     *(
         row
         for cluster, name in _FILTERS.items()
