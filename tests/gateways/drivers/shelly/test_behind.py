@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.conventions.shelly.test_gen2_bluetooth import DOOR, DOOR_PARTS, ID, TRV, valve
+from tests.conventions.shelly.test_gen2_bluetooth import DOOR, DOOR_PARTS, ID, TRV, component, valve
 from tests.gateways.mdns.lamp import Publisher, publisher
 from tests.gateways.served import served
 from tests.loopback import alone_on_loopback
@@ -22,6 +22,9 @@ from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServ
 
 TYPE = "_shelly._tcp.local."
 KEPT = QoSProfile(depth=1000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+PAGE = 4
+"""Components in one answer."""
+
 INFO = {"id": ID, "mac": "A8032ABE54DC", "model": "S3GW-1DBT001", "gen": 3, "app": "BluGwG3", "auth_en": False}
 
 
@@ -43,7 +46,12 @@ class ScriptedGateway:
     def receive(self, peer: WebPeer, message: bytes) -> None:
         call = json.loads(message)
         self.called.append((call["method"], call.get("params")))
-        listed = {"components": self.components, "offset": 0, "total": len(self.components)}
+        offset = (call.get("params") or {}).get("offset", 0)
+        listed = {
+            "components": self.components[offset : offset + PAGE],
+            "offset": offset,
+            "total": len(self.components),
+        }
         results = {
             "Shelly.GetDeviceInfo": INFO,
             "Shelly.GetConfig": {"sys": {"device": {"name": "Gateway"}}},
@@ -105,6 +113,19 @@ async def house() -> AsyncIterator[tuple[Watched, Publisher]]:
         await tasks.start(gateway.serve)
         yield watched, computer
         tasks.cancel_scope.cancel()
+
+
+async def test_a_gateway_with_many_has_them_on_dozens_of_pages() -> None:
+    shelly = ScriptedGateway()
+    senders = [
+        component(f"bthomedevice:{200 + number}", f"3c:2e:f5:71:d6:{number:02x}", {"rssi": -59}, model=2)
+        for number in range(100)
+    ]
+    shelly.components = tuple(senders)
+    server = WebServer(shelly)
+    async with house() as (watched, computer), served(server):
+        await computer.announce(ID, server.port, {"gen": "3"}, service_type=TYPE)
+        await watched.until_sighted(f"{ID}/3c:2e:f5:71:d6:63")
 
 
 async def test_each_is_listed_commanded_and_missed_with_the_shelly() -> None:

@@ -48,8 +48,6 @@ PAUSE: Final = 5.0
 BLUETOOTH_SILENCE: Final = 24 * 3600.0
 """Seconds for which a Bluetooth device behind it may be silent; some send every six hours."""
 
-_PAGES = 20
-
 
 class ShellyDriver(Driver):
     """One Shelly device of the second generation or later; of the first, only model and firmware are listed."""
@@ -142,15 +140,13 @@ class ShellyDriver(Driver):
 
     async def _ask_components(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
         """Ask for the components that were added to the device; older firmware has none."""
-        self._offset = 0
-        for _ in range(_PAGES):
+        self._offset, asked = 0, -1
+        while self._offset > asked:
+            asked = self._offset
             try:
-                await rpc.call(COMPONENTS, components_from(self._offset), partial(self._on_components, device))
+                await rpc.call(COMPONENTS, components_from(asked), partial(self._on_components, device))
             except RefusedError:
                 self._components_known.set()
-                return
-            if self._offset == 0:
-                return
 
     async def _on_answer(self, device: Gen2RpcDevice, kind: AnswerKind, answer: Fields, frame: bytes) -> None:
         device.record_answer(kind, answer, len(frame))
