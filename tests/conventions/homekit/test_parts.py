@@ -202,6 +202,12 @@ def test_a_share_of_the_humidity_has_the_bounds_of_the_accessory() -> None:
     assert described(found, "humidity_setpoint").bounds == (20.0, 50.0)
 
 
+def test_the_humidity_to_reach_has_the_bounds_within_which_it_can_be_set() -> None:
+    """SwitchBot's humidifier, as Home Assistant bridges it, takes 20 to 80 %."""
+    found = part("BD", {"B0": 0, "B4": 1, "10": 0.0, "CA": 45.0}, cCA={"minValue": 20, "maxValue": 80})
+    assert described(found, "humidity_setpoint").bounds == (20.0, 80.0)
+
+
 def test_the_sources_of_a_television_are_the_services_beside_it() -> None:
     television = service(48, "D8", characteristic(49, "B0", 1), characteristic(50, "E7", 2))
     inputs = (

@@ -89,10 +89,13 @@ def _read_humidity(service: HapService) -> PlainValue:
     return read_number("humidity_setpoint", _humidity_of(service), service)
 
 
+def _humidity_bounds(service: HapService) -> tuple[float, float]:
+    least, most = service.characteristics[_humidity_of(service)].bounds or (0.0, 100.0)
+    return least, most
+
+
 def _write_humidity(service: HapService, value: PlainValue) -> Writes:
-    kind = _humidity_of(service)
-    least, most = service.characteristics[kind].bounds or (0.0, 100.0)
-    return {kind: require_number("humidity_setpoint", value, least, most, "%")}
+    return {_humidity_of(service): require_number("humidity_setpoint", value, *_humidity_bounds(service), "%")}
 
 
 CLIMATE_ROWS: Final = (
@@ -126,6 +129,7 @@ CLIMATE_ROWS: Final = (
         None,
         _read_humidity,
         _write_humidity,
+        bounds=_humidity_bounds,
     ),
     ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
 )
