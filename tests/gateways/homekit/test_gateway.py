@@ -70,6 +70,17 @@ async def test_what_was_written_is_read_again_because_no_event_comes() -> None:
         await reading(reports, "level", 40.0)
 
 
+@pytest.mark.parametrize(("serial", "known"), [("00000001", ()), ("00471101", ("id:00471101",))])
+async def test_a_serial_number_of_hardly_more_than_zeros_is_shared(serial: str, known: tuple[str, ...]) -> None:
+    """HomeSpan's bridge for Daikin air conditioners has 00000001, each copy of it."""
+    server = FakeServer(KEY, "Hall", accessory(1, "Hall", lamp_service(), serial=serial))
+    async with house(server) as home:
+        sightings = home.sightings()
+        await home.pair(server, CODE)
+        hall = await receive(sightings, lambda one: one.parts)
+        assert hall.identifiers == (f"id:homekit {KEY} pairing", *known)
+
+
 async def test_each_accessory_behind_a_bridge_is_a_device_and_one_that_is_gone_is_removed() -> None:
     server = bridge()
     async with house(server) as home:

@@ -23,7 +23,8 @@ _FIRST: Final = 1
 """The accessory ID of an accessory by itself, and of a bridge."""
 
 _SHORTEST: Final = 6
-"""Characters of a serial number that no other device has; many accessories have ``1``, ``default`` or their model."""
+"""Characters, without leading zeros, of a serial number that no other device has; many have ``00000001``, ``default``
+or their model."""
 
 
 def key_of(server: str, aid: int) -> str:
@@ -67,7 +68,7 @@ def describe(
     own = "pairing" if is_first else f"aid {known.aid}"
     serial = information.text(_SERIAL)
     serials = [one.information.text(_SERIAL) for one in all_of]
-    is_own = len(serial) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != facts["model"]
+    is_own = len(serial.lstrip("0")) >= _SHORTEST and any(map(str.isdigit, serial)) and serial != facts["model"]
     device = GatewayDevice(
         key,
         information.text(_NAME) or found.name,
