@@ -15,6 +15,8 @@ from homebot.errors import RefusedError, UnableError, WireError
 
 READ = ["pr", "ev"]
 ECOBEE, ECOBEE_HOLD = "B7DDB9A3-54BB-4572-91D2-F1F5B0510F8C", "1B300BC2-CFFC-47FF-89F9-BD6CCF5F2853"
+NETATMO_NOISE, VOCOLINC_SPRAY = "B3BBFABC-D78C-5B8D-948C-5DAC1EE2CDE5", "69D52519-0A4E-4898-8335-4739F9116D0A"
+AQARA_VOLUME = "EE56B186-B0D3-488E-8C79-C21FC9BCF437"
 EVE, SENSE, KOOGEEK = "-079E-48FF-8F27-9C2605A29F52", "-0000-1000-8000-001D4B474349", "-0DEC-11E5-B939-0800200C9A66"
 
 
@@ -58,6 +60,9 @@ def described(found: HomekitPart, capability: str) -> Capability:
         ("47", {"25": True, f"0000000A{SENSE}": 0.8, f"0000000C{SENSE}": 379.7}, "plug",
          {"on_off": True, "power": 0.8, "energy": 379.7}),
         (f"4AAAF930{KOOGEEK}", {f"4AAAF931{KOOGEEK}": 5.0}, "electrical_meter", {"power": 5.0}),
+        ("6237CEFC-9F4D-54B2-8033-2EDA0053B811", {NETATMO_NOISE: 45}, "x_sensor", {"measurement": 45.0}),
+        ("9715BF53-AB63-4449-8DC7-2785D617390A", {AQARA_VOLUME: 40}, "x_setting", {"volume": 40.0}),
+        ("4A", {"11": 20.5, f"E863F12E{EVE}": 35}, "thermostat", {"local_temperature": 20.5, "measurement": 35.0}),
         (f"E863F00A{EVE}", {f"E863F10F{EVE}": 1005.7}, "pressure_sensor", {"pressure": 1005.7}),
         ("113", {"11A": False, "119": 30}, "speaker", {"volume": 30.0}),
         ("D8", {"B0": 1}, "video_player", {"on_off": True}),
@@ -75,6 +80,7 @@ def described(found: HomekitPart, capability: str) -> Capability:
         ("8B", {"6D": 5, "7C": 5, "72": 1}, "closure", {"position": 5.0, "movement": "opening"}),
         ("D0", {"B0": 1, "D2": 1, "D5": 0}, "water_valve", {"valve": "open"}),
         ("D0", {"B0": 1, "D2": 0, "D5": 0}, "water_valve", {"valve": "opening"}),
+        ("D0", {"B0": 0, "D2": 0, "D3": 1200}, "water_valve", {"valve": "closed", "number": 1200.0}),
         ("D7", {"B0": 0}, "water_valve", {"valve": "closed"}),
         ("CF", {"B0": 1, "D1": 1, "D2": 0}, "water_valve", {"on_off": True, "running": False}),
         ("7E", {"66": 3, "67": 1}, "x_alarm_panel", {"alarm": "arming"}),
@@ -141,6 +147,8 @@ def test_a_service_is_a_part_with_its_readings(
         ("8C", {"6D": 0, "7C": 0, "72": 2, "6C": -45, "7B": -45}, "tilt", 0.0, {"7B": -90.0}),
         ("8C", {"6D": 0, "7C": 0, "72": 2, "6E": 45, "7D": 45}, "tilt", 50.0, {"7D": 45.0}),
         ("D0", {"B0": 0, "D2": 0}, "valve", "open", {"B0": 1.0}),
+        ("D0", {"B0": 0, "D2": 0, "D3": 1200}, "number", 600.0, {"D3": 600.0}),
+        ("BD", {"B0": 1, "B4": 1, VOCOLINC_SPRAY: 5}, "number", 2.0, {VOCOLINC_SPRAY: 2.0}),
         ("7E", {"66": 3, "67": 3}, "alarm", "armed_away", {"67": 1}),
         ("4A", {"F": 0, "33": 1, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0, {"35": 22.0}),
         ("4A", {"F": 0, "33": 2, "11": 20.0, "35": 20.0}, "cooling_setpoint", 22.0, {"35": 22.0}),

@@ -27,6 +27,7 @@ _ACTIONS: Final = {0: "idle", 1: "heating", 2: "cooling"}
 _HEATER_MODES: Final = {0: "auto", 1: "heat", 2: "cool"}
 _HEATER_ACTIONS: Final = {0: "off", 1: "idle", 2: "heating", 3: "cooling"}
 _ECOBEE_MODE, _ECOBEE_HOLD = "B7DDB9A3-54BB-4572-91D2-F1F5B0510F8C", "1B300BC2-CFFC-47FF-89F9-BD6CCF5F2853"
+_VOCOLINC_SPRAY: Final = "69D52519-0A4E-4898-8335-4739F9116D0A"
 _HUMIDIFIER_MODES: Final = {0: "auto", 1: "humidify", 2: "dehumidify"}
 _HEAT, _COOL, _AUTO = 1, 2, 3
 _DRY: Final = 2
@@ -132,4 +133,5 @@ CLIMATE_ROWS: Final = (
         bounds=_humidity_bounds,
     ),
     ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
+    ServiceRow(HUMIDIFIER, "number", _VOCOLINC_SPRAY, _VOCOLINC_SPRAY),
 )

@@ -26,6 +26,7 @@ _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 _FAN_MODES: Final = {0: "manual", 1: "auto"}
 _EVE, _SENSE, _KOOGEEK = "-079E-48FF-8F27-9C2605A29F52", "-0000-1000-8000-001D4B474349", "-0DEC-11E5-B939-0800200C9A66"
 _OTHER_POWERS: Final = ("7BBBA96E-EB2D-11E5-A837-0800200C9A66", "FC093458-18F0-4B1D-8360-BB68A3FCC9C5")
+_AQARA_VOLUMES: Final = ("EE56B186-B0D3-528E-8C79-C21FC9BCF437", "EE56B186-B0D3-488E-8C79-C21FC9BCF437")
 _METERS: Final = {
     "power": (f"E863F10D{_EVE}", f"0000000A{_SENSE}", f"4AAAF931{_KOOGEEK}", *_OTHER_POWERS),
     "energy": (f"E863F10C{_EVE}", f"0000000C{_SENSE}"),
@@ -114,5 +115,6 @@ POWER_ROWS: Final = (
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
     ServiceRow(_FANS, "direction", "28", "28", _DIRECTIONS),
     ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "volume", "119", "119"),
+    *(ServiceRow("", "volume", kind, kind) for kind in _AQARA_VOLUMES),
     *(ServiceRow("", name, kind) for name, kinds in _METERS.items() for kind in kinds),
 )

@@ -103,6 +103,7 @@ OPENING_ROWS: Final = (
     ),
     _target_row(_VALVES, "valve", "D2", "B0", _OPENED, {0: "closing", 1: "opening"}, {}),
     ServiceRow(_VALVES, "valve", "B0", "B0", _OPENED),  # a faucet
+    ServiceRow(_VALVES, "number", "D3", "D3", unit="s"),  # for how long it opens
     ServiceRow(IRRIGATION, "on_off", "B0", "B0"),  # whether its programs may water
     ServiceRow(IRRIGATION, "running", "D2"),
     _target_row(GARAGE, "movement", "E", "32", _OPEN, {0: "opening", 1: "closing"}, _DOOR_MOVES),

@@ -15,8 +15,8 @@ from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
 from homebot.conventions.homekit.rows import ServiceRow
-from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.part import Capability, Part
+from homebot.conventions.units import sensor_type
+from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import UnableError
 
@@ -60,6 +60,8 @@ _SENSOR_ROWS: Final = (
     ServiceRow(f"{_SENSORS} D0 D7 CF 7E", "problem", "77"),
     ServiceRow(FILTER, "measurement", "AB", unit="%"),  # of its life that is left
     ServiceRow(FILTER, "problem", "AC"),
+    ServiceRow("", "measurement", "B3BBFABC-D78C-5B8D-948C-5DAC1EE2CDE5", unit="dB"),  # of Netatmo: noise
+    ServiceRow("", "measurement", "E863F12E-079E-48FF-8F27-9C2605A29F52", unit="%"),  # of Eve: how far a valve is open
 )
 
 _ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *_SENSOR_ROWS)
@@ -94,6 +96,7 @@ _TYPES: Final[Mapping[str, str]] = {
 """The types of services of each type of parts."""
 
 _TYPE_OF: Final = {service: kind for kind, services in _TYPES.items() for service in services.split()}
+_CATEGORIES: Final[Mapping[str, Category]] = {"x_battery": "diagnostic", "x_setting": "config"}
 _TELEVISION, _SOURCE, _INPUT, _INPUT_ID = "D8", "E7", "D9", "E6"
 _NAME, _CONFIGURED_NAME, _LABEL_INDEX = "23", "E3", "CB"
 
@@ -147,8 +150,9 @@ def _source_rows(accessory: Accessory) -> Iterator[ServiceRow]:
 
 
 def _part(service: HapService, own_name: str, capabilities: tuple[Capability, ...]) -> Part:
-    first = CAPABILITIES[capabilities[0].name]
+    other = "x_setting" if capabilities[0].settable else sensor_type(capabilities[0].name)
     only_heats = service.type == _HEATER and _COOL_TO not in service.characteristics
+    service_type = "thermostat" if only_heats else _TYPE_OF.get(service.type, other)
     name = service.text(_CONFIGURED_NAME) or service.text(_NAME)
     index = service.number(_LABEL_INDEX)
     if name in {"", own_name}:
@@ -156,7 +160,7 @@ def _part(service: HapService, own_name: str, capabilities: tuple[Capability, ..
     return Part(
         id=str(service.iid),
         name=name,
-        service_type="thermostat" if only_heats else _TYPE_OF.get(service.type, first.sensor),
-        category="diagnostic" if service.type == BATTERY else "",
+        service_type=service_type,
+        category=_CATEGORIES.get(service_type, ""),
         capabilities=capabilities,
     )
