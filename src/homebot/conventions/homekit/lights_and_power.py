@@ -21,6 +21,7 @@ LIGHT, SWITCH, OUTLET, SIMPLE_FAN, FAN, PURIFIER = "43", "49", "47", "40", "B7",
 HEATER, HUMIDIFIER, THERMOSTAT = "BC", "BD", "4A"
 SPEAKER, SMART_SPEAKER, TELEVISION = "113", "228", "D8"
 ON, ACTIVE, BRIGHTNESS, HUE, SATURATION, MIREDS, SPEED = "25", "B0", "8", "13", "2F", "CE", "29"
+_USUAL_MIREDS: Final = (50.0, 400.0)
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
 _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 _FAN_MODES: Final = {0: "manual", 1: "auto"}
@@ -37,13 +38,9 @@ _METERS: Final = {
 """The types of Eve, ConnectSense, Koogeek and VOCOlinc, under any service, as aiohomekit 4.0 names them."""
 
 
-def _mired_bounds(service: HapService) -> tuple[float, float]:
-    least, most = service.characteristics[MIREDS].bounds or (50.0, 400.0)
-    return (least, most) if 25 <= least < most <= 1000 else (50.0, 400.0)
-
-
 def _kelvin_bounds(service: HapService) -> tuple[float, float]:
-    return nearest_mired_bounds(*_mired_bounds(service))
+    least, most = service.characteristics[MIREDS].bounds or _USUAL_MIREDS
+    return nearest_mired_bounds(*((least, most) if 25 <= least < most <= 1000 else _USUAL_MIREDS))
 
 
 def _read_kelvin(service: HapService) -> PlainValue:

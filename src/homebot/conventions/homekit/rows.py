@@ -17,8 +17,6 @@ __all__ = ["ServiceRow", "Writes", "known_values", "read_number"]
 Writes: TypeAlias = Mapping[str, float]
 """Values of characteristics, by their types."""
 
-_NO_VALUES: Mapping[int, str] = {}
-
 
 @dataclass(frozen=True, slots=True)
 class ServiceRow:
@@ -96,7 +94,7 @@ class ServiceRow:
         return {self.target: float(require_bool(self.capability, value))}
 
     def _texts(self, service: HapService) -> dict[int, str]:
-        return known_values(service, self.target or self.kinds[0], self.values or _NO_VALUES)
+        return known_values(service, self.target or self.kinds[0], self.values or {})
 
     def _bounds(self, service: HapService) -> tuple[float, ...]:
         if self.bounds is not None:
