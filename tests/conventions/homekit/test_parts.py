@@ -148,6 +148,7 @@ def test_a_service_is_a_part_with_its_readings(
         ("8C", {"6D": 0, "7C": 0, "72": 2, "6E": 45, "7D": 45}, "tilt", 50.0, {"7D": 45.0}),
         ("D0", {"B0": 0, "D2": 0}, "valve", "open", {"B0": 1.0}),
         ("D0", {"B0": 0, "D2": 0, "D3": 1200}, "number", 600.0, {"D3": 600.0}),
+        ("3E", {"14": None}, "locate", True, {"14": 1.0}),
         ("BD", {"B0": 1, "B4": 1, VOCOLINC_SPRAY: 5}, "number", 2.0, {VOCOLINC_SPRAY: 2.0}),
         ("7E", {"66": 3, "67": 3}, "alarm", "armed_away", {"67": 1}),
         ("4A", {"F": 0, "33": 1, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0, {"35": 22.0}),

@@ -127,6 +127,7 @@ class FakeLink(HomekitLink):
     async def read(self, ids: Iterable[tuple[int, int]]) -> HomekitValues:
         await self._answer()
         values = {(aid, iid): {"value": self._server.find(aid, iid)["value"]} for aid, iid in ids}
+        assert values, "an accessory on Thread cannot be asked for nothing"
         return {at: {"status": -70402} if at[0] in self._server.away else value for at, value in values.items()}
 
     async def write(self, values: Mapping[tuple[int, int], object], *, is_timed: bool) -> StatusCodes:

@@ -70,6 +70,23 @@ async def test_what_was_written_is_read_again_because_no_event_comes() -> None:
         await reading(reports, "level", 40.0)
 
 
+async def test_an_accessory_that_can_identify_itself_does_and_is_what_it_was() -> None:
+    identify = service(1, "3E", characteristic(2, "14", None, ["pw"], format="bool"))
+    server = FakeServer(KEY, "Hall", {"aid": 1, "services": [identify, lamp_service()]})
+    async with house(server) as home:
+        sightings = home.sightings()
+        await home.pair(server, CODE)
+        hall = await receive(sightings, lambda one: one.parts)
+        assert [(one.id, one.service_type, one.category) for one in hall.parts] == [
+            ("8", "light", ""),
+            ("1", "x_setting", "config"),
+        ]
+        assert (await home.command(KEY, "1", "locate", True)).success
+        assert server.written == [((1, 2), True)]
+        await anyio.sleep(60.0)
+        assert server.attempts == 1  # what cannot be read is not read
+
+
 @pytest.mark.parametrize(("serial", "known"), [("00000001", ()), ("00471101", ("id:00471101",))])
 async def test_a_serial_number_of_hardly_more_than_zeros_is_shared(serial: str, known: tuple[str, ...]) -> None:
     """HomeSpan's bridge for Daikin air conditioners has 00000001, each copy of it."""

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.conventions.homekit.accessory import Accessory, HapCharacteristic, HapService
+from homebot.conventions.homekit.accessory import INFORMATION, Accessory, HapCharacteristic, HapService
 from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
@@ -62,6 +62,7 @@ _SENSOR_ROWS: Final = (
     ServiceRow(FILTER, "problem", "AC"),
     ServiceRow("", "measurement", "B3BBFABC-D78C-5B8D-948C-5DAC1EE2CDE5", unit="dB"),  # of Netatmo: noise
     ServiceRow("", "measurement", "E863F12E-079E-48FF-8F27-9C2605A29F52", unit="%"),  # of Eve: how far a valve is open
+    ServiceRow(INFORMATION, "locate", "14", "14"),
 )
 
 _ROWS: Final = (*POWER_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *_SENSOR_ROWS)
@@ -125,10 +126,10 @@ class HomekitPart:
 
 
 def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
-    """Yield the parts of an accessory."""
+    """Yield the parts of an accessory, the one that all have last."""
     own_name = accessory.information.text(_NAME)
     rows = (*_ROWS, *_source_rows(accessory))
-    for service in accessory.services.values():
+    for service in sorted(accessory.services.values(), key=lambda one: one.type == INFORMATION):
         found: dict[str, tuple[Capability, ServiceRow]] = {}
         for row in rows:
             if row.capability not in found and (capability := row.describe(service)) is not None:

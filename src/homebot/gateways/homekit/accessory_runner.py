@@ -142,7 +142,7 @@ class AccessoryRunner(DeviceRunner):
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
         watched = (one for one in part.service.characteristics.values() if one in wanted or one.type in kinds)
         ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
-        if self._tasks is not None and self.link is link:
+        if ids and self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
 
     async def _connected(self) -> HomekitLink:
