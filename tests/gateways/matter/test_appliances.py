@@ -5,10 +5,13 @@ from __future__ import annotations
 import pytest
 from tests.gateways.matter.test_node import LOCK, only_device, orders, readings
 
+from homebot.conventions.matter.cluster_row import MatterCommand
+from homebot.conventions.matter.endpoint import AttributeWrite
 from homebot.devices.always_ask import is_declared
 from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
+from homebot.gateways.matter.node import find_writer
 from homebot.gateways.matter.server_messages import check_result
 
 MODES = [
@@ -215,6 +218,24 @@ CABINET = {**COLD, "1/29/0": [{"0": 0x0071, "1": 1}]}
 def test_a_cooking_appliance_always_asks(attributes: dict[str, object], *, asks: bool) -> None:
     (part,) = only_device(attributes).device.parts
     assert is_declared(DevicePart(id="1", part=part, routes=())) is asks
+
+
+def test_a_further_setting_of_an_appliance_is_a_part_beside_it_that_asks_as_it_does() -> None:
+    washer = only_device({**WARM, **WASHER, "1/83/0": ["Off", "1200"], "1/83/1": 1})
+    assert [(one.id, one.name, one.service_type) for one in washer.device.parts] == [
+        ("1", "", "x_setting"),
+        ("1-temperature", "Temperature", "x_setting"),
+        ("1-spin_speed", "Spin speed", "x_setting"),
+    ]
+    assert [readings(washer, f"1{end}")["option"] for end in ("", "-temperature", "-spin_speed")] == [
+        "Wool",
+        "High",
+        "1200",
+    ]
+    endpoint, write = find_writer(washer, "1-spin_speed", "option")
+    assert write(endpoint, MatterCommand("Off")) == (AttributeWrite(83, 1, 0),)
+    oven = only_device({**WARM, "1/29/0": [{"0": 0x0071}], "1/73/0": [{"0": "Bake", "1": 1}], "1/73/1": 1})
+    assert [is_declared(DevicePart(id=one.id, part=one, routes=())) for one in oven.device.parts] == [True, True]
 
 
 @pytest.mark.parametrize(("tag", "service_type"), [(0, "window_covering"), (5, "closure")])

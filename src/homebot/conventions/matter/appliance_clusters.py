@@ -14,6 +14,7 @@ from typing import Final
 from homebot.conventions.command_values import require_number, require_option
 from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, number, one_of
 from homebot.conventions.matter.endpoint import (
+    AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
     MatterOrders,
@@ -27,11 +28,12 @@ __all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
+WASHER, _SPIN, ENERGY_MODE = 83, 1, 159
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
-_MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, 159)
+_MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
 """Plain, oven, laundry washer, refrigerator, vacuum cleaner, dishwasher, microwave oven, charger, water heater, energy:
-an endpoint with several is operated by the first."""
+an endpoint with several is operated by the first, and the energy's is a part beside it."""
 
 _CHANGE_TO_MODE: Final = 0
 _MOST_MODES: Final = 100
@@ -102,6 +104,7 @@ def _mode_row(cluster: int) -> ClusterRow:
         when=partial(_labels, cluster),
         options=partial(_mode_options, cluster),
         accepts=_CHANGE_TO_MODE,
+        spare_suffix="energy_mode" if cluster == ENERGY_MODE else "",
     )
 
 
@@ -117,21 +120,38 @@ def _write_temperature(endpoint: MatterEndpoint, command: MatterCommand) -> Matt
 
 def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
     """Return the names of temperature levels; empty if the temperature is a number."""
-    listed = endpoint.value(TEMPERATURE, _LEVELS)
-    if not isinstance(listed, list) or endpoint.features(TEMPERATURE) & _BY_NUMBER:
-        return ()
-    return tuple(clean_text(one) for one in listed if isinstance(one, str))
+    return () if endpoint.features(TEMPERATURE) & _BY_NUMBER else _texts(endpoint.value(TEMPERATURE, _LEVELS))
+
+
+def _texts(listed: object) -> tuple[str, ...]:
+    return tuple(clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
+
+
+def _at(listed: tuple[str, ...], index: int | None) -> PlainValue:
+    return listed[index] if index is not None and 0 <= index < len(listed) else None
 
 
 def _read_temperature_level(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    levels, level = _levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL)
-    return levels[level] if level is not None and 0 <= level < len(levels) else None
+    return _at(_levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL))
 
 
 def _write_temperature_level(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
     levels = _levels(endpoint)
     level = levels.index(require_option("option", command.value, levels))
     return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperatureLevel": level}),)
+
+
+def _spins(endpoint: MatterEndpoint) -> tuple[str, ...]:
+    return _texts(endpoint.value(WASHER, 0))
+
+
+def _read_spin(endpoint: MatterEndpoint, raw: object) -> PlainValue:
+    return _at(_spins(endpoint), whole_number(raw))
+
+
+def _write_spin(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+    spins = _spins(endpoint)
+    return (AttributeWrite(WASHER, _SPIN, spins.index(require_option("option", command.value, spins))),)
 
 
 def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -194,7 +214,19 @@ APPLIANCE_ROWS: Final = (
         bounds=_temperature_bounds,
         unit="°C",
     ),
-    ClusterRow(TEMPERATURE, None, "option", _read_temperature_level, _write_temperature_level, 0, _levels, _levels),
+    ClusterRow(
+        TEMPERATURE,
+        None,
+        "option",
+        _read_temperature_level,
+        _write_temperature_level,
+        when=_levels,
+        options=_levels,
+        spare_suffix="temperature",
+    ),
+    ClusterRow(
+        WASHER, _SPIN, "option", _read_spin, _write_spin, when=_spins, options=_spins, spare_suffix="spin_speed"
+    ),
     ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),
     ClusterRow(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),

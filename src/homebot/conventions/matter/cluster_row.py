@@ -54,6 +54,7 @@ class ClusterRow:
         accepts: The number of the command that it needs to be settable.
         also_read: A further cluster of its value.
         part_suffix: The part of the endpoint with it, such as ``battery``; empty for the main part.
+        spare_suffix: The part with it if another row gives the main part its capability; empty for none.
     """
 
     cluster: int
@@ -69,6 +70,7 @@ class ClusterRow:
     accepts: int | None = None
     also_read: int | None = None
     part_suffix: str = ""
+    spare_suffix: str = ""
 
     def describe(self, endpoint: MatterEndpoint) -> Capability | None:
         """Return the capability of *endpoint* by this row; None if it has none."""

@@ -76,7 +76,8 @@ def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tupl
     """
     by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
     for row in _ROWS:
-        found = by_suffix.setdefault(row.part_suffix, {})
+        is_spare = row.spare_suffix and row.capability in by_suffix[""]
+        found = by_suffix.setdefault(row.spare_suffix if is_spare else row.part_suffix, {})
         if row.capability not in found and (capability := row.describe(endpoint)) is not None:
             found[row.capability] = row, capability
     for suffix, found in by_suffix.items():
@@ -100,13 +101,19 @@ def _main_part(endpoint: MatterEndpoint, capabilities: tuple[Capability, ...], *
 
 
 def _extra_part(endpoint: MatterEndpoint, suffix: str, capabilities: tuple[Capability, ...]) -> Part:
-    """Return a part beside the main one: the battery, a filter, or a plain measurement of the air."""
+    """Return a part beside the main one: the battery, a filter, a further setting, or a measurement of the air."""
     part_id = f"{endpoint.id}-{suffix}"
     if suffix == BATTERY:
         return Part(id=part_id, service_type="x_battery", category="diagnostic", capabilities=capabilities)
-    name = suffix.replace("_", " ").capitalize()
-    service_type = "air_quality_sensor" if suffix in PLAIN.values() else "x_sensor"
-    return Part(id=part_id, name=name, service_type=service_type, capabilities=capabilities)
+    kind = "air_quality_sensor" if suffix in PLAIN.values() else "x_sensor"
+    is_setting = any(one.settable for one in capabilities)
+    return Part(
+        id=part_id,
+        name=suffix.replace("_", " ").capitalize(),
+        service_type="x_setting" if is_setting else kind,
+        advertised=_advertised(endpoint) if is_setting else "",
+        capabilities=capabilities,
+    )
 
 
 def _advertised(endpoint: MatterEndpoint) -> str:
