@@ -129,12 +129,11 @@ class SightingIntake:
 
     def _withdraw_derived(self, entry: Entry, listed: Sighting) -> None:
         """Forget what the program that lists a device announced of it before the start, and leaves out since."""
-        if (origin := _origin(listed)) is None:
-            return
-        restored = [(key, one.sighting) for key, one in entry.sources.items() if key in self._restored]
-        for key, sighting in restored:
-            is_alike = (sighting.gateway, sighting.native, _origin(sighting)) == (listed.gateway, False, origin)
-            if is_alike and any(part.is_below(listed.owns) for part in sighting.parts):
+        origin = next((one for one in listed.metadata if one.key == "origin"), None)
+        for key in [key for key in entry.sources if key in self._restored and key[0] == listed.gateway]:
+            known = self._table.sources[key].sighting
+            is_alike = not known.native and origin in known.metadata
+            if is_alike and any(part.is_below(listed.owns) for part in known.parts):
                 self.withdraw(key, "the list of its bridge describes it")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
@@ -158,11 +157,6 @@ class SightingIntake:
         self._merger.restore(entry, now, wall)
         for key in entry.sources:
             self._merger.join_repetitions(key)
-
-
-def _origin(sighting: Sighting) -> str | None:
-    """Return the program that announced it; None if it is not named."""
-    return next((one.value for one in sighting.metadata if one.key == "origin"), None)
 
 
 def _first_reason(sighting: Sighting) -> str:
