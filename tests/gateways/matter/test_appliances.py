@@ -257,6 +257,12 @@ def test_an_impossible_command_to_a_vacuum_cleaner_is_refused() -> None:
         orders({**VACUUM, "1/97/65529": [0]}, "vacuum", "returning")
 
 
+@pytest.mark.parametrize(("types", "is_dimmed"), [((256,), False), ((266, 1296), False), ((266, 267), True)])
+def test_a_light_or_plug_that_is_only_switched_has_no_level(types: tuple[int, ...], *, is_dimmed: bool) -> None:
+    switched = {"1/29/0": [{"0": one} for one in types], "1/6/0": True, "1/8/0": 254}
+    assert ("level" in readings(only_device(switched))) is is_dimmed
+
+
 def test_an_appliance_that_can_only_be_turned_off_is_not_turned_on() -> None:
     with pytest.raises(RefusedError, match="only be turned off"):
         orders(HOB, "on_off", True)
