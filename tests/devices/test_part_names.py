@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from homebot.control.command import label_of
+from homebot.control.command_targets import part_name
 from homebot.devices import Device, DevicePart
 from homebot.devices.device import part_names
 from homebot.devices.part import Capability, Category, Part
@@ -44,3 +46,12 @@ def test_each_of_two_relays_has_a_name() -> None:
 def test_one_relay_beside_a_meter_and_a_setting_is_called_as_its_device() -> None:
     relay = device(part("r1", "left"), part("power", settable=False), part("led", category="config"))
     assert part_names([relay]) == {"relays": "Relays"}
+    assert label_of(relay, "r1") == "relays"
+    assert label_of(relay, "led") == "relays#led"
+
+
+def test_a_lone_relay_beside_a_setting_is_called_as_its_device_by_commands_too() -> None:
+    lone, setting, meter = part("r1", "left"), part("led", "LED", category="config"), part("power", "Power")
+    assert part_name(device(lone, setting), lone) == "Relays"
+    assert part_name(device(lone, setting), setting) == "Relays LED"
+    assert part_name(device(lone, setting, meter), lone) == "Relays left"

@@ -15,6 +15,7 @@ from homebot.devices.always_ask import why_it_asks
 from homebot.devices.capabilities import CAPABILITIES, EVENTS, MOMENTARY, OWN
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import Setting
+from homebot.devices.device import is_commanded
 from homebot.devices.outcomes import Gone
 from homebot.devices.part import Part
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -146,10 +147,10 @@ def is_by_hand(trigger: Trigger, now: float) -> bool:
 
 
 def label_of(device: Device, part_id: str) -> str:
-    """Return a part for people: the id of its device, with that of the part if several parts take commands."""
+    """Return a part for people: the id of its device, and of the part if another takes commands, settings aside."""
     if len(device.parts) < 2 or not part_id:
         return device.id
-    takes = [one for one in device.parts if any(can.settable for can in one.part.capabilities)]
+    takes = [one for one in device.parts if one.id == part_id or is_commanded(one.part)]
     return device.id if len(takes) < 2 else f"{device.id}#{part_id}"
 
 

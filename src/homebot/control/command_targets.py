@@ -12,6 +12,7 @@ from homebot.control.device_lookup import DeviceLookup
 from homebot.control.spoken_settings import spoken_settings
 from homebot.devices import QUERY_DEVICES, Device, DevicePart, QueryDevices
 from homebot.devices.command_messages import CommandDevicesRequest
+from homebot.devices.device import is_commanded
 from homebot.devices.query import (
     And,
     HasText,
@@ -306,9 +307,13 @@ def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
 
 
 def part_name(device: Device, part: DevicePart) -> str:
-    """Return the name of *part* for people, with its id if it has no name and several parts take commands."""
+    """Return the name of *part* for people, with its id if it has no name and several parts take commands.
+
+    Its own name is left out if all others are settings and diagnoses.
+    """
     if part.part.name:
-        return f"{device.name} {part.part.name}" if len(device.parts) > 1 else device.name
+        is_lone = len(device.parts) == 1 or [one for one in device.parts if not one.part.category] == [part]
+        return device.name if is_lone else f"{device.name} {part.part.name}"
     return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
 
 
@@ -387,4 +392,4 @@ def _texts(query: Query) -> tuple[str, ...]:
 
 
 def _controls(parts: Iterable[DevicePart]) -> tuple[DevicePart, ...]:
-    return tuple(one for one in parts if not one.part.category and any(can.settable for can in one.part.capabilities))
+    return tuple(one for one in parts if is_commanded(one.part))

@@ -28,6 +28,7 @@ __all__ = [
     "Route",
     "State",
     "StateChange",
+    "is_commanded",
     "part_names",
 ]
 
@@ -340,13 +341,14 @@ def part_names(devices: Iterable[Device]) -> dict[str, str]:
     names: dict[str, str] = {}
     for device in devices:
         names[device.id] = device.name
-        parts = [one for one in device.parts if _is_commanded(one.part)]
+        parts = [one for one in device.parts if is_commanded(one.part)]
         if len(parts) > 1:
             names |= {f"{device.id}#{one.id}": f"{device.name} {one.part.name or one.id}".rstrip() for one in parts}
     return names
 
 
-def _is_commanded(part: Part) -> bool:
+def is_commanded(part: Part) -> bool:
+    """Return whether *part* takes commands, and is no setting."""
     return not part.category and any(one.settable for one in part.capabilities)
 
 
