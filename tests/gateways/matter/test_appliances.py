@@ -183,6 +183,8 @@ def test_a_filter_is_a_part_beside_its_purifier() -> None:
         ({**HOB, "1/6/65532": 0}, "on_off", True, 6, "On", {}),  # speakers list Off alone, and take both
         (CLOSURE, "movement", "closed", 260, "MoveTo", {"position": 0}),
         ({**CLOSURE, "1/260/65532": 3}, "movement", "open", 260, "MoveTo", {"position": 1, "latch": False}),
+        ({**CLOSURE, "1/260/5": 2, "1/260/65532": 3}, "movement", "closed", 260, "MoveTo", {"position": 0}),
+        ({**CLOSURE, "1/260/5": 1, "1/260/65532": 3}, "movement", "open", 260, "MoveTo", {"position": 1}),
         (CLOSURE, "movement", "stopped", 260, "Stop", {}),
         (PANEL, "position", 25.0, 261, "SetTarget", {"position": 7500, "latch": False}),
     ],

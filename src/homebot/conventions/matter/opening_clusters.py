@@ -44,6 +44,8 @@ _HAS_LEVEL: Final = 1 << 1
 
 _MAIN_STATE, _CLOSURE_STATE, _CLOSURE_TARGET, _PANEL_STATE = 1, 3, 4, 0
 _POSITIONS, _LATCHES, _INSTANT = 1 << 0, 1 << 1, 1 << 2
+_LATCH_MODES: Final = {CLOSURE: 5, DIMENSION: 11}
+_REMOTE_LATCHING, _REMOTE_UNLATCHING = 1 << 0, 1 << 1
 _MOVING, _CLOSED, _STOP = 1, 0, 0
 _MOVE_TO: Final = {"closed": 0, "open": 1}
 _COVERING_TAG: Final = (0x44, 0)
@@ -166,8 +168,15 @@ def _write_closure_movement(endpoint: MatterEndpoint, command: MatterCommand) ->
     option = require_option("movement", command.value, (*_MOVE_TO, "stopped"))
     if option == "stopped":
         return (ClusterInvocation(CLOSURE, "Stop"),)
-    latch = {"latch": option == "closed"} if endpoint.features(CLOSURE) & _LATCHES else {}
-    return (ClusterInvocation(CLOSURE, "MoveTo", {"position": _MOVE_TO[option], **latch}, is_timed=True),)
+    payload = {"position": _MOVE_TO[option], **_latch(endpoint, CLOSURE, latches=option == "closed")}
+    return (ClusterInvocation(CLOSURE, "MoveTo", payload, is_timed=True),)
+
+
+def _latch(endpoint: MatterEndpoint, cluster: int, *, latches: bool) -> dict[str, bool]:
+    """Return the field that latches or unlatches; empty if it has no latch, or only people at it do that."""
+    modes = endpoint.whole(cluster, _LATCH_MODES[cluster])
+    can = modes is None or modes & (_REMOTE_LATCHING if latches else _REMOTE_UNLATCHING)
+    return {"latch": latches} if can and endpoint.features(cluster) & _LATCHES else {}
 
 
 def _read_panel(_at: MatterEndpoint, state: object) -> PlainValue:
@@ -176,7 +185,7 @@ def _read_panel(_at: MatterEndpoint, state: object) -> PlainValue:
 
 
 def _write_panel(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    latch = {"latch": False} if endpoint.features(DIMENSION) & _LATCHES else {}  # a latched panel does not move
+    latch = _latch(endpoint, DIMENSION, latches=False)  # a latched panel does not move
     payload = {"position": closed_hundredths("position", command.value), **latch}
     return (ClusterInvocation(DIMENSION, "SetTarget", payload, is_timed=True),)
 
