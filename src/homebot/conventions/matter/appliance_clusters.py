@@ -131,11 +131,11 @@ def _at(listed: tuple[str, ...], index: int | None) -> PlainValue:
     return listed[index] if index is not None and 0 <= index < len(listed) else None
 
 
-def _read_temperature_level(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
+def _read_level(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return _at(_levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL))
 
 
-def _write_temperature_level(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+def _write_level(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
     levels = _levels(endpoint)
     level = levels.index(require_option("option", command.value, levels))
     return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperatureLevel": level}),)
@@ -214,16 +214,7 @@ APPLIANCE_ROWS: Final = (
         bounds=_temperature_bounds,
         unit="°C",
     ),
-    ClusterRow(
-        TEMPERATURE,
-        None,
-        "option",
-        _read_temperature_level,
-        _write_temperature_level,
-        when=_levels,
-        options=_levels,
-        spare_suffix="temperature",
-    ),
+    ClusterRow(TEMPERATURE, None, "option", _read_level, _write_level, 0, _levels, _levels, spare_suffix="temperature"),
     ClusterRow(
         WASHER, _SPIN, "option", _read_spin, _write_spin, when=_spins, options=_spins, spare_suffix="spin_speed"
     ),

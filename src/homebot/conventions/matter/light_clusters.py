@@ -27,9 +27,9 @@ _HAS_HUE, _HAS_ENHANCED_HUE, _HAS_XY, _HAS_MIREDS = 1 << 0, 1 << 1, 1 << 3, 1 <<
 _MODE_XY, _MODE_MIREDS = 1, 2
 
 _SPEAKER, _PUMP = 0x0022, 0x0303
-_ONLY_SWITCHED: Final = frozenset({0x0100, 0x010A, 0x010F})
+_ONLY_SWITCHED: Final = frozenset({0x0100, 0x010A, 0x010F, _SPEAKER})
 _DIMMED: Final = frozenset({0x0101, 0x010B, 0x010C, 0x010D, 0x0110})
-"""Lights, plugs and mounted controls; the former may have a level that does nothing, as Inovelli's switch VTM30 has."""
+"""Lights, plugs and mounted controls. Those not dimmed may have a level that does nothing, as Inovelli's VTM30 has."""
 
 _WHITES: Final = (2000, 6500)
 _MOST_COLOR: Final = 65_279
@@ -172,14 +172,7 @@ def _tenths(command: MatterCommand) -> int:
 LIGHT_ROWS: Final = (
     ClusterRow(ON_OFF, _ON_OFF_VALUE, "on_off", flag(), _write_on, when=_is_no_lock),
     ClusterRow(LEVEL, _CURRENT_LEVEL, "volume", _read_level, _write_level, when=_is_speaker),
-    ClusterRow(
-        LEVEL,
-        _CURRENT_LEVEL,
-        "level",
-        _read_level,
-        _write_level,
-        when=lambda one: not _is_speaker(one) and _is_dimmed(one),
-    ),
+    ClusterRow(LEVEL, _CURRENT_LEVEL, "level", _read_level, _write_level, when=_is_dimmed),
     ClusterRow(COLOR, None, "color_temperature", _read_kelvin, _write_kelvin, when=_has_whites, bounds=_kelvin_bounds),
     ClusterRow(COLOR, None, "color", _read_color, _write_color, when=_has_colors),
 )
