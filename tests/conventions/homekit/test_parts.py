@@ -148,7 +148,6 @@ def test_a_service_is_a_part_with_its_readings(
         ("8C", {"6D": 0, "7C": 0, "72": 2, "6E": 45, "7D": 45}, "tilt", 50.0, {"7D": 45.0}),
         ("D0", {"B0": 0, "D2": 0}, "valve", "open", {"B0": 1.0}),
         ("D0", {"B0": 0, "D2": 0, "D3": 1200}, "number", 600.0, {"D3": 600.0}),
-        ("3E", {"14": None}, "locate", True, {"14": 1.0}),
         ("BD", {"B0": 1, "B4": 1, VOCOLINC_SPRAY: 5}, "number", 2.0, {VOCOLINC_SPRAY: 2.0}),
         ("7E", {"66": 3, "67": 3}, "alarm", "armed_away", {"67": 1}),
         ("4A", {"F": 0, "33": 1, "11": 20.0, "35": 20.0}, "heating_setpoint", 22.0, {"35": 22.0}),
@@ -209,6 +208,12 @@ def test_a_mode_without_alternative_is_the_only_one() -> None:
 def test_a_share_of_the_humidity_has_the_bounds_of_the_accessory() -> None:
     found = part("4A", {"F": 0, "33": 0, "11": 20.0, "35": 20.0, "34": 30.0}, c34={"minValue": 20, "maxValue": 50})
     assert described(found, "humidity_setpoint").bounds == (20.0, 50.0)
+
+
+def test_a_bridge_that_can_identify_itself_has_no_parts() -> None:
+    information = service(1, "3E", characteristic(2, "14", None, ["pw"], format="bool"))
+    (bridge,) = parse_accessories([{"aid": 1, "services": [information]}]).values()
+    assert not list(parts_of(bridge))
 
 
 def test_the_humidity_to_reach_has_the_bounds_within_which_it_can_be_set() -> None:

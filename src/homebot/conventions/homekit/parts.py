@@ -126,15 +126,16 @@ class HomekitPart:
 
 
 def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:
-    """Yield the parts of an accessory, the one that all have last."""
+    """Yield the parts of an accessory; last that of its information, which a bridge does not need."""
     own_name = accessory.information.text(_NAME)
-    rows = (*_ROWS, *_source_rows(accessory))
+    rows, has_function = (*_ROWS, *_source_rows(accessory)), False
     for service in sorted(accessory.services.values(), key=lambda one: one.type == INFORMATION):
         found: dict[str, tuple[Capability, ServiceRow]] = {}
         for row in rows:
             if row.capability not in found and (capability := row.describe(service)) is not None:
                 found[row.capability] = capability, row
-        if found:
+        if found and (has_function or service.type != INFORMATION):
+            has_function = True
             part = _part(service, own_name, tuple(capability for capability, _ in found.values()))
             yield HomekitPart(part, service, {name: row for name, (_, row) in found.items()})
 

@@ -76,7 +76,7 @@ def describe(
         {fact: text for fact, text in facts.items() if text},
         identifiers([f"homekit {found.id.upper()} {own}"] + [serial] * (is_own and serials.count(serial) == 1)),
         authenticated=accessory is not None,  # it has proved the key of its pairing
-        service_type="" if any(one.part.category != "config" for one in parts.values()) else found.service_type,
+        service_type="" if parts else found.service_type,
         raw_address=f"homekit/{key}",
         sleeps=known.sleeps,
     )
