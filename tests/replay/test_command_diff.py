@@ -48,6 +48,13 @@ def test_what_an_app_says_again_within_a_second_counts_once() -> None:
     assert command_diff([given(10), given(10.5)], [given(10)], ISSUERS, 1000.0).same == 1
 
 
+def test_a_repeat_on_one_side_may_be_a_command_of_its_own_on_the_other() -> None:
+    """The app commanded again 0.99 s later in the recording, and 1.01 s later in the replay; or the other way."""
+    close, apart = [given(10), given(10.99)], [given(10), given(11.01)]
+    assert kinds(close, apart) == []
+    assert kinds(apart, close) == []
+
+
 def test_what_is_taken_back_between_is_no_repeat() -> None:
     strobe = [given(10), given(10.2, value=True), given(10.4)]
     assert kinds([given(10)], strobe) == [("added", 10.2), ("added", 10.4)]

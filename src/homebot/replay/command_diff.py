@@ -62,12 +62,13 @@ def command_diff(
     """
     before = [one for one in recorded if one.command.issuer in issuers]
     now = [one for one in replayed if one.command.issuer in issuers]
-    sent_before = _without_repeats(filter(is_carried_out, before))
+    sent_before, repeated_before = _split_repeats(filter(is_carried_out, before))
+    sent_now, repeated_now = _split_repeats(filter(is_carried_out, now))
     matcher = CommandMatcher(sent_before)
-    added = [one for one in _without_repeats(filter(is_carried_out, now)) if matcher.pop(one) is None]
+    added = [one for one in sent_now if matcher.pop(one) is None]
     gone = matcher.left
-    different = [DifferentCommand("added", one, _refusal(one, before)) for one in added]
-    different += [DifferentCommand("gone", one, _refusal(one, now)) for one in gone]
+    different = [DifferentCommand("added", one, _refusal(one, before)) for one in _missing(added, repeated_before)]
+    different += [DifferentCommand("gone", one, _refusal(one, now)) for one in _missing(gone, repeated_now)]
     kept = sorted((one for one in different if one.given.at <= ends_at - _TOLERANCE), key=_order)
     return CommandDiff(tuple(kept), len(sent_before) - len(gone))
 
@@ -122,13 +123,20 @@ def _refusal(given: TimedCommand, others: Iterable[TimedCommand]) -> str:
     return ""
 
 
-def _without_repeats(commands: Iterable[TimedCommand]) -> list[TimedCommand]:
-    """Return *commands*, in the order of time, without repetitions by their app within 1 s.
+def _missing(commands: Iterable[TimedCommand], repeats: Iterable[TimedCommand]) -> list[TimedCommand]:
+    """Return the *commands* that are not even among the *repeats* of the other: 0.99 s there may be 1.01 s here."""
+    matcher = CommandMatcher(repeats)
+    return [one for one in commands if matcher.pop(one) is None]
+
+
+def _split_repeats(commands: Iterable[TimedCommand]) -> tuple[list[TimedCommand], list[TimedCommand]]:
+    """Return *commands*, in the order of time, and apart the repetitions by their app within 1 s.
 
     Their number depends on the load of the computer: a lamp may report the same three times while an app still acts on
     the first. Commands with an effect each time, such as a press, and raw texts are no repetitions.
     """
     kept: list[TimedCommand] = []
+    repeats: list[TimedCommand] = []
     latest: dict[tuple[str, str, str], TimedCommand] = {}
     for one in commands:
         command = one.command
@@ -137,10 +145,11 @@ def _without_repeats(commands: Iterable[TimedCommand]) -> list[TimedCommand]:
         is_repeatable = not command.text and not any(each.capability in MOMENTARY for each in command.settings)
         is_same = before is not None and _key(before.command) == _key(command)
         if before is not None and is_same and is_repeatable and one.at <= before.at + _TOLERANCE + _ROUNDED:
+            repeats.append(one)
             continue
         latest[place] = one
         kept.append(one)
-    return kept
+    return kept, repeats
 
 
 def _key(command: RecordedCommand) -> _Key:
