@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from homebot.cli.plan_picture import PlanPicture
+from homebot.cli.house_picture import PlanPicture
 
 PLAN = PlanPicture(
     {"kitchen": (-5.0, 2.0, 5.0, 7.0), "study": (5.0, 2.0, 15.0, 7.0), "hall": (-5.0, -1.0, 15.0, 2.0)},

@@ -15,7 +15,7 @@ from tests.patience import PATIENCE
 from homebot.cli import main
 from homebot.cli.commands.run import configuration
 from homebot.cli.main import make_parser
-from homebot.cli.watchdog import Watchdog
+from homebot.cli.serve import Watchdog
 from homebot.config import Config
 from homebot.errors import ConfigError
 from homebot.house import World

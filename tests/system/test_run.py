@@ -21,7 +21,7 @@ from tests.ports import reserve_port
 from tests.system.own_time import own_time_until_end
 from tests.turns import slowness
 
-from homebot.cli.watchdog import EXIT_AFTER
+from homebot.cli.serve import EXIT_AFTER
 
 STOPS_WITHIN = 5.0
 

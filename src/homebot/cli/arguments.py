@@ -9,7 +9,7 @@ import re
 from collections.abc import Callable, Collection
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Final, Protocol, TypeAlias
+from typing import Final, TypeAlias
 from urllib.parse import urlsplit
 
 from homebot.errors import ConfigError, UsageError
@@ -20,7 +20,7 @@ __all__ = [
     "Command",
     "Commands",
     "add_broker_option",
-    "add_global_options",
+    "add_door_options",
     "add_verb",
     "add_verbs",
     "address",
@@ -43,27 +43,14 @@ DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = ("127.0.0.1", 9090)
 
 Command: TypeAlias = "Callable[[argparse.Namespace], int]"
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - argparse has no other way
+"""The commands below one."""
 
 _CONNECTION: Final = ("door", "home", "token_file")
 """The options that say which homebot a command connects to."""
 
 _HOST = re.compile(r"[\w.-]+")
 _NUMBER = re.compile(r"-?[0-9]+([.][0-9]*)?")
-
-
-class Commands(Protocol):
-    """The return type of ``ArgumentParser.add_subparsers``: takes a parser for one more command."""
-
-    def add_parser(
-        self,
-        name: str,
-        *,
-        help: str,  # noqa: A002  # argparse's spelling
-        description: str,
-        formatter_class: type[argparse.HelpFormatter],
-    ) -> argparse.ArgumentParser:
-        """Add a parser."""
-        ...
 
 
 def set_command(
@@ -78,14 +65,13 @@ def set_client_command(parser: argparse.ArgumentParser, command: Command, exampl
     """Make *parser* the one of *command*, which connects to a running homebot and, if it *acts*, changes something."""
     set_command(parser, command, examples, _CONNECTION)
     parser.set_defaults(acts=acts)
-    _add_door_options(parser, argparse.SUPPRESS)
+    add_door_options(parser, argparse.SUPPRESS)
 
 
 def add_verbs(parser: argparse.ArgumentParser, examples: str) -> Commands:
     """Return where the commands below *parser* go, such as ``list`` of ``homebot topic``."""
     parser.epilog = f"examples:\n{examples}"
-    verbs: Commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    return verbs
+    return parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
 
 def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParser:
@@ -96,11 +82,6 @@ def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParse
         description=f"{summary[0].upper()}{summary[1:]}.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-
-
-def add_global_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that may stand before any command that connects to a running homebot, and after it as well."""
-    _add_door_options(parser, None)
 
 
 def unused_option(options: argparse.Namespace) -> str:
@@ -242,7 +223,8 @@ def _hidden(text: str) -> str:
     return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 
-def _add_door_options(parser: argparse.ArgumentParser, default: str | None) -> None:
+def add_door_options(parser: argparse.ArgumentParser, default: str | None = None) -> None:
+    """Add the options that say which homebot to connect to; they may stand before a command, and after it as well."""
     door = parser.add_argument_group("connection to a running homebot")
     door.add_argument(
         "--door",

@@ -50,14 +50,6 @@ class DoorAddress(NamedTuple):
     home: str = ""
 
 
-class _NamedHome(NamedTuple):
-    """A home of the file; *token_file* has its token, None for none."""
-
-    host: str
-    port: int
-    token_file: Path | None
-
-
 def door_of(options: argparse.Namespace) -> DoorAddress:
     """Return the door that *options*, a configuration beside or the environment name.
 
@@ -78,21 +70,17 @@ def _of_home(options: argparse.Namespace) -> DoorAddress:
     """Return the door of the home that ``--home`` names; no token of the environment is sent there."""
     if options.door:
         raise UsageError("--home and --door both say where homebot is; give one of them")
-    path = _homes_file()
-    home = _named_home(options.home, path)
-    file, said_by = (home.token_file, str(path)) if options.token_file is None else (options.token_file, "--token-file")
-    token = "" if file is None else _read_token(Path(file), said_by)
-    return DoorAddress(_LOOPBACK.get(home.host, home.host), home.port, token, str(path))
-
-
-def _homes_file() -> Path:
     from platformdirs import user_config_path  # noqa: PLC0415 - only with --home
 
-    return user_config_path("homebot", appauthor=False) / "homes.toml"
+    path = user_config_path("homebot", appauthor=False) / "homes.toml"
+    (host, port), token_file = _named_home(options.home, path)
+    file, said_by = (token_file, str(path)) if options.token_file is None else (options.token_file, "--token-file")
+    token = "" if file is None else _read_token(Path(file), said_by)
+    return DoorAddress(_LOOPBACK.get(host, host), port, token, str(path))
 
 
-def _named_home(name: str, path: Path) -> _NamedHome:
-    """Return the home *name* of the file *path*, which must not be open to other users."""
+def _named_home(name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
+    """Return address and token file of the home *name* of the file *path*, which must not be open to other users."""
     source, example = str(path), _EXAMPLE.format(name=name)
     if not path.exists():
         raise ConfigError(source, "", f"does not exist; {example}")
@@ -104,20 +92,16 @@ def _named_home(name: str, path: Path) -> _NamedHome:
     table = homes[name]
     if not isinstance(table, dict) or not isinstance(table.get("door"), str):
         raise ConfigError(source, name, f"names no address; {example}")
-    return _home_in(table, name, path)
-
-
-def _home_in(table: TomlTable, name: str, path: Path) -> _NamedHome:
-    source, file = str(path), table.get("token_file")
+    file = table.get("token_file")
     for key in table.keys() - {"door", "token_file"}:
         raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))
     try:
-        host, port = door_address(str(table["door"]))
+        address = door_address(table["door"])
     except argparse.ArgumentTypeError as exc:
         raise ConfigError(source, f"{name}.door", str(exc)) from exc
     if file is not None and not isinstance(file, str):
         raise ConfigError(source, f"{name}.token_file", f"must be a text in quotes, got {file!r}")
-    return _NamedHome(host, port, path.parent / file if file else None)
+    return address, path.parent / file if file else None
 
 
 def _table(path: Path) -> tuple[TomlTable, str]:

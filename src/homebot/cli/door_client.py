@@ -14,7 +14,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 from urllib.parse import unquote
 
 from websockets.client import ClientProtocol
@@ -24,7 +24,7 @@ from websockets.http11 import Response
 from websockets.protocol import State
 from websockets.uri import parse_uri
 
-from homebot.cli.arguments import DEFAULT_CONFIG
+from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
 from homebot.cli.door_address import DoorAddress, door_of
 from homebot.devices.names import HOME_HEADER
 from homebot.devices.wording.json_message import JsonMessage
@@ -32,7 +32,9 @@ from homebot.errors import LinkError, PeerError, RefusedError, ServiceTimeoutErr
 from homebot.support.connect_errors import connect_problem
 from homebot.support.printable import printable
 
-__all__ = ["DoorClient", "ReceivedMessage", "door_command", "open_door", "with_client"]
+__all__ = ["DoorClient", "ReceivedMessage", "open_door", "set_door_command", "with_client"]
+
+DoorCommand: TypeAlias = "Callable[[DoorClient, argparse.Namespace], int]"
 
 _MAX_WAITING: Final = 10_000  # messages of topics that come while something else is awaited
 _MAX_FRAME: Final = 64 * 1024 * 1024
@@ -57,7 +59,14 @@ class ReceivedMessage(NamedTuple):
     lost: int
 
 
-def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int]) -> int:
+def set_door_command(
+    parser: argparse.ArgumentParser, command: DoorCommand, examples: str, *, acts: bool = False
+) -> None:
+    """Make *parser* the one of *command*, as :func:`set_client_command` does, and connect before it is called."""
+    set_client_command(parser, lambda options: with_client(options, command), examples, acts=acts)
+
+
+def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
     """Run *command* with a connection to the homebot that *options* name, and return its exit code.
 
     Raises:
@@ -69,14 +78,9 @@ def with_client(options: argparse.Namespace, command: Callable[[DoorClient], int
         if options.acts and door.home and sys.stderr.isatty():
             print(f"in {door.home} on {door.where}", file=sys.stderr)
         try:
-            return command(door)
+            return command(door, options)
         except KeyError as exc:  # answers are read as they come, without a model that would check them
             raise WireError(f"homebot answered without the field {exc}; is it of another version?") from exc
-
-
-def door_command(function: Callable[[DoorClient, argparse.Namespace], int]) -> Callable[[argparse.Namespace], int]:
-    """Return *function* as a command that connects first; see :func:`with_client`."""
-    return lambda options: with_client(options, lambda door: function(door, options))
 
 
 def _check_home(door: DoorClient, address: DoorAddress) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from typing import Final
 
-from homebot.cli.arguments import Commands, add_verb, set_client_command
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.arguments import Commands, add_verb
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.flow import message, type_or_message
 from homebot.cli.graph_queries import entities, is_hidden, not_found
 from homebot.errors import PeerError
@@ -26,13 +26,13 @@ def add_entity_verbs(verbs: Commands, kind: str, name: str, ros_type: str) -> No
     """Add the commands for each *kind*, a key of the table above; *name* and *ros_type* are those of the examples."""
     listed = add_verb(verbs, "list", f"list every {kind}")
     listed.add_argument("-t", "--show-types", action="store_true", help=f"show each {kind}'s type")
-    set_client_command(listed, _list, f"  homebot {kind} list\n  homebot {kind} list -t\n")
+    set_door_command(listed, _list, f"  homebot {kind} list\n  homebot {kind} list -t\n")
     typed = add_verb(verbs, "type", f"print the type of one {kind}")
     typed.add_argument("name", metavar=kind.upper(), help=f"name of the {kind}")
-    set_client_command(typed, _type, f"  homebot {kind} type {name}\n")
+    set_door_command(typed, _type, f"  homebot {kind} type {name}\n")
     found = add_verb(verbs, "find", f"list the {kind}s of a type")
     found.add_argument("type", metavar="TYPE", help=f"type of the {kind}s")
-    set_client_command(found, _find, f"  homebot {kind} find {ros_type}\n")
+    set_door_command(found, _find, f"  homebot {kind} find {ros_type}\n")
     for command in (listed, typed, found):
         command.set_defaults(kind=kind, all=False)
     for command in (listed, found):
@@ -73,28 +73,18 @@ def check_type(kind: str, name: str, ros_type: str, expected: str) -> None:
         raise PeerError(f"{kind} {name} is a {ros_type}, not a {expected}")
 
 
-@door_command
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print every name, one a line."""
     for name, ros_type in _types(door, options.kind, show_hidden=options.all).items():
         print(f"{name} [{ros_type}]" if options.show_types else name)
     return 0
 
 
-@door_command
 def _type(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the type of a name."""
     print(type_of(door, options.kind, options.name))
     return 0
 
 
-@door_command
 def _find(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the names of a type, one a line.
-
-    Raises:
-        PeerError: There are none; names similar types.
-    """
     kind, known = options.kind, _types(door, options.kind, show_hidden=options.all)
     found = [name for name, ros_type in known.items() if _short(ros_type) == _short(options.type)]
     if not found:

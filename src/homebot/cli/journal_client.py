@@ -6,20 +6,15 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, cast, final
 
 from homebot.cli.door_client import DoorClient
-from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE, READ_JOURNAL
+from homebot.devices.names import READ_JOURNAL
 from homebot.devices.wording.json_message import JsonMessage, fields_of
-from homebot.devices.wording.time_format import from_seconds, iso
+from homebot.devices.wording.time_format import iso
 from homebot.devices.wording.values import plain_value
 
 if TYPE_CHECKING:
-    from homebot.devices import KeyValue
+    from homebot.devices import Device, KeyValue
     from homebot.devices.command_messages import CommandResult, Setting
-    from homebot.devices.journal_messages import (
-        ExplainDeviceResponse,
-        ExplainMissingStateResponse,
-        JournalEntry,
-        ReadJournalResponse,
-    )
+    from homebot.devices.journal_messages import JournalEntry
     from homebot.devices.trigger import Trigger
     from homebot.devices.value import Reading
 
@@ -34,51 +29,16 @@ class JournalClient:
         names: The names of the devices that were in the entries, by id.
     """
 
-    def __init__(self, door: DoorClient) -> None:
+    def __init__(self, door: DoorClient, *known: Device) -> None:
         self._door = door
-        self.names: dict[str, str] = {}
+        self.names = {one.id: one.name for one in known}
 
-    def read(
-        self, *, device: str = "", command: str = "", since: float = 0.0, until: float = 0.0, limit: int = 0
-    ) -> ReadJournalResponse:
-        """Return the newest entries that fit, oldest first.
-
-        Args:
-            device: The id of the device; empty for all.
-            command: The id of the command; empty for all.
-            since: Seconds since 1970; 0 for no bound.
-            until: Seconds since 1970; 0 for no bound.
-            limit: How many at most; 0 for as many as one answer has.
+    def ask(self, service: str, request: Mapping[str, object]) -> JsonMessage:
+        """Return the answer of a *service* of the journal.
 
         Raises:
             PeerError: The journal cannot be read; the message says why.
         """
-        request = {
-            "device": device,
-            "command": command,
-            "since": from_seconds(since),
-            "until": from_seconds(until),
-            "limit": limit,
-        }
-        return cast("ReadJournalResponse", self._ask(READ_JOURNAL, request))
-
-    def explain(self, device: str) -> ExplainDeviceResponse:
-        """Return the last change of a device, with the chain of its causes.
-
-        Raises:
-            PeerError: The journal cannot be read; the message says why.
-        """
-        return cast("ExplainDeviceResponse", self._ask(EXPLAIN_DEVICE, {"device": device}))
-
-    def explain_missing(self, device: str, state: str) -> ExplainMissingStateResponse:
-        """Return the commands for a state of a device, and the denied requests for it.
-
-        Raises:
-            PeerError: The journal cannot be read; the message says why.
-        """
-        return cast("ExplainMissingStateResponse", self._ask(EXPLAIN_MISSING_STATE, {"device": device, "state": state}))
-
-    def _ask(self, service: str, request: Mapping[str, object]) -> JsonMessage:
         found = self._door.ask(service, request)
         names = cast("list[KeyValue]", found.names)
         self.names.update({one.key: one.value for one in names})
@@ -88,7 +48,7 @@ class JournalClient:
         """Read the name of a device that an entry is about, unless it is known."""
         if device and device not in self.names:
             self.names[device] = device
-            self.read(device=device, limit=1)
+            self.ask(READ_JOURNAL, {"device": device, "limit": 1})
 
 
 def chain_json(entries: Iterable[JournalEntry], names: Mapping[str, str]) -> list[dict[str, object]]:

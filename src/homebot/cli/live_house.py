@@ -2,29 +2,31 @@
 
 from __future__ import annotations
 
+import io
 import os
 import shutil
 import sys
-from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Iterator, Sequence
+from contextlib import asynccontextmanager, contextmanager
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, final
+from typing import TYPE_CHECKING, Final, TextIO, cast, final
 
 import anyio
 from anyio import to_thread
 
 from homebot.cli.arguments import DEFAULT_DOOR
-from homebot.cli.house_picture import HousePicture, lines_of
-from homebot.cli.plan_picture import Line, PlanPicture
+from homebot.cli.house_picture import HousePicture, Line, PlanPicture, lines_of
 from homebot.cli.story import Story
-from homebot.cli.terminal import rich_terminal
+from homebot.cli.terminal import is_terminal, rich_terminal
 from homebot.devices.house_view import HouseView
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.wording.values import plain_value
 from homebot.graph import Node
 from homebot.house.rooms import DAY, DOOR_WIDTH, OUTSIDE
+from homebot.log import configure_logging
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
@@ -32,13 +34,14 @@ if TYPE_CHECKING:
     from homebot.graph import Graph
     from homebot.house import World
 
-__all__ = ["LiveHouse", "shown"]
+__all__ = ["LiveHouse", "quiet_log", "shown"]
 
 _EVERY: Final = 0.5
 """Seconds between two pictures: one takes up to 40 ms of a processor."""
 
 _LAST_LINES: Final = 8
 _ENTRIES: Final = 1000
+_LOG_LINES: Final = 40
 
 
 @final
@@ -99,7 +102,6 @@ class LiveHouse:
         """End with the node."""
 
     def _time(self) -> str:
-        """Return the time of day in the house."""
         passed = (self._clock.now() - self._began) * self._world.time.pace
         minutes = int(max(self._lived + passed, self._world.now) % DAY) // 60
         return f"{minutes // 60:02}:{minutes % 60:02}"
@@ -151,3 +153,32 @@ def _hint(world: World, page: str) -> str:
     address = page.rpartition("/")[2]
     door = "" if address == "{}:{}".format(*DEFAULT_DOOR) else f" --door {address}"
     return f"Try in a second terminal:  {program} why {lamp}{door}    (Ctrl-C ends)"
+
+
+@final
+class _LastLines(io.TextIOBase):
+    """The newest lines of the log, which would tear the view."""
+
+    def __init__(self) -> None:
+        self.lines: deque[str] = deque(maxlen=_LOG_LINES)
+
+    def write(self, text: str) -> int:
+        """Keep *text*, and drop the oldest."""
+        self.lines.append(text)
+        return len(text)
+
+
+@contextmanager
+def quiet_log() -> Iterator[None]:
+    """Keep the log from the terminal during the block; show its end after an error."""
+    if not is_terminal(sys.stderr):
+        configure_logging()
+        yield
+        return
+    log = _LastLines()
+    configure_logging(stream=cast("TextIO", log))
+    try:
+        yield
+    except BaseException:
+        sys.stderr.write("".join(log.lines))
+        raise

@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from io import TextIOWrapper
 from typing import Final
 
-from homebot.cli.arguments import add_global_options, unused_option
+from homebot.cli.arguments import add_door_options, add_verb, unused_option
 from homebot.cli.parser import SHELLS, CommandParser, PrintCompletion
 from homebot.errors import HomebotError
 from homebot.support.output import clean_output
@@ -117,7 +117,7 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
 
     Where a command comes first it knows no other: to make the parsers of all takes 3 ms.
     """
-    parser = CommandParser(
+    parser: argparse.ArgumentParser = CommandParser(
         prog="homebot",
         description="The home runtime for robots: find every device in the house, and control it.",
         epilog=_EPILOG,
@@ -131,16 +131,10 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
         whole_parser=make_parser,
         help='print the completion script for a shell; use it as: eval "$(homebot --print-completion bash)"',
     )
-    add_global_options(parser)
+    add_door_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name in _needed_commands(argv):
-        summary = COMMANDS[name]
-        command = commands.add_parser(
-            name,
-            help=summary,
-            description=f"{summary[0].upper()}{summary[1:]}.",
-            formatter_class=argparse.RawDescriptionHelpFormatter,
-        )
+        command = add_verb(commands, name, COMMANDS[name])
         if argv is None or name in argv:
             _add_arguments(name, command)
     return parser
@@ -183,7 +177,6 @@ def _flushed(code: int) -> int:
 
 
 def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
-    """Add the arguments of *command*, and the function that runs it, to its *parser*."""
     with gc_paused(), _minimal_structlog_imports():
         module = importlib.import_module(f"homebot.cli.commands.{_MODULES.get(command, command)}")
     add_arguments: Callable[[argparse.ArgumentParser], None]

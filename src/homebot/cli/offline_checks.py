@@ -59,7 +59,6 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
 
 
 def _finding(kind: FindingKind, rows: Iterable[FindingRow]) -> Iterator[Finding]:
-    """Yield the finding with *rows*, if there are any."""
     if found := tuple(rows):
         yield Finding(kind, "", found)
 

@@ -17,7 +17,7 @@ from rich.text import Text
 from homebot.support.output import CleanText
 
 if TYPE_CHECKING:
-    from homebot.cli.plan_picture import Line
+    from homebot.cli.house_picture import Line
 from homebot.support.printable import printable
 
 __all__ = ["RichTerminal"]
@@ -147,7 +147,6 @@ def _style(cell: str) -> str:
 
 
 def _widths(head: Sequence[str], rows: Sequence[Sequence[Text]]) -> dict[int, int]:
-    """Return the width of each column by its place."""
     return {place: max(len(name), *(row[place].cell_len for row in rows), 0) for place, name in enumerate(head)}
 
 

@@ -138,7 +138,6 @@ class RobotMap(NamedTuple):
             yield HouseRoom(name, polygons=((ring,),))
 
     def _closed_cells(self, doors: Iterable[Sequence[Point]]) -> Image.Image:
-        """Return the cells with all doors closed."""
         cells = self.cells.copy()
         for first, last in doors:
             share = 1 + _BESIDE / (math.dist(first, last) or 1.0)

@@ -7,6 +7,7 @@ import os
 import signal
 import socket
 import threading
+import time
 from collections.abc import AsyncIterator, Awaitable, Callable, Collection, Coroutine, Iterator
 from contextlib import (
     AbstractAsyncContextManager,
@@ -15,22 +16,30 @@ from contextlib import (
     contextmanager,
     nullcontext,
 )
-from types import FrameType
-from typing import Final, TypeVar
+from types import FrameType, TracebackType
+from typing import Final, Self, TypeVar, final
 
 import anyio
 
-from homebot.cli.watchdog import Watchdog
 from homebot.support.logger import get_logger
-from homebot.support.production_loop import ProductionLoop
+from homebot.support.production_loop import ProductionLoop, own_time
 
-__all__ = ["on_an_event_loop", "serve"]
+__all__ = ["Watchdog", "on_an_event_loop", "serve"]
 
 Result = TypeVar("Result")
-
 _HANGUP: Final[signal.Signals | None] = getattr(signal, "SIGHUP", None)  # Windows has none
 _STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM, *(() if _HANGUP is None else (_HANGUP,)))
 _log = get_logger(node="/homebot")
+
+LEFT_BEHIND = "runtime.left_behind"
+WARN_AFTER = 4.5
+EXIT_AFTER = 4.8
+"""Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five.
+
+Those do not count in which the process got no processor, as the computer slept or was too busy.
+"""
+
+_LOOK_EVERY = 0.1
 
 
 def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
@@ -191,3 +200,55 @@ def _has_terminal() -> bool:
 
 def _log_hangup() -> None:
     _log.warning("runtime.hangup", message="SIGHUP was received: homebot stops")
+
+
+@final
+class Watchdog:
+    """``with Watchdog() as watchdog``: once started, it lets the block take 4.8 s more and then ends the process.
+
+    It sits in threads of its own, so that neither an event loop that is blocked nor a terminal that takes no more text
+    keeps the process alive.
+    """
+
+    def __init__(self) -> None:
+        self._over = threading.Event()
+        actions = ((WARN_AFTER, _warn), (EXIT_AFTER, _exit))
+        self._threads = [threading.Thread(target=self._run, args=one, name="watchdog", daemon=True) for one in actions]
+        self._is_started = False
+        self._lock = threading.RLock()  # reentrant, as a signal may come in the middle of a start
+
+    def start(self) -> None:
+        """Let the time run. Twice is fine, and so are a signal handler and any thread."""
+        with self._lock:
+            if self._is_started:
+                return
+            self._is_started = True
+            for thread in self._threads:
+                thread.start()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._over.set()
+
+    def _run(self, seconds: float, act: Callable[[], None]) -> None:
+        left, looked, used = seconds, time.monotonic(), time.process_time()
+        while left > 0:
+            wait = min(left, _LOOK_EVERY)
+            if self._over.wait(wait):
+                return
+            before, looked = looked, time.monotonic()
+            used_before, used = used, time.process_time()
+            left -= own_time(looked - before, used - used_before, wait)
+        act()
+
+
+def _warn() -> None:
+    _log.critical(LEFT_BEHIND, message="not everything stopped in time; exiting anyway")
+
+
+def _exit() -> None:
+    os._exit(1)

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from textwrap import indent
 from typing import Final
 
-from homebot.cli.arguments import add_verb, add_verbs, set_client_command
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.arguments import add_verb, add_verbs
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.entity_verbs import add_entity_verbs, add_value_arguments, check_type, type_of
 from homebot.cli.graph_queries import entities
 from homebot.cli.yaml import to_yaml
@@ -36,16 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_entity_verbs(verbs, "action", "/navigate_to_pose", "nav2_msgs/action/NavigateToPose")
     command = add_verb(verbs, "info", "show the servers and clients of an action")
     command.add_argument("action", metavar="ACTION", help="name of the action")
-    set_client_command(command, _info, "  homebot action info /navigate_to_pose\n")
+    set_door_command(command, _info, "  homebot action info /navigate_to_pose\n")
     command = add_verb(verbs, "send_goal", "send a goal, and wait for its result; Ctrl-C cancels it")
     add_value_arguments(command, "action", "goal")
     command.add_argument("-f", "--feedback", action="store_true", help="print the feedback too")
-    set_client_command(command, _send_goal, _GOAL_EXAMPLES, acts=True)
+    set_door_command(command, _send_goal, _GOAL_EXAMPLES, acts=True)
 
 
-@door_command
 def _info(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the type of an action, and the nodes at both ends."""
     name = absolute_name(options.action)
     print(f"Action: {name} [{type_of(door, 'action', name)}]")
     for kind in ("action client", "action server"):
@@ -54,7 +52,6 @@ def _info(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-@door_command
 def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
     """Send a goal and print its result; return 1 unless it succeeded."""
     name = absolute_name(options.action)

@@ -8,10 +8,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import Commands, add_verb, add_verbs, set_client_command
+from homebot.cli.arguments import Commands, add_verb, add_verbs
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time
-from homebot.cli.door_client import DoorClient, door_command, with_client
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_table
 from homebot.clock import read_zone
 from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot app``."""
     verbs = add_verbs(parser, _EXAMPLES)
     command = add_verb(verbs, "list", "list the apps with their jobs, and when these are called next")
-    set_client_command(command, _list, "  homebot app list --json\n")
+    set_door_command(command, _list, "  homebot app list --json\n")
     command.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
     _add(verbs, "load", LOAD_APP, "start an app of the configuration, an installed one, or one in a file")
     _add(verbs, "reload", RELOAD_APP, "replace an app by its code and settings as they are now")
@@ -52,22 +52,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _add(verbs: Commands, name: str, service: str, summary: str) -> None:
     parser = add_verb(verbs, name, summary)
-    set_client_command(parser, partial(_change, service), _EXAMPLES)
+    set_door_command(parser, partial(_change, service), _EXAMPLES)
     what = "its name, or FILE.py, or FILE.py:CLASS" if service == LOAD_APP else "its name"
     parser.add_argument("app", metavar="APP", help=what)
 
 
-def _change(service: str, options: argparse.Namespace) -> int:
-    """Ask for a change of an app, and print the answer."""
-
-    def change(door: DoorClient) -> int:
-        answer = door.call(service, {"app": _absolute(options.app)}, timeout=_LONGEST)
-        if not answer["success"]:
-            raise PeerError(printable(str(answer["message"]), 2000))
-        print(printable(str(answer["message"]), 2000))
-        return 0
-
-    return with_client(options, change)
+def _change(service: str, door: DoorClient, options: argparse.Namespace) -> int:
+    answer = door.call(service, {"app": _absolute(options.app)}, timeout=_LONGEST)
+    text = printable(str(answer["message"]), 2000)
+    if not answer["success"]:
+        raise PeerError(text)
+    print(text)
+    return 0
 
 
 def _absolute(app: str) -> str:
@@ -76,9 +72,7 @@ def _absolute(app: str) -> str:
     return f"{Path(file).resolve()}{colon}{kind}" if file.endswith(".py") else app
 
 
-@door_command
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the apps, each with its jobs below it."""
     answer = cast("AppsResponse", JsonMessage(door.call(LIST_APPS, {})))
     apps = answer.apps
     if options.json:

@@ -48,7 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _back_up(options: argparse.Namespace) -> int:
-    """Write the archive."""
     configure_logging()
     path = Path(options.config)
     tables = load_tables(path)
@@ -83,7 +82,7 @@ def _copies(folder: Path, options: argparse.Namespace) -> Path:
         if "in use" not in str(exc):
             raise
 
-    def ask(door: DoorClient) -> int:
+    def ask(door: DoorClient, _: argparse.Namespace) -> int:
         answers.append(door.call(COPY_FILES, timeout=_LONGEST))
         return 0
 

@@ -32,7 +32,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _check(options: argparse.Namespace) -> int:
-    """Read the file, find its plug-ins, check every table and credential, and print the parts that would run."""
     configure_logging()
     path = Path(options.config)
     if errors := config_errors(load_tables(path), path):

@@ -7,10 +7,10 @@ import sys
 from collections.abc import Callable, Container
 from typing import TYPE_CHECKING, TypeVar
 
-from homebot.cli.arguments import add_broker_option, set_client_command
+from homebot.cli.arguments import add_broker_option
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, find_devices, house_time, unapproved
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import home_name
 from homebot.cli.terminal import print_table
 from homebot.devices.query.tokens import quoted
@@ -48,26 +48,21 @@ and `partly unreachable` if only some of its parts are. An `unapproved` device c
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot devices``."""
-    set_client_command(parser, _devices, _EXAMPLES)
+    set_door_command(parser, _devices, _EXAMPLES)
     parser.add_argument("--type", metavar="T", default="", help="only devices of this type, for example lights")
     parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each device to this directory")
     add_broker_option(parser)
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 
-def _devices(options: argparse.Namespace) -> int:
-    """Print the devices as a table or as a JSON list, or write their Thing Descriptions."""
+def _devices(door: DoorClient, options: argparse.Namespace) -> int:
     print_all = _write_things if options.td else _print_json if options.json else _print_table
-
-    def run(door: DoorClient) -> int:
-        try:
-            print_all(door, options)
-        except _UnknownTypeError as exc:
-            print(f"homebot: {exc}", file=sys.stderr)
-            return _WRONG_COMMAND_LINE
-        return 0
-
-    return with_client(options, run)
+    try:
+        print_all(door, options)
+    except _UnknownTypeError as exc:
+        print(f"homebot: {exc}", file=sys.stderr)
+        return _WRONG_COMMAND_LINE
+    return 0
 
 
 class _UnknownTypeError(UsageError):

@@ -69,10 +69,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    """Let devices be commanded, and print the outcomes."""
     request = _request(options)
 
-    def run(door: DoorClient) -> int:
+    def run(door: DoorClient, _: argparse.Namespace) -> int:
         home = home_name(door)
         answer = cast("CommandDevicesResponse", JsonMessage(door.call(COMMAND_DEVICES, request, _LONGEST)))
         if options.json:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, cast
 
 from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
 from homebot.cli.device_queries import find_devices, house_time
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, with_client
 from homebot.cli.findings import Finding, FindingKind, FindingRow, finding_json, print_finding
 from homebot.cli.graph_queries import entities
 from homebot.cli.publishing import GATEWAY_STATE, gateway_state
@@ -86,7 +86,7 @@ def _doctor(options: argparse.Namespace) -> int:
     if options.config or options.reach:
         raise UsageError("--config and --reach are for --offline; a running homebot knows its configuration")
     try:
-        return _ask(options)
+        return with_client(options, _ask)
     except LinkError as exc:
         raise LinkError(f"{exc}; `homebot doctor --offline` checks what it needs") from exc
 
@@ -99,7 +99,6 @@ def _check_offline(options: argparse.Namespace) -> int:
     return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
 
 
-@door_command
 def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     now = house_time(door)
     total, unconfirmed = (find_devices(door, query, 1).total for query in ("", "unconfirmed"))

@@ -6,10 +6,10 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import set_client_command, whole
+from homebot.cli.arguments import whole
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import find_devices, note_near_matches, unapproved, why_none
-from homebot.cli.door_client import DoorClient, with_client
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import is_terminal, print_table, to_table, without_empty
 from homebot.devices.query.tokens import MAX_QUERY, quoted
 from homebot.devices.wording.values import life, state_text, types
@@ -43,35 +43,31 @@ names and models, with `and`, `or`, `not` and parentheses.
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot find``."""
-    set_client_command(parser, _find, _EXAMPLES)
+    set_door_command(parser, _find, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="+", help="search terms, see below")
     parser.add_argument("--why", action="store_true", help="show why each device matches and ranks where it does")
     parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the N best matches (default: 50)")
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 
-def _find(options: argparse.Namespace) -> int:
+def _find(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the matches of a query, best first; return 1 if there are none."""
     query = " ".join(options.query)
-
-    def run(door: DoorClient) -> int:
-        found = _found(door, query, options.limit)
-        if options.json:
-            waiting = unapproved(door)
-            results = [
-                device_json(one.device, waiting) | {"score": one.score, "reasons": one.reasons} for one in found.results
-            ]
-            print(list_text([json_text(one) for one in results]))
-        elif not found.results:
-            print(why_none(door, query))
-            _show_left_out(found)
-        else:
-            note_near_matches(found)
-            _show(found, why=options.why)
-            _show_left_out(found)
-        return 0 if found.results else 1
-
-    return with_client(options, run)
+    found = _found(door, query, options.limit)
+    if options.json:
+        waiting = unapproved(door)
+        results = [
+            device_json(one.device, waiting) | {"score": one.score, "reasons": one.reasons} for one in found.results
+        ]
+        print(list_text([json_text(one) for one in results]))
+        return 0 if results else 1
+    if found.results:
+        note_near_matches(found)
+        _show(found, why=options.why)
+    else:
+        print(why_none(door, query))
+    _show_left_out(found)
+    return 0 if found.results else 1
 
 
 def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
@@ -86,7 +82,6 @@ def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
 
 
 def _named(door: DoorClient, name: str, limit: int) -> QueryDevicesResponse | None:
-    """Return the devices called *name*, if there are any."""
     query = f"name={quoted(name)}"
     found = find_devices(door, query, limit) if len(query) <= MAX_QUERY else None
     return found if found and found.results else None

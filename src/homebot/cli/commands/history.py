@@ -12,9 +12,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import duration, set_client_command, whole
+from homebot.cli.arguments import duration, whole
 from homebot.cli.device_queries import device_or_similar, find_devices, house_time, note_near_matches, why_none
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.cli.terminal import print_table
 from homebot.devices.capabilities import CAPABILITIES
@@ -57,7 +57,7 @@ rows to show at most: more of them are joined. A pause is a time in which the va
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot history``."""
-    set_client_command(parser, _history, _EXAMPLES)
+    set_door_command(parser, _history, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="*", help="a device, by id or name, or a query as of `find`")
     parser.add_argument("--capability", metavar="NAME", default="", help="only this value, such as power")
     parser.add_argument("--since", metavar="SPAN", type=duration, help="the last SPAN, such as 2h or 7d (default: 24h)")
@@ -72,7 +72,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     form.add_argument("--json", action="store_true", help="print a JSON list, times in seconds since 1970")
 
 
-@door_command
 def _history(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the history of devices; return 1 if there is none."""
     text = " ".join(options.query)

@@ -55,12 +55,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _import(options: argparse.Namespace) -> int:
-    """Check a Thing Description, put it on the broker, and wait until it is a device."""
     text, thing = _read(options.file)
     name = topic_level(options.name or thing.id or thing.title)
     topic = f"{options.prefix}/{name}/td"
 
-    def run(door: DoorClient) -> int:
+    def run(door: DoorClient, _: argparse.Namespace) -> int:
         publisher = GatewayPublisher(door)
         publisher.check(options.gateway)
         door.subscribe(DEVICE_CHANGES)

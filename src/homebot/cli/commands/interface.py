@@ -53,7 +53,6 @@ def _interfaces(options: argparse.Namespace) -> Interfaces:
 
 
 def _list(options: argparse.Namespace) -> int:
-    """Print the names of interfaces, one a line."""
     names = _interfaces(options).names(options.package)
     if not names:
         raise UsageError(f"there is no package {options.package!r}; homebot interface list shows all")
@@ -62,7 +61,6 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace) -> int:
-    """Print the text of a type, and its hash as a comment."""
     known = _interfaces(options)
     found = _resolve(known, options.type)
     text = known.text(found.ros_type, found.ros_type.split("/")[1])

@@ -6,14 +6,14 @@ import argparse
 import json
 from typing import TYPE_CHECKING, Never, cast
 
-from homebot.cli.arguments import duration, set_client_command, whole
+from homebot.cli.arguments import duration, whole
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, entry_json
-from homebot.devices.names import JOURNAL_ENTRIES
+from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
 from homebot.devices.wording.journal_words import clock_text, entry_text, name_text, repeats, trigger_text
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import ago
+from homebot.devices.wording.time_format import ago, from_seconds
 
 if TYPE_CHECKING:
     from homebot.devices.journal_messages import JournalEntry, ReadJournalResponse
@@ -34,7 +34,7 @@ device did it by itself), and what the door refused. `homebot why DEVICE` tells 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot journal``."""
-    set_client_command(parser, _journal, _EXAMPLES)
+    set_door_command(parser, _journal, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", nargs="?", help="only entries about this device, by id or name")
     parser.add_argument(
         "--command", metavar="ID", default="", dest="command_id", help="only entries about this command"
@@ -47,16 +47,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print each entry as one line of JSON")
 
 
-@door_command
 def _journal(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print entries of the journal, oldest first."""
     client = JournalClient(door)
     device = named_device(door, options.device).id if options.device else ""
     now = house_time(door)
     if options.follow:
         door.subscribe(JOURNAL_ENTRIES)
     since = max(0.0, now - options.since) if options.since is not None else 0.0
-    found = client.read(device=device, command=options.command_id, since=since, limit=options.limit)
+    request = {"device": device, "command": options.command_id, "since": from_seconds(since), "limit": options.limit}
+    found = cast("ReadJournalResponse", client.ask(READ_JOURNAL, request))
     printer = _EntryPrinter(client, now, as_json=options.json)
     for entry in found.entries:
         printer.print(entry)

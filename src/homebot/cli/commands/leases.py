@@ -6,10 +6,9 @@ import argparse
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text, list_text
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_table
 from homebot.devices.names import END_LEASES, FIND_DEVICES, GET_LEASES
 from homebot.devices.wording.journal_words import issuer_text, settings_text, trigger_text
@@ -39,7 +38,7 @@ OUTRANKED is for how long a person's hand counts more. `homebot release DEVICE` 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot leases``."""
-    set_client_command(parser, _leases, _EXAMPLES)
+    set_door_command(parser, _leases, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", nargs="?", default="", help="only this device, by id or name")
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
@@ -52,13 +51,11 @@ def add_release_arguments(parser: argparse.ArgumentParser) -> None:
 Ends all leases of a device, whoever holds it; `homebot leases` shows them. It takes the right `manage`. The device
 stays as it is. A program whose lease was ended does not get the same one again: its block goes on without it.
 """
-    set_client_command(parser, _release, examples, acts=True)
+    set_door_command(parser, _release, examples, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 
-@door_command
 def _leases(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the holders of leases, with the held values and expiry times."""
     device = named_device(door, options.device).id if options.device else ""
     parts = cast("LeasesResponse", JsonMessage(door.call(GET_LEASES, {"device": device}))).parts
     if options.json:
@@ -72,9 +69,7 @@ def _leases(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-@door_command
 def _release(door: DoorClient, options: argparse.Namespace) -> int:
-    """End all leases of a device."""
     device = named_device(door, options.device).id
     parts = cast("LeasesResponse", JsonMessage(door.call(END_LEASES, {"device": device, "issuer": ""}))).parts
     for held in parts:

@@ -26,7 +26,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _serve(options: argparse.Namespace) -> int:
-    """Serve an agent until it leaves."""
     check_extra("homebot mcp", "mcp", "mcp")
     address = door_of(options)
     from homebot.cli.mcp_server import ApiClient, house_server  # noqa: PLC0415 - not before the extra is known to be there

@@ -38,7 +38,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
-    """Write an app and all that belongs to it."""
     folder = Path(options.folder).resolve()
     module = _module_name(folder.name)
     names = {

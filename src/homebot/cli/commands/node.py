@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from homebot.cli.arguments import add_verb, add_verbs, set_client_command
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.arguments import add_verb, add_verbs
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities, is_hidden, not_found
 from homebot.names import absolute_name
 
@@ -32,24 +32,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
     command = add_verb(verbs, "list", "list every node")
     command.add_argument("-a", "--all", action="store_true", help="show hidden nodes too")
-    set_client_command(command, _list, "  homebot node list\n")
+    set_door_command(command, _list, "  homebot node list\n")
     command = add_verb(verbs, "info", "show what a node publishes, subscribes to and serves")
     command.add_argument("node", metavar="NODE", help="full name of the node")
-    set_client_command(command, _info, "  homebot node info /rosapi\n")
+    set_door_command(command, _info, "  homebot node info /rosapi\n")
 
 
-@door_command
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print every node, one a line."""
     for one in entities(door, kind="node"):
         if options.all or not is_hidden(one):
             print(one.name)
     return 0
 
 
-@door_command
 def _info(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the topics and services that a node reads, publishes, serves and calls."""
     name = absolute_name(options.node)
     ends = entities(door, node=name)
     if not ends:

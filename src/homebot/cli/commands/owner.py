@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import device_or_similar, named_device, unapproved
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command, with_client
 from homebot.cli.publishing import GatewayPublisher
 from homebot.devices.names import (
     ALIAS_DEVICE,
@@ -108,7 +108,7 @@ def add_merge_arguments(parser: argparse.ArgumentParser) -> None:
 
 The directory remembers it over a restart; `homebot split` undoes it.
 """
-    set_client_command(parser, _merge, examples, acts=True)
+    set_door_command(parser, _merge, examples, acts=True)
     parser.add_argument(
         "devices",
         nargs="+",
@@ -178,7 +178,7 @@ def _set_command(parser: argparse.ArgumentParser, statement: _Statement, example
         statement(door, named_device(door, options.device), options)
         return 0
 
-    set_client_command(parser, door_command(state), examples, acts=True)
+    set_door_command(parser, state, examples, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
 
 
@@ -225,7 +225,6 @@ def _forget(door: DoorClient, device: Device, options: argparse.Namespace) -> No
             print(f"it was announced on {topic}; --purge deletes the retained message there")
 
 
-@door_command
 def _merge(door: DoorClient, options: argparse.Namespace) -> int:
     ids = [named_device(door, one).id for one in options.devices]
     answer = cast("MergeDevicesResponse", door.ask(MERGE_DEVICES, {"devices": ids}))
@@ -239,10 +238,9 @@ def _merge(door: DoorClient, options: argparse.Namespace) -> int:
 def _place(options: argparse.Namespace) -> int:
     if options.undo is bool(options.room or options.at):
         raise UsageError("give either a ROOM, --at, or both, or --undo")
-    return _place_at(options)
+    return with_client(options, _place_at)
 
 
-@door_command
 def _place_at(door: DoorClient, options: argparse.Namespace) -> int:
     known = device_or_similar(door, options.device)
     is_absent = isinstance(known, list)

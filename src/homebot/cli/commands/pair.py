@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.devices.names import PairingNames
 from homebot.errors import PeerError, UsageError
@@ -28,15 +27,13 @@ _WITHIN = 90.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot pair``."""
-    set_client_command(parser, _pair, _EXAMPLES, acts=True)
+    set_door_command(parser, _pair, _EXAMPLES, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("code", metavar="CODE", nargs="?", default="", help="the code on the device, if it has one")
     parser.add_argument("--remove", action="store_true", help="end the pairing")
 
 
-@door_command
 def _pair(door: DoorClient, options: argparse.Namespace) -> int:
-    """Pair homebot with a device, or end that."""
     if options.remove and options.code:
         raise UsageError("--remove takes no code")
     device = named_device(door, options.device)

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Iterator
 from typing import Any, Final, cast
 
-from homebot.cli.arguments import add_verb, add_verbs, set_client_command
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.arguments import add_verb, add_verbs
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.flow import parse_flow
 from homebot.cli.yaml import read_yaml, to_yaml
 from homebot.errors import PeerError, UsageError, WireError
@@ -51,26 +51,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
         for argument in arguments:
             command.add_argument(argument, metavar=argument.upper(), help=helps[argument])
-        set_client_command(command, run, f"  homebot param {verb} {example}\n", acts=verb in {"set", "load"})
+        set_door_command(command, run, f"  homebot param {verb} {example}\n", acts=verb in {"set", "load"})
 
 
-@door_command
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the names of parameters below the name of their node."""
     nodes = _names(door)
     for node in [_node(options.node, nodes)] if options.node else nodes:
         print(f"{node}:", *nodes[node], sep="\n  ")
     return 0
 
 
-@door_command
 def _get(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the value of a parameter."""
     print(to_yaml(_value(door, options.node, options.name)), end="")
     return 0
 
 
-@door_command
 def _set(door: DoorClient, options: argparse.Namespace) -> int:
     """Set a parameter; return 1 where its node refuses the value."""
     try:
@@ -80,9 +75,7 @@ def _set(door: DoorClient, options: argparse.Namespace) -> int:
     return _set_value(door, options.node, options.name, value)
 
 
-@door_command
 def _describe(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the type, the description and the limits of a parameter."""
     _value(door, options.node, options.name)
     node = _node(options.node, _names(door))
     answer = cast("dict[str, Any]", door.call(f"{node}/describe_parameters", {"names": [options.name]}))
@@ -99,7 +92,6 @@ def _describe(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-@door_command
 def _dump(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the parameters of a node as YAML, in tables by the dots of their names, as the tool of ROS does."""
     nodes = _names(door)
@@ -120,7 +112,6 @@ def _insert(table: dict[str, Any], name: str, value: object) -> None:
         table[name] = value
 
 
-@door_command
 def _load(door: DoorClient, options: argparse.Namespace) -> int:
     """Set the parameters of a node that a file names; return 1 where the node refuses one."""
     node = _node(options.node, _names(door))
@@ -178,7 +169,6 @@ def _value(door: DoorClient, node: str, name: str) -> Any:
 
 
 def _set_value(door: DoorClient, node: str, name: str, value: object) -> int:
-    """Set a parameter, print the outcome and return the exit code."""
     full_name = f"/{node.lstrip('/')}:{name}"
     answer = door.call("/rosapi/set_param", {"name": full_name, "value": json.dumps(value, default=str)})
     if answer["successful"]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypedDict, cast
 from homebot.cli.arguments import add_verb, add_verbs, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import all_devices
-from homebot.cli.door_client import DoorClient, door_command, with_client
+from homebot.cli.door_client import DoorClient, set_door_command, with_client
 from homebot.cli.terminal import print_rows, print_table
 from homebot.devices.names import CHANGE_ROOM, EXPORT_PLACES, GET_PLACES, IMPORT_PLACES
 from homebot.devices.wording.json_message import JsonMessage
@@ -79,20 +79,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the commands below ``homebot places``."""
     verbs = add_verbs(parser, f"{_LIST.partition(chr(10))[0]}\n  homebot places export house.toml\n")
     listed = add_verb(verbs, "list", "list the rooms of the house")
-    set_client_command(listed, _list, _LIST)
+    set_door_command(listed, _list, _LIST)
     listed.add_argument(
         "--json", action="store_true", help="print a JSON object: home, rooms, doors, positions, absent devices"
     )
     rename = add_verb(verbs, "rename", "give an imported room, or one that devices were placed in, another name")
-    set_client_command(rename, _edit, _EDIT, acts=True)
+    set_door_command(rename, _edit, _EDIT, acts=True)
     rename.add_argument("room", metavar="ROOM", help="the room")
     rename.add_argument("name", metavar="NAME", help="its new name")
     remove = add_verb(verbs, "remove", "remove an imported room")
-    set_client_command(remove, _edit, _EDIT, acts=True)
+    set_door_command(remove, _edit, _EDIT, acts=True)
     remove.add_argument("room", metavar="ROOM", help="the room; no device may be placed in it")
     remove.set_defaults(name="")
     export = add_verb(verbs, "export", "write the rooms, and what you stated of devices, to a file")
-    set_client_command(export, _export, _EXPORT)
+    set_door_command(export, _export, _EXPORT)
     export.add_argument(
         "file", nargs="?", default="-", metavar="FILE", help="the file; - for standard output, as without"
     )
@@ -107,9 +107,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
-@door_command
 def _list(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the rooms."""
     answer = door.call(GET_PLACES, {})
     places = cast("GetPlacesResponse", JsonMessage(answer))
     devices = all_devices(door, lambda device: (device.id, device.area, _position(device)))
@@ -167,9 +165,7 @@ def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
     ]
 
 
-@door_command
 def _edit(door: DoorClient, options: argparse.Namespace) -> int:
-    """Rename or remove a room."""
     answer = cast("ChangeRoomResponse", door.ask(CHANGE_ROOM, {"room": options.room, "name": options.name}))
     became = f"called {printable(answer.name)} now" if answer.name else "removed"
     print(f"{printable(options.room)} is {became}")
@@ -184,9 +180,7 @@ def _devices_in(door: DoorClient, room: str) -> list[str]:
     return [device_id for device_id, area in devices if fold(area) == fold(room)]
 
 
-@door_command
 def _export(door: DoorClient, options: argparse.Namespace) -> int:
-    """Write the places file."""
     text = cast("ExportPlacesResponse", JsonMessage(door.call(EXPORT_PLACES, {}))).text
     if options.file == "-":
         print(text, end="")
@@ -200,7 +194,6 @@ def _export(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    """Read a places file, or a map, and import its content."""
     is_map = options.file == _MAP or Path(options.file).suffix in {".yaml", ".yml"}
     if is_map and not options.room:
         raise UsageError("a map has walls and no rooms; give a point in each room: --room Hall=1,2")
@@ -209,7 +202,7 @@ def _import(options: argparse.Namespace) -> int:
     points = dict(map(_room_point, options.room))
     text = "" if is_map else _read(options.file)
 
-    def run(door: DoorClient) -> int:
+    def run(door: DoorClient, _: argparse.Namespace) -> int:
         request = {"text": _map_text(door, options.file, points) if is_map else text, "replaces": options.replace}
         try:
             answer = cast("ImportPlacesResponse", door.ask(IMPORT_PLACES, request))

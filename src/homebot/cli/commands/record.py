@@ -48,23 +48,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _record(options: argparse.Namespace) -> int:
-    """Write the events of the house into a file."""
-
-    def run(door: DoorClient) -> int:
-        answer = door.call(START_RECORDER, timeout=_LONGEST)
-        if not answer["success"]:
-            raise RefusedError("recording", str(answer["message"]))
-        with _created(door, options) as file:
-            problem = _fetch(door, file, options.seconds)
-        print(f"{file.path}: {file.lines:,} lines{f', {file.dropped:,} did not fit' if file.dropped else ''}")
-        if problem is not None:
-            raise problem
-        return 0
-
     path = Path(options.file)
     if path.exists() and not options.force:
         raise UsageError(f"{path} is there already; --force replaces it")
-    return with_client(options, run)
+    return with_client(options, _record_into)
+
+
+def _record_into(door: DoorClient, options: argparse.Namespace) -> int:
+    answer = door.call(START_RECORDER, timeout=_LONGEST)
+    if not answer["success"]:
+        raise RefusedError("recording", str(answer["message"]))
+    with _created(door, options) as file:
+        problem = _fetch(door, file, options.seconds)
+    print(f"{file.path}: {file.lines:,} lines{f', {file.dropped:,} did not fit' if file.dropped else ''}")
+    if problem is not None:
+        raise problem
+    return 0
 
 
 def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:

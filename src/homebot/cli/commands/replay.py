@@ -144,7 +144,6 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
 
 
 def _summary_text(diff: CommandDiff) -> str:
-    """Return the numbers of a diff as a sentence."""
     added = sum(one.kind == "added" for one in diff.different)
     gone = len(diff.different) - added
     if not diff.different:
@@ -166,7 +165,6 @@ def _command_json(given: TimedCommand, start: float, names: Mapping[str, str]) -
 
 
 def _difference_json(one: DifferentCommand, start: float, names: Mapping[str, str]) -> dict[str, object]:
-    """Return a difference for programs."""
     return {"difference": one.kind, "refused": one.refused, **_command_json(one.given, start, names)}
 
 

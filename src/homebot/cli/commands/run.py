@@ -116,7 +116,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_sources(parser: argparse.ArgumentParser) -> None:
-    """Add the options for the house, the broker and the apps."""
     parser.add_argument(
         "--config", metavar="FILE", help="configuration file in TOML (default: homebot.toml, if it exists)"
     )
@@ -197,7 +196,7 @@ def run(options: argparse.Namespace) -> int:
 def _log(log_format: LogFormat | None, *, is_quiet: bool) -> Iterator[None]:
     """Configure the log; a quiet one shows its lines after the view of the house is closed."""
     if is_quiet:
-        from homebot.cli.quiet_log import quiet_log  # noqa: PLC0415 - for a terminal alone
+        from homebot.cli.live_house import quiet_log  # noqa: PLC0415 - for a terminal alone
 
         with quiet_log():
             yield
@@ -227,7 +226,6 @@ def _run_apart(
     record_into: LineSink | None,
     view: _View | None = None,
 ) -> int:
-    """Run without waiting for a reader of the log."""
     atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
     with gc_paused():
         from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
@@ -324,7 +322,6 @@ def house_name(options: argparse.Namespace) -> str:
 
 
 def _house(name: str) -> World:
-    """Return the simulated house of that *name*, or in the file *name*."""
     if name == THESIS:
         from homebot.house import thesis_world  # noqa: PLC0415 - a real house needs no simulated one
 

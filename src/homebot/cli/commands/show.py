@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import add_broker_option, set_client_command
+from homebot.cli.arguments import add_broker_option
 from homebot.cli.device_json import device_json, json_text
 from homebot.cli.device_queries import (
     house_time,
@@ -16,7 +16,7 @@ from homebot.cli.device_queries import (
     unapproved,
     why_it_asks,
 )
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.names import OWNER, PREFER, TAG
@@ -43,7 +43,7 @@ _EXAMPLES = """\
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot show``."""
-    set_client_command(parser, _show, _EXAMPLES)
+    set_door_command(parser, _show, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
@@ -51,9 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_broker_option(parser)
 
 
-@door_command
 def _show(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print everything that is known of a device."""
     device = named_device(door, options.device)
     if options.td:
         from homebot.cli.thing_files import thing_text, to_device  # noqa: PLC0415 - for Thing Descriptions alone

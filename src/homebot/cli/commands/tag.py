@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Final, cast
 
-from homebot.cli.arguments import add_verb, add_verbs, duration, set_client_command
+from homebot.cli.arguments import add_verb, add_verbs, duration
 from homebot.cli.device_queries import named_device
-from homebot.cli.door_client import DoorClient, door_command, with_client
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.graph_queries import entities
 from homebot.devices.names import TAG_DEVICE, TEACH_PLACE, TagNames
 from homebot.devices.wording.json_message import JsonMessage
@@ -58,20 +58,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the commands below ``homebot tag``."""
     verbs = add_verbs(parser, _EXAMPLES)
     add = add_verb(verbs, "add", "tag a device with a word, by which `homebot find tag=WORD` finds it")
-    set_client_command(add, partial(_tag, remove=False), _TAG_TEXT, acts=True)
+    set_door_command(add, partial(_tag, remove=False), _TAG_TEXT, acts=True)
     remove = add_verb(verbs, "remove", "take a tag of a device back")
-    set_client_command(remove, partial(_tag, remove=True), _TAG_TEXT, acts=True)
+    set_door_command(remove, partial(_tag, remove=True), _TAG_TEXT, acts=True)
     for one in (add, remove):
         one.add_argument("device", metavar="DEVICE", help="its id or its name")
         one.add_argument("tag", metavar="TAG", help="the tag, one word or several")
     read = add_verb(verbs, "read", "say which device the tag at the reader, or the next one, points to")
-    set_client_command(read, _read, f"  homebot tag read\n{_CODES_TEXT}")
+    set_door_command(read, _read, f"  homebot tag read\n{_CODES_TEXT}")
     write = add_verb(verbs, "write", "let the tag at the reader, or the next one, point to a device; it is overwritten")
-    set_client_command(write, _write, f"  homebot tag write 'Kitchen lamp' --area Kitchen\n{_CODES_TEXT}", acts=True)
+    set_door_command(write, _write, f"  homebot tag write 'Kitchen lamp' --area Kitchen\n{_CODES_TEXT}", acts=True)
     write.add_argument("device", metavar="DEVICE", help="its id or its name")
     write.add_argument("--area", default="", metavar="ROOM", help="the room that the tag is in, which is written too")
     scan = add_verb(verbs, "scan", "say which device a QR code or another text points to")
-    set_client_command(scan, _scan, _SCAN_TEXT)
+    set_door_command(scan, _scan, _SCAN_TEXT)
     scan.add_argument("code", metavar="CODE", help="the text of the code")
     scan.add_argument("--teach", action="store_true", help="remember the room in it, where nobody else says one")
     scan.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
@@ -87,22 +87,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
 
 
-def _tag(options: argparse.Namespace, *, remove: bool) -> int:
-    """Give a device a tag, or take it back."""
-
-    def run(door: DoorClient) -> int:
-        device = named_device(door, options.device).id
-        request = {"device": device, "tag": options.tag, "remove": remove}
-        answer = cast("TagDeviceResponse", door.ask(TAG_DEVICE, request))
-        print(f"tags of {printable(device)}: {', '.join(map(printable, answer.tags)) or 'none'}")
-        return 0
-
-    return with_client(options, run)
+def _tag(door: DoorClient, options: argparse.Namespace, *, remove: bool) -> int:
+    device = named_device(door, options.device).id
+    answer = cast("TagDeviceResponse", door.ask(TAG_DEVICE, {"device": device, "tag": options.tag, "remove": remove}))
+    print(f"tags of {printable(device)}: {', '.join(map(printable, answer.tags)) or 'none'}")
+    return 0
 
 
-@door_command
 def _read(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the device that a tag points to."""
     request = {"reader": options.reader, "wait": options.wait}
     timeout = options.wait + _GRACE
     answer = cast("ReadTagResponse", _call(door, options.gateway, TagNames(options.gateway).read_tag, request, timeout))
@@ -115,9 +107,7 @@ def _read(door: DoorClient, options: argparse.Namespace) -> int:
     return 0
 
 
-@door_command
 def _scan(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the device that a code points to, and have its room remembered."""
     request = {"text": options.code}
     found = cast("ScanCodeResponse", _call(door, options.gateway, TagNames(options.gateway).scan, request, _GRACE))
     if not found.success:
@@ -139,9 +129,7 @@ def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
     print(f"{printable(found.device)} is in {printable(answer.room)} now")
 
 
-@door_command
 def _write(door: DoorClient, options: argparse.Namespace) -> int:
-    """Have a tag written."""
     device = named_device(door, options.device)
     name, timeout = printable(device.name), options.wait + _GRACE
     print(f"hold a tag to the reader; it will point to {name}", flush=True)

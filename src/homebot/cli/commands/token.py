@@ -49,7 +49,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _new(options: argparse.Namespace) -> int:
-    """Write a new token, and its table."""
     config = Path(options.config)
     check_token_name(options.name)
     token_file = config.parent / f"{options.name}.token"

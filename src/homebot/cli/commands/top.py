@@ -8,8 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Final, cast
 
-from homebot.cli.arguments import set_client_command
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.terminal import is_terminal, print_line, print_table, show_live
 
 __all__ = ["Load", "TopicRow", "add_arguments", "samples"]
@@ -32,7 +31,7 @@ long its slowest handler took since the frame before. Until Ctrl-C on a terminal
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot top``."""
-    set_client_command(parser, _top, _EXAMPLES)
+    set_door_command(parser, _top, _EXAMPLES)
     parser.add_argument("--json", action="store_true", help="print a JSON object a second, until Ctrl-C")
 
 
@@ -50,9 +49,7 @@ def samples(ask: Callable[[], dict[str, object]], wait: Callable[[], None]) -> I
         before = after
 
 
-@door_command
 def _top(door: DoorClient, options: argparse.Namespace) -> int:
-    """Show the load."""
     is_live = is_terminal() and not options.json
 
     def wait() -> None:
@@ -73,7 +70,6 @@ def _top(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _frames(found: Iterator[Load], where: str) -> Iterator[tuple[str, list[tuple[str, ...]]]]:
-    """Yield the title and the rows of each frame."""
     order: list[str] = []
     for number, load in enumerate(found):
         if number % _SORTED_EVERY == 0:

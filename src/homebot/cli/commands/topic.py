@@ -12,9 +12,9 @@ from collections import deque
 from collections.abc import Collection, Sequence
 from typing import TYPE_CHECKING
 
-from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, seconds, set_client_command, whole
+from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, seconds, whole
 from homebot.cli.device_queries import find_devices
-from homebot.cli.door_client import DoorClient, ReceivedMessage, door_command
+from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
 from homebot.cli.entity_verbs import add_entity_verbs
 from homebot.cli.flow import message
 from homebot.cli.graph_queries import (
@@ -69,11 +69,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     command = add_verb(verbs, "info", "show the publishers and subscriptions of a topic")
     command.add_argument("topic", metavar="TOPIC", help="name of the topic")
     command.add_argument("-v", "--verbose", action="store_true", help="show each node with its QoS")
-    set_client_command(command, _info, "  homebot topic info /rosout\n  homebot topic info -v /rosout\n")
+    set_door_command(command, _info, "  homebot topic info /rosout\n  homebot topic info -v /rosout\n")
     command = add_verb(verbs, "hz", "measure the publishing rate of a topic")
     command.add_argument("topic", metavar="TOPIC", help="name of the topic")
     command.add_argument("-w", "--window", metavar="N", type=whole, default=10_000, help="messages to average over")
-    set_client_command(command, _hz, "  homebot topic hz /rosout\n  homebot topic hz -w 100 /rosout\n")
+    set_door_command(command, _hz, "  homebot topic hz /rosout\n  homebot topic hz -w 100 /rosout\n")
 
 
 def _add_echo(verbs: Commands) -> None:
@@ -83,7 +83,7 @@ def _add_echo(verbs: Commands) -> None:
     command.add_argument("--timeout", metavar="S", type=seconds, help="give up after S seconds without a message")
     command.add_argument("--field", metavar="A.B", help="print only this field")
     command.add_argument("--json", action="store_true", help="print each message as one line of JSON")
-    set_client_command(command, _echo, _ECHO_EXAMPLES)
+    set_door_command(command, _echo, _ECHO_EXAMPLES)
 
 
 def _add_pub(verbs: Commands) -> None:
@@ -97,12 +97,10 @@ def _add_pub(verbs: Commands) -> None:
     command.add_argument(
         "-r", "--rate", metavar="HZ", type=positive, default=1.0, help="messages per second (default: 1)"
     )
-    set_client_command(command, _pub, _PUB_EXAMPLES, acts=True)
+    set_door_command(command, _pub, _PUB_EXAMPLES, acts=True)
 
 
-@door_command
 def _info(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print a topic's type and how many use it, or each of them."""
     ros_type = topic_type(door, options.topic)
     if not ros_type:
         raise no_such_topic(door, options.topic)
@@ -136,7 +134,6 @@ def _span(seconds: float) -> str:
     return f"{seconds:g} s" if seconds else "Infinite"
 
 
-@door_command
 def _echo(door: DoorClient, options: argparse.Namespace) -> int:
     """Print the messages of a topic, until Ctrl-C or as the options say."""
     door.subscribe(options.topic)
@@ -185,7 +182,6 @@ def _field(fields: dict[str, object], path: str) -> object:
     return value
 
 
-@door_command
 def _pub(door: DoorClient, options: argparse.Namespace) -> int:
     """Publish a message as often as the options say; by default once a second until Ctrl-C."""
     ros_type = options.type or topic_type(door, options.topic)
@@ -239,7 +235,6 @@ def _gateway_of(topic: str) -> str:
     return found[1] if found else ""
 
 
-@door_command
 def _hz(door: DoorClient, options: argparse.Namespace) -> int:
     """Print once a second how often a topic was published on, until Ctrl-C."""
     door.subscribe(options.topic)

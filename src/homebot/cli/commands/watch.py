@@ -10,9 +10,8 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, Never, cast
 
-from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import find_devices, matching_devices
-from homebot.cli.door_client import DoorClient, ReceivedMessage, door_command
+from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
 from homebot.cli.terminal import is_terminal
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.devices.names import DEVICE_CHANGES, DEVICE_STATES, JOURNAL_ENTRIES
@@ -47,14 +46,12 @@ which program commanded it. QUERY is as in `homebot find`. Above 50 lines in a s
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot watch``."""
-    set_client_command(parser, _watch, _EXAMPLES)
+    set_door_command(parser, _watch, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="*", help="only devices that match, as in `homebot find`")
     parser.add_argument("--json", action="store_true", help="print each line as a JSON object")
 
 
-@door_command
 def _watch(door: DoorClient, options: argparse.Namespace) -> Never:
-    """Print what happens until Ctrl-C."""
     house = _WatchedHouse(door, " ".join(options.query))
     printer = _LinePrinter(house.names, as_json=options.json)
     while True:

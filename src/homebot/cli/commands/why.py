@@ -5,14 +5,14 @@ from __future__ import annotations
 import argparse
 import shlex
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from homebot.cli.arguments import set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.device_queries import house_time, named_device
-from homebot.cli.door_client import DoorClient, door_command
+from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
+from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE
 from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.history_words import Chain, chain_lines, chains_of, finding_text, result_text
 from homebot.devices.wording.journal_words import ago_text, clock_text, issuer_text, trigger_text
@@ -40,7 +40,7 @@ command explains the change, somebody did it by hand, or the device did it by it
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add those of ``homebot why``."""
-    set_client_command(parser, _why, _EXAMPLES)
+    set_door_command(parser, _why, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
@@ -54,19 +54,16 @@ def add_why_not_arguments(parser: argparse.ArgumentParser) -> None:
 Tells which commands asked a device for a state, and what became of each; or that nobody asked for it, that the device
 is in that state already, or that it has no such state.
 """
-    set_client_command(parser, _why_not, examples)
+    set_door_command(parser, _why_not, examples)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("state", metavar="STATE", help="the state it is not in: on, off, open, locked, 40, cleaning, …")
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
 
-@door_command
 def _why(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print why a device is as it is."""
     device = named_device(door, options.device)
-    client = JournalClient(door)
-    client.names[device.id] = device.name
-    found = client.explain(device.id)
+    client = JournalClient(door, device)
+    found = cast("ExplainDeviceResponse", client.ask(EXPLAIN_DEVICE, {"device": device.id}))
     if options.json:
         print(json_text(_json(device, found, client)))
     else:
@@ -100,15 +97,13 @@ def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -
     }
 
 
-@door_command
 def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the commands that asked for a state, and their outcomes."""
     if not options.state.strip():
         raise UsageError("give the state that the device is not in, such as on, open or 40")
     device = named_device(door, options.device)
-    client = JournalClient(door)
-    client.names[device.id] = device.name
-    found = client.explain_missing(device.id, options.state)
+    client = JournalClient(door, device)
+    request = {"device": device.id, "state": options.state}
+    found = cast("ExplainMissingStateResponse", client.ask(EXPLAIN_MISSING_STATE, request))
     asked = chains_of(found.entries)
     if options.json:
         chains = [chain_json(one, client.names) for one in asked]
