@@ -7,7 +7,6 @@ when it is noted.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import partial
 from typing import Final, TypeAlias, final
 
@@ -26,11 +25,9 @@ from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscr
 from homebot.messages import Time
 from homebot.messages.message import Message
 from homebot.recording.lines import (
-    FORMAT,
     GatewayNews,
     LeaseNews,
     LostLines,
-    RecordedApp,
     RecordingEnd,
     RecordingHeader,
     RecordingLine,
@@ -39,9 +36,8 @@ from homebot.recording.lines import (
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.repetitions import Repetitions
 from homebot.recording.secrets import without_secrets
-from homebot.version import __version__
 
-__all__ = ["LineBuffer", "Recorder", "RunFacts"]
+__all__ = ["LineBuffer", "Recorder"]
 
 _MOST_LINES: Final = 50_000
 _MOST_BYTES: Final = 64 * 1024 * 1024
@@ -59,27 +55,18 @@ _Source: TypeAlias = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class RunFacts:
-    """The run that is recorded; see :class:`RecordingHeader`."""
-
-    home: str
-    apps: tuple[RecordedApp, ...] = ()
-    control: str = "{}"
-    trusts_apps: bool = False
-    places: str = ""
-    detected: tuple[str, ...] = ()
-    home_table: str = "{}"
-
-
 @final
 class Recorder:
-    """Records events from its start on."""
+    """Records events from its start on.
 
-    def __init__(self, node: Node, facts: RunFacts) -> None:
+    Args:
+        header: The run; the recorder states when the recording began.
+    """
+
+    def __init__(self, node: Node, header: RecordingHeader) -> None:
         self._node = node
         self._clock = node.graph.clock
-        self._facts = facts
+        self._header = header
         self._devices = Devices(node)
         self._commands = CommandNews()
         self._repetitions = Repetitions()
@@ -132,19 +119,7 @@ class Recorder:
         devices = (await self._find.call(FindDevicesRequest())).devices
         rows = (await self._export.call(ExportIndexRequest())).rows
         self._started_at = self._clock.now()
-        facts = self._facts
-        header = RecordingHeader(
-            format=FORMAT,
-            version=__version__,
-            home=facts.home,
-            started_at=Time.from_seconds(self._started_at),
-            trusts_apps=facts.trusts_apps,
-            control=facts.control,
-            places=facts.places,
-            detected=facts.detected,
-            apps=facts.apps,
-            home_table=facts.home_table,
-        )
+        header = self._header.model_copy(update={"started_at": Time.from_seconds(self._started_at)})
         self._first_devices = frozenset(one.id for one in devices)
         self._record(self._started_at, header)
         for message in (*rows, *devices, *(news for part in held for news in _held(part))):

@@ -30,7 +30,7 @@ from homebot.recording.lines import (
 )
 from homebot.recording.repetitions import Repetitions
 
-__all__ = ["RecordedEvent", "Recording", "TimedCommand", "TimedLease", "load_recording", "read_recording"]
+__all__ = ["RecordedEvent", "Recording", "TimedCommand", "load_recording", "read_recording"]
 
 _LONGEST_LINE: Final = 16 * 1024 * 1024
 _MOST_BYTES: Final = 4 * 1024**3
@@ -62,18 +62,6 @@ class TimedCommand:
 
 
 @dataclass(frozen=True, slots=True)
-class TimedLease:
-    """A step of a lease, and when that was.
-
-    Attributes:
-        at: Seconds since the start of the recording.
-    """
-
-    at: float
-    news: LeaseNews
-
-
-@dataclass(frozen=True, slots=True)
 class RecordedEvent:
     """A message of a gateway, or a request of the owner to the directory.
 
@@ -96,7 +84,7 @@ class Recording:
         before: Messages of gateways before the start: their states, then sightings, reports and raw messages.
         events: Their messages during the recording, and the owner's requests, in the order of time.
         commands: The commands that were given, in the order of time.
-        leases: Changes of leases; those at the start have time 0.
+        leases: Steps of leases with their times; those at the start have time 0.
         ends_at: Seconds since the start at which it ends.
         end: The reason of its end, as text; empty for a regular end.
         is_whole: Whether it has an end; that of a recorder which was killed has none.
@@ -108,7 +96,7 @@ class Recording:
     before: list[Message] = field(default_factory=list)
     events: list[RecordedEvent] = field(default_factory=list)
     commands: list[TimedCommand] = field(default_factory=list)
-    leases: list[TimedLease] = field(default_factory=list)
+    leases: list[tuple[float, LeaseNews]] = field(default_factory=list)
     lost: int = 0
     ends_at: float = 0.0
     end: str = ""
@@ -161,7 +149,9 @@ def read_recording(lines: Iterable[bytes], source: str) -> Recording:
             raise UsageError(f"{source} is no recording: its first line is no header; `homebot record FILE` makes one")
         line = _whole_line(text, repetitions, where)
         if recording is None:
-            recording = _begun(line, where)
+            if not isinstance(line.message, RecordingHeader):
+                raise UsageError(f"{where}: field 'kind': the first line of a recording is its header, 'recording'")
+            recording = Recording(line.message)
             continue
         _check_place(line, where, is_over=is_over)
         is_over = isinstance(line.message, RecordingEnd)
@@ -193,17 +183,10 @@ def _check_place(line: RecordingLine, where: str, *, is_over: bool) -> None:
 
 def _sort(recording: Recording) -> None:
     """Sort by time; of one moment in the order of the file, as effects follow their causes."""
-    recording.before.sort(key=_rank)
+    recording.before.sort(key=lambda one: _RANKS.get(type(one), len(_RANKS)))
     recording.events.sort(key=lambda one: one.at)
     recording.commands.sort(key=lambda one: one.at)
-    recording.leases.sort(key=lambda one: one.at)
-
-
-def _begun(line: RecordingLine, where: str) -> Recording:
-    header = line.message
-    if not isinstance(header, RecordingHeader):
-        raise UsageError(f"{where}: field 'kind': the first line of a recording is its header, 'recording'")
-    return Recording(header)
+    recording.leases.sort(key=lambda one: one[0])
 
 
 def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:
@@ -214,7 +197,7 @@ def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:
         case IndexRow() as row:
             recording.index.append(row)
         case LeaseNews() as news:
-            recording.leases.append(TimedLease(max(0.0, line.at), news))
+            recording.leases.append((max(0.0, line.at), news))
         case RecordedCommand() as command:
             recording.commands.append(TimedCommand(line.at, command, line=number))
         case LostLines(count=count):
@@ -225,10 +208,6 @@ def _add_line(recording: Recording, line: RecordingLine, number: int) -> None:
             recording.before.append(message)
         case _:
             recording.events.append(RecordedEvent(line.at, line.message, number))
-
-
-def _rank(message: Message) -> int:
-    return _RANKS.get(type(message), len(_RANKS))
 
 
 def _opened(path: Path) -> IO[bytes]:

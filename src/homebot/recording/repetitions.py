@@ -56,7 +56,7 @@ class Repetitions:
             return message
         source = _source(message)
         last = self._last.get(source)
-        self._put(source, message)
+        self._last[source] = message
         if last is None or not _is_same(last, message):
             return message
         kind, gateway, key, stream = source
@@ -69,7 +69,7 @@ class Repetitions:
             UsageError: There is none before it.
         """
         if isinstance(message, Sighting | Report):
-            self._put(_source(message), message)
+            self._last[_source(message)] = message
         if not isinstance(message, Repetition):
             return message
         source = message.of, message.gateway, message.key, message.stream
@@ -83,15 +83,12 @@ class Repetitions:
                 again = last.model_copy(update={"received_at": message.at, "heard_at": 0.0})
             case _:
                 raise UsageError(f"repeats a {message.of} of {message.key[:60]!r}, and there is none before")
-        self._put(source, again)
+        self._last[source] = again
         return again
 
     def forget(self) -> None:
         """Forget all messages, so that each source is recorded in full again: a line was lost."""
         self._last.clear()
-
-    def _put(self, source: _Source, message: Sighting | Report) -> None:
-        self._last[source] = message
 
 
 def _source(message: Sighting | Report) -> _Source:

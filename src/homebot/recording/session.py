@@ -10,7 +10,8 @@ from anyio.abc import TaskStatus
 from homebot.devices.names import READ_RECORDING
 from homebot.graph import Node
 from homebot.messages.message import Message, ServiceType
-from homebot.recording.recorder import Recorder, RunFacts
+from homebot.recording.lines import RecordingHeader
+from homebot.recording.recorder import Recorder
 from homebot.recording.recording_file import LineSink
 
 __all__ = ["ReadRecording", "ReadRecordingRequest", "ReadRecordingResponse", "record_for_client", "record_into"]
@@ -52,13 +53,13 @@ ReadRecording = ServiceType("homebot/srv/ReadRecording", ReadRecordingRequest, R
 
 
 async def record_into(
-    node: Node, facts: RunFacts, sink: LineSink, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
+    node: Node, header: RecordingHeader, sink: LineSink, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED
 ) -> None:
     """Record into *sink*, once a second, until cancelled or the sink takes no more."""
-    recorder = Recorder(node, facts)
+    recorder = Recorder(node, header)
     try:
         async with anyio.create_task_group() as tasks:
-            await tasks.start(_run, recorder)
+            await tasks.start(recorder.run)
             task_status.started()
             await _write_all(node, recorder, sink)
             tasks.cancel_scope.cancel()
@@ -68,15 +69,15 @@ async def record_into(
             await _write(node, recorder, sink)
 
 
-async def record_for_client(node: Node, facts: RunFacts, ready: anyio.Event) -> None:
+async def record_for_client(node: Node, header: RecordingHeader, ready: anyio.Event) -> None:
     """Record for the client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds.
 
     Args:
         ready: Set when the lines can be fetched.
     """
-    recorder = Recorder(node, facts)
+    recorder = Recorder(node, header)
     async with anyio.create_task_group() as tasks:
-        await tasks.start(_run, recorder)
+        await tasks.start(recorder.run)
         reader = _LineReader(node, recorder)
         node.create_service(ReadRecording, READ_RECORDING, reader.read, cancel_with_caller=True)
         ready.set()
@@ -124,10 +125,6 @@ class _LineReader:
         except anyio.get_cancelled_exc_class():
             self._is_over.set()
             raise
-
-
-async def _run(recorder: Recorder, *, task_status: TaskStatus[None]) -> None:
-    await recorder.run(task_status=task_status)
 
 
 async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:

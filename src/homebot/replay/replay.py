@@ -6,7 +6,6 @@ than the devices of the house and its clock: not on the network, on files, on ch
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -33,7 +32,7 @@ from homebot.recording.lines import RecordedCommand
 from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import CommandMatcher
-from homebot.replay.replay_apps import app_tables
+from homebot.replay.replay_apps import app_tables, as_table, recorded_table
 from homebot.replay.replay_feed import ReplayFeed
 from homebot.replay.replay_people import ReplayPeople
 from homebot.runtime import Runtime
@@ -76,10 +75,10 @@ def replay_config(recording: Recording, apps: Sequence[str] = (), given: Config 
     given_home = base.home.model_dump(exclude_unset=True)
     return parse_config(
         {
-            "home": _table(header.home_table, "home") | given_home | {"name": header.home or UNNAMED},
+            "home": recorded_table(header.home_table, "table [home]") | given_home | {"name": header.home or UNNAMED},
             "gateways": {name: {"class": _GATEWAY} for name in recording.gateways},
             "apps": app_tables(header.apps, apps, dict(base.apps)),
-            "control": base.control or _table(header.control, "control"),
+            "control": base.control or recorded_table(header.control, "table [control]"),
             "places": base.places or _places(header.places),
             "discovery": {key: value for key, value in base.discovery.items() if key != "prefer"},  # nothing is sent
         },
@@ -150,24 +149,12 @@ class _ReplayJournal:
         return tuple(replace(one, result=self._results.get(one.command.id)) for one in given)
 
 
-def _table(text: str, name: str) -> Table:
-    try:
-        found = json.loads(text)
-    except (ValueError, RecursionError) as exc:
-        raise UsageError(f"the table [{name}] in the recording is no JSON") from exc
-    if not isinstance(found, dict):
-        raise UsageError(f"the table [{name}] in the recording is no table")
-    return {**found}
-
-
 def _places(text: str) -> Table:
     try:
         found = tomllib.loads(text).get("places", {})
     except (ValueError, RecursionError) as exc:
         raise UsageError(f"the table [places] in the recording is no TOML: {exc}") from exc
-    if not isinstance(found, dict):
-        raise UsageError("the table [places] in the recording is no table")
-    return {**found}
+    return as_table(found, "table [places]")
 
 
 @final

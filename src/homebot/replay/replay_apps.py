@@ -13,7 +13,7 @@ from homebot.names import snake_case
 from homebot.plugins import installed_plugin, is_file, load_plugin, name_in_file
 from homebot.recording.lines import RecordedApp
 
-__all__ = ["app_tables"]
+__all__ = ["app_tables", "as_table", "recorded_table"]
 
 _APPS: Final = "homebot.apps"
 _SHOWN: Final = 60
@@ -89,10 +89,23 @@ def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, T
 
 
 def _settings(app: RecordedApp) -> Table:
+    return recorded_table(app.settings, f"table [apps.{app.name}]")
+
+
+def recorded_table(text: str, what: str) -> Table:
+    """Return the table in *text*, a JSON object.
+
+    Raises:
+        UsageError: It is none; the recording is damaged.
+    """
     try:
-        found = json.loads(app.settings)
+        return as_table(json.loads(text), what)
     except (ValueError, RecursionError) as exc:
-        raise UsageError(f"the settings of {app.name} in the recording are no JSON") from exc
+        raise UsageError(f"the {what} in the recording is no JSON") from exc
+
+
+def as_table(found: object, what: str) -> Table:
+    """Return *found*, likewise."""
     if not isinstance(found, dict):
-        raise UsageError(f"the settings of {app.name} in the recording are no table")
+        raise UsageError(f"the {what} in the recording is no table")
     return {**found}

@@ -116,7 +116,7 @@ class ReplayPeople:
 
     def _wishes(self) -> list[tuple[float, RecordedCommand | LeaseNews]]:
         commands = [(one.at, one.command) for one in self._recording.commands if _is_given_again(one)]
-        return [*commands, *((one.at, one.news) for one in self._recording.leases if is_client(one.news.issuer))]
+        return [*commands, *(step for step in self._recording.leases if is_client(step[1].issuer))]
 
     async def _do(self, wish: RecordedCommand | LeaseNews) -> None:
         if isinstance(wish, RecordedCommand):

@@ -15,15 +15,16 @@ from homebot.config import HomeSettings
 from homebot.control import ControlSettings
 from homebot.devices.names import START_RECORDER
 from homebot.graph import Node
+from homebot.messages import Time
 from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
 from homebot.places import HousePlan, places_text
-from homebot.recording.lines import RecordedApp
-from homebot.recording.recorder import RunFacts
+from homebot.recording.lines import FORMAT, RecordedApp, RecordingHeader
 from homebot.recording.secrets import public_settings
 from homebot.recording.session import record_for_client
 from homebot.runtime.grants import ACT
 from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
+from homebot.version import __version__
 
 __all__ = ["RecorderStarter", "facts_of_run"]
 
@@ -33,21 +34,30 @@ _READY_WITHIN = 10.0
 _SCOPE = "act: "
 
 
-def facts_of_run(plan: Plan, *, trusts_apps: bool, approves_all: bool, detected: tuple[str, ...]) -> RunFacts:
-    """Return the facts of a run of *plan*, with the settings that it has in truth, without secrets."""
+def facts_of_run(plan: Plan, *, trusts_apps: bool, approves_all: bool, detected: tuple[str, ...]) -> RecordingHeader:
+    """Return the facts of a run of *plan*, with the settings that it has in truth, without secrets; not yet begun."""
     control = plan.control or ControlSettings()
     if approves_all:
         control = control.model_copy(update={"approvals": False})
-    table = json.dumps(public_settings(control))
-    apps = tuple(_recorded(app, plan) for app in plan.apps)
-    return RunFacts(plan.home, apps, table, trusts_apps, _places(plan), detected, _home_table(plan.home_settings))
+    return RecordingHeader(
+        format=FORMAT,
+        version=__version__,
+        home=plan.home,
+        started_at=Time.from_seconds(0.0),
+        trusts_apps=trusts_apps,
+        control=json.dumps(public_settings(control)),
+        places=_places(plan),
+        detected=detected,
+        apps=tuple(_recorded(app, plan) for app in plan.apps),
+        home_table=_home_table(plan.home_settings),
+    )
 
 
 @final
 class RecorderStarter:
     """Starts recorders for clients, one at a time, by a service of the node of the runtime, which runs their tasks."""
 
-    def __init__(self, node: Node, facts: Callable[[], Awaitable[RunFacts]]) -> None:
+    def __init__(self, node: Node, facts: Callable[[], Awaitable[RecordingHeader]]) -> None:
         self._node = node
         self._facts = facts
         self._is_busy = False

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from homebot.control.executor import Rehearsal
     from homebot.devices.services import IndexRow
     from homebot.house import World
-    from homebot.recording.recorder import RunFacts
+    from homebot.recording.lines import RecordingHeader
     from homebot.recording.recording_file import LineSink
     from homebot.runtime.app_planner import AppPlanner
     from homebot.runtime.simulated_house import HouseOfRun
@@ -346,7 +346,7 @@ class Runtime:
 
         RecorderStarter(main, self._facts)
 
-    async def _facts(self) -> RunFacts:
+    async def _facts(self) -> RecordingHeader:
         from homebot.runtime.run_recording import facts_of_run  # noqa: PLC0415 - few runs are recorded
 
         detected = () if self._controller is None else await self._controller.detected()
