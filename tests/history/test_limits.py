@@ -17,9 +17,8 @@ from homebot.graph import Graph, Node
 from homebot.history.batch import Batch, Series
 from homebot.history.collector import MOST_WAITING, Collector
 from homebot.history.history import HistoryKeeper
-from homebot.history.history_file import HistoryFile
+from homebot.history.history_file import HistoryFile, HistoryStore
 from homebot.history.settings import HistorySettings, KeepSettings
-from homebot.history.store import HistoryStore
 
 HOUR = 3_600_000
 START = round(MIDNIGHT * 1000)

@@ -47,6 +47,7 @@ class Batch:
         times: Milliseconds since the Unix epoch.
         states: The states by their begin and series, in milliseconds since the Unix epoch.
         new: Series without a row.
+        dropped: How many values were dropped.
     """
 
     series: array[int] = field(default_factory=lambda: array("H"))
@@ -54,10 +55,11 @@ class Batch:
     values: array[float] = field(default_factory=lambda: array("d"))
     states: dict[tuple[int, int], StateRow] = field(default_factory=dict)
     new: list[Series] = field(default_factory=list)
+    dropped: int = 0
 
     def copy(self) -> Batch:
         """Return a copy for another thread."""
-        return Batch(self.series[:], self.times[:], self.values[:], dict(self.states), list(self.new))
+        return Batch(self.series[:], self.times[:], self.values[:], dict(self.states), list(self.new), self.dropped)
 
     def add(self, series: int, at: int, value: float) -> None:
         """Append a value."""
@@ -67,11 +69,15 @@ class Batch:
 
     def drop_oldest(self, count: int) -> None:
         """Remove the first *count* values."""
+        self.dropped += count
         for column in (self.series, self.times, self.values):
             del column[:count]
 
     def remove(self, written: Batch) -> None:
         """Remove *written*, a copy of this batch, where nothing has changed since."""
+        left = max(len(written.times) - (self.dropped - written.dropped), 0)
+        for column in (self.series, self.times, self.values):
+            del column[:left]
         for key, row in written.states.items():
             if self.states.get(key) == row:
                 del self.states[key]

@@ -57,6 +57,7 @@ class Collector:
 
     Attributes:
         series: All series, by device, part and capability.
+        batch: The values, states and new series that wait to be written.
         lost: Values and states that were dropped because too many waited.
         left_out: Series that there was no room for.
         folded: Changes of words and flags of which the newest alone was collected.
@@ -129,24 +130,6 @@ class Collector:
                 if isinstance(one.value, float) and one.told_at < at:
                     self._add(one, at, one.value)
                 one.changes = 0
-
-    def take(self) -> Batch:
-        """Remove the values that wait and return them; states and series stay until :meth:`written`."""
-        waiting = self.batch
-        self.batch = Batch(states=waiting.states, new=waiting.new)
-        return Batch(waiting.series, waiting.times, waiting.values, dict(waiting.states), list(waiting.new))
-
-    def put_back(self, batch: Batch) -> None:
-        """Put the values of *batch*, which could not be written, before those that came meanwhile."""
-        newer = self.batch
-        self.batch = Batch(
-            batch.series + newer.series, batch.times + newer.times, batch.values + newer.values, newer.states, newer.new
-        )
-        self._drop_excess()
-
-    def written(self, batch: Batch) -> None:
-        """Remove the states and series of *batch*, which were written."""
-        self.batch.remove(batch)
 
     def renew(self) -> None:
         """Have all series written again, and all states that last: the file is a new one."""
@@ -232,13 +215,8 @@ class Collector:
         followed.told_at = at
         self.batch.add(followed.series.number, at, value)
         if len(self.batch.times) > MOST_WAITING:
-            self._drop_excess()
-
-    def _drop_excess(self) -> None:
-        excess = len(self.batch.times) - MOST_WAITING
-        if excess > 0:
-            self.batch.drop_oldest(excess + _LOST_AT_ONCE)
-            self.lost += excess + _LOST_AT_ONCE
+            self.batch.drop_oldest(_LOST_AT_ONCE)
+            self.lost += _LOST_AT_ONCE
 
     def _follow(self, place: Place) -> _CollectedValue | None:
         """Return the series of *place*, a new one where there is room for it."""

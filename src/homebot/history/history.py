@@ -17,9 +17,9 @@ from homebot.devices.house_view import HouseView
 from homebot.devices.names import READ_ENERGY, READ_HISTORY
 from homebot.graph import Graph, Node
 from homebot.history.collector import Collector
+from homebot.history.history_file import HistoryStore
 from homebot.history.history_service import HistoryService
 from homebot.history.settings import HistorySettings
-from homebot.history.store import HistoryStore
 from homebot.support.isolation import run_as
 
 __all__ = ["HISTORY_FILE", "HistoryKeeper", "keep_history"]

@@ -1,4 +1,4 @@
-"""The history's file: an SQLite database, written in the order of time. Blocking; called from a worker thread.
+"""The history's file: an SQLite database, written in the order of time, by worker threads, one at a time.
 
 Each change of a page is written twice, so a row for each value would wear out an SD card: the values of a series
 become one row an hour.
@@ -8,19 +8,27 @@ from __future__ import annotations
 
 import sqlite3
 from array import array
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
-from typing import Final, NamedTuple, final
+from typing import Final, NamedTuple, TypeVar, final
 
-from homebot.errors import HomebotError
+from anyio import to_thread
+
+from homebot.errors import HomebotError, LinkError
+from homebot.graph import Node
 from homebot.history.batch import Batch, Place, Series
 from homebot.history.buckets import COUNTERS, HOUR
 from homebot.history.codec import decode_values, encode_batch
+from homebot.history.collector import Collector
+from homebot.history.reading import HistoryReader
 from homebot.history.sealing import BITS, HOURS, MASK, key_of, points_of, read_recent, seal_day, seal_hours
-from homebot.history.settings import KeepSettings
+from homebot.history.settings import HistorySettings, KeepSettings
+from homebot.log import LogLimit
+from homebot.support.kept_file import KeptFile
 from homebot.support.sqlite_file import IN_MEMORY, SqliteFile, SqliteSchema
 
-__all__ = ["HISTORY_SCHEMA", "HistoryFile", "StoredSeries"]
+__all__ = ["HISTORY_SCHEMA", "HistoryFile", "HistoryStore", "StoredSeries"]
 
 HISTORY_SCHEMA: Final = SqliteSchema(
     "history",
@@ -44,10 +52,12 @@ HISTORY_SCHEMA: Final = SqliteSchema(
     ),
     shrinks=True,
 )
-
 _UPSERT_STATE: Final = "INSERT INTO state VALUES (?, ?, ?) ON CONFLICT (k) DO UPDATE SET until = ?2, value = ?3"
 _FREE_SHARE: Final = 4
 """A file of which a quarter is unused is made smaller."""
+
+
+T = TypeVar("T")
 
 
 class StoredSeries(NamedTuple):
@@ -204,3 +214,57 @@ def _split(batch: Batch, hour: int) -> tuple[_Columns, _Columns]:
     for series, at, value in zip(batch.series, batch.times, batch.values, strict=True):
         (present if at // HOUR == hour else past).add(series, at, value)
     return (past.series, past.times, past.values), (present.series, present.times, present.values)
+
+
+@final
+class HistoryStore:
+    """The file and its use.
+
+    Args:
+        path: The file; None for memory.
+
+    Attributes:
+        kept: The use of the file, with its troubles.
+    """
+
+    def __init__(self, node: Node, path: Path | None, settings: HistorySettings) -> None:
+        self._clock = clock = node.graph.clock
+        self._settings = settings
+        self.file = HistoryFile(path, settings.keep)
+        self.kept = KeptFile(
+            self.file, "the history", "no history is kept", node.log, clock.now, LogLimit(clock).allows, self._renew
+        )
+        self._is_new = False
+
+    async def open(self) -> StoredSeries | None:
+        """Return the series of the file; None if it cannot be used now."""
+        with suppress(LinkError):
+            async with self.kept.opened(writes=True) as file:
+                return await to_thread.run_sync(file.load)
+        return None
+
+    async def write(self, collector: Collector) -> None:
+        """Write what *collector* has; what cannot be written now stays there."""
+        with suppress(LinkError):
+            async with self.kept.opened(writes=True) as file:
+                if self._is_new:
+                    collector.renew()
+                    self._is_new = False
+                batch = collector.batch.copy()
+                await to_thread.run_sync(file.write, batch, round(self._clock.now() * 1000))
+                collector.batch.remove(batch)
+
+    async def read(self, collector: Collector, work: Callable[[HistoryReader], T]) -> T:
+        """Return the result of *work*, in a thread.
+
+        Raises:
+            LinkError: The file cannot be read now.
+        """
+        async with self.kept.opened() as file:
+            batch, now = collector.batch.copy(), round(self._clock.now() * 1000)
+            reader = HistoryReader(file.connection, batch, self._settings.keep, collector.counters, now)
+            return await to_thread.run_sync(work, reader)
+
+    def _renew(self) -> None:
+        """Have all series written again: the file is a new one."""
+        self._is_new = True

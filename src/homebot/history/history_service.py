@@ -23,8 +23,8 @@ from homebot.graph import Node
 from homebot.history.batch import Series
 from homebot.history.buckets import COUNTERS
 from homebot.history.collector import Collector
+from homebot.history.history_file import HistoryStore
 from homebot.history.reading import HistoryReader, Numbers, Span, StoredStates
-from homebot.history.store import HistoryStore
 from homebot.messages import Time
 
 __all__ = ["HistoryService"]

@@ -11,7 +11,7 @@ from typing import Final, NamedTuple, final
 from homebot.history.batch import Batch, StateRow
 from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
 from homebot.history.codec import decode_buckets, decode_values
-from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_recent
+from homebot.history.sealing import BITS, FIVES, HOURS, MASK, Points, key_of, points_of, read_blob, read_recent
 from homebot.history.settings import KeepSettings
 
 __all__ = ["HistoryReader", "Numbers", "Span", "StoredStates"]
@@ -105,7 +105,7 @@ class HistoryReader:
         """Return the single values, in the order of their times."""
         pairs: list[tuple[int, float]] = []
         for hour in range(span.since // HOUR, span.until // HOUR + 1):
-            if data := self._blob("raw", key_of(hour, series)):
+            if data := read_blob(self.connection, "raw", key_of(hour, series)):
                 pairs += zip(*decode_values(hour * HOUR, data), strict=True)
         if unsealed is not None:
             pairs += zip(*unsealed, strict=True)
@@ -116,7 +116,7 @@ class HistoryReader:
         """Return the buckets of five minutes, the oldest first."""
         found: dict[int, Bucket] = {}
         for hour in range(span.since // HOUR, span.until // HOUR + 1):
-            if data := self._blob("five", key_of(hour, series)):
+            if data := read_blob(self.connection, "five", key_of(hour, series)):
                 found.update(decode_buckets(hour * FIVES, data))
         if unsealed is not None:
             for number, bucket in self._buckets(series, unsealed).items():
@@ -127,7 +127,7 @@ class HistoryReader:
         """Return the buckets of hours, the oldest first; those of days that are not over are made of smaller ones."""
         found: dict[int, Bucket] = {}
         for day in range(span.since // _DAY, span.until // _DAY + 1):
-            if data := self._blob("day", key_of(day, series)):
+            if data := read_blob(self.connection, "day", key_of(day, series)):
                 found.update(decode_buckets(day * HOURS, data))
             elif (day + 1) * _DAY > self.now - self.keep.five_minutes * 1000:
                 whole = Span(day * _DAY, (day + 1) * _DAY - 1, 1)
@@ -145,12 +145,8 @@ class HistoryReader:
         unsealed = self._unsealed({series}).get(series)
         is_whole = all(_offset(at, zone) % _HOUR_SECONDS == 0 for at in (span.since, span.until))
         is_fine = not is_whole and span.since >= self.now - self.keep.five_minutes * 1000
-        buckets, width = (
-            (self._fives(series, span, unsealed), FIVE_MINUTES)
-            if is_fine
-            else (self._hours(series, span, unsealed), HOUR)
-        )
-        for number, bucket in buckets.items():
+        read, width = (self._fives, FIVE_MINUTES) if is_fine else (self._hours, HOUR)
+        for number, bucket in read(series, span, unsealed).items():
             at = number * width
             if bucket.rise and span.since <= at <= span.until:
                 yield at, bucket.rise
@@ -182,20 +178,15 @@ class HistoryReader:
     def _buckets(self, series: int, points: Points) -> dict[int, Bucket]:
         return buckets_of(*points, FIVE_MINUTES, self.now, is_counter=series in self.counters)
 
-    def _blob(self, table: str, key: int) -> bytes | None:
-        query = f"SELECT d FROM {table} WHERE k = ?"  # noqa: S608 - our own names
-        row = self.connection.execute(query, (key,)).fetchone()
-        return None if row is None else row[0]
-
 
 def _of(buckets: Mapping[int, Bucket], width: int, span: Span) -> Numbers:
     """Return *buckets* that *span* touches."""
-    fitting = [(number * width, one) for number, one in buckets.items() if _touches(number * width, width, span)]
-    return Numbers(width, [at for at, _ in fitting], [one for _, one in fitting])
-
-
-def _touches(at: int, width: int, span: Span) -> bool:
-    return at + width > span.since and at <= span.until
+    fitting = {
+        number * width: one
+        for number, one in buckets.items()
+        if (number + 1) * width > span.since and number * width <= span.until
+    }
+    return Numbers(width, [*fitting], [*fitting.values()])
 
 
 def _offset(at: int, zone: tzinfo | None) -> float:

@@ -11,7 +11,19 @@ from typing import Final, TypeAlias
 from homebot.history.buckets import FIVE_MINUTES, HOUR, Bucket, buckets_of, combined, wider
 from homebot.history.codec import decode_batch, decode_buckets, decode_values, encode_buckets, encode_values
 
-__all__ = ["BITS", "FIVES", "HOURS", "MASK", "Points", "key_of", "points_of", "read_recent", "seal_day", "seal_hours"]
+__all__ = [
+    "BITS",
+    "FIVES",
+    "HOURS",
+    "MASK",
+    "Points",
+    "key_of",
+    "points_of",
+    "read_blob",
+    "read_recent",
+    "seal_day",
+    "seal_hours",
+]
 
 BITS: Final = 16
 MASK: Final = 0xFFFF
@@ -69,10 +81,10 @@ def _seal_hour(connection: sqlite3.Connection, series: int, hour: int, points: P
     key, start = key_of(hour, series), hour * HOUR
     buckets = buckets_of(*points, FIVE_MINUTES, start + HOUR, is_counter=is_counter)
     times, values = points
-    if raw := _blob(connection, "raw", key):
+    if raw := read_blob(connection, "raw", key):
         before_times, before_values = decode_values(start, raw)
         times, values = before_times + times, before_values + values
-        before = decode_buckets(hour * FIVES, _blob(connection, "five", key) or b"")
+        before = decode_buckets(hour * FIVES, read_blob(connection, "five", key) or b"")
         buckets = before | {number: combined(before.get(number), one) for number, one in buckets.items()}
     if any(after < at for at, after in pairwise(times)):
         pairs = sorted(zip(times, values, strict=True), key=lambda pair: pair[0])
@@ -91,13 +103,14 @@ def seal_day(connection: sqlite3.Connection, day: int) -> None:
         found.setdefault(key & MASK, {}).update(hour)
     for series, hours in found.items():
         key = key_of(day, series)
-        known = _blob(connection, "day", key)
+        known = read_blob(connection, "day", key)
         if known:
             hours = decode_buckets(day * HOURS, known) | hours  # noqa: PLW2901 - the newer ones count
         data = encode_buckets(hours, day * HOURS, HOURS)
         connection.execute("INSERT OR REPLACE INTO day VALUES (?, ?)", (key, data))
 
 
-def _blob(connection: sqlite3.Connection, table: str, key: int) -> bytes | None:
+def read_blob(connection: sqlite3.Connection, table: str, key: int) -> bytes | None:
+    """Return the data of a row of ``raw``, ``five`` or ``day``; None if there is none."""
     row = connection.execute(f"SELECT d FROM {table} WHERE k = ?", (key,)).fetchone()  # noqa: S608 - our own names
     return None if row is None else row[0]
