@@ -7,7 +7,6 @@ if TYPE_CHECKING:
     from homebot.devices.query.exact import parse_exact_query
     from homebot.devices.query.facets import Facets, facets_of
     from homebot.devices.query.matching import PartFacets, fits
-    from homebot.devices.query.near import split_near
     from homebot.devices.query.parse import parse_query
     from homebot.devices.query.term_messages import QueryTerm, query_terms, read_terms
     from homebot.devices.query.terms import (
@@ -29,6 +28,7 @@ if TYPE_CHECKING:
         ReachableIs,
         StateIs,
         TypeIs,
+        split_near,
         type_is,
     )
     from homebot.devices.query.tokens import quoted
@@ -75,11 +75,10 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.devices.query.exact": "parse_exact_query",
             "homebot.devices.query.facets": "Facets facets_of",
             "homebot.devices.query.matching": "PartFacets fits",
-            "homebot.devices.query.near": "split_near",
             "homebot.devices.query.parse": "parse_query",
             "homebot.devices.query.terms": """
                 And AreaIs CanDo FactIs FreshnessIs GatewayIs HasText InArea IsDisputed IsNear IsUnapproved NameIs Not
-                Or Query ReachableIs StateIs TypeIs type_is
+                Or Query ReachableIs StateIs TypeIs split_near type_is
                 """,
             "homebot.devices.query.term_messages": "QueryTerm query_terms read_terms",
             "homebot.devices.query.tokens": "quoted",

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from homebot.devices.query.near import split_near
 from homebot.devices.query.parse import parse_query
-from homebot.devices.query.terms import HasText, Query, leaves
+from homebot.devices.query.terms import HasText, Query, leaves, split_near
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS
 from homebot.errors import UsageError
 from homebot.support.folding import is_typo

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any, Final
 
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.query.facets import Facets, facets_of
 from homebot.devices.query.terms import (
+    OPENING_TAGS,
     And,
     AreaIs,
     CanDo,
@@ -33,7 +35,7 @@ from homebot.devices.query.terms import (
 from homebot.devices.value import PlainValue
 from homebot.support.folding import fold, is_typo
 
-__all__ = ["COMPARISONS", "PartFacets", "compares", "fits"]
+__all__ = ["COMPARISONS", "PartFacets", "compares", "fits", "matches_kind"]
 
 
 class PartFacets:
@@ -182,10 +184,21 @@ COMPARISONS: Final[Mapping[Operator, Callable[[float, float], bool]]] = {
 """The comparison of two numbers by each operator."""
 
 
+def matches_kind(query: TypeIs, kind: tuple[str, str]) -> bool:
+    """Return whether a part of the type and tag *kind* matches."""
+    service_type, tag = kind
+    if service_type not in query.types:
+        return False
+    return not query.tag or service_type not in _OPENINGS or tag in OPENING_TAGS[query.tag]
+
+
+_OPENINGS: Final = frozenset({"closure", "contact_sensor"})
+
+
 def _fits_type(query: TypeIs, device: Facets | PartFacets) -> bool:
     return (
         (query.by_word and query.word in device.advertised)
-        or True in map(query.matches, device.kinds)
+        or True in map(partial(matches_kind, query), device.kinds)
         or (bool(device.possible_types) and device.possible_types == query.types)
     )
 

@@ -29,8 +29,6 @@ from typing import TypeAlias
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.query.comparison import UNITS, comparison
-from homebot.devices.query.near import split_near
-from homebot.devices.query.phrases import all_of, is_meaningful, meaning_of
 from homebot.devices.query.terms import (
     And,
     AreaIs,
@@ -41,6 +39,7 @@ from homebot.devices.query.terms import (
     Not,
     Or,
     Query,
+    split_near,
 )
 from homebot.devices.query.tokens import Token, tokens_of
 from homebot.devices.query.vocabulary import (
@@ -49,6 +48,9 @@ from homebot.devices.query.vocabulary import (
     KEYWORDS,
     NOT_UNDERSTOOD,
     RELATIVES,
+    all_of,
+    is_meaningful,
+    meaning_of,
 )
 from homebot.errors import UsageError
 from homebot.support.folding import MAX_WORD, fold, words_of

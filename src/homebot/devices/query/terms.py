@@ -9,9 +9,11 @@ from typing import Literal, TypeAlias
 
 from homebot.devices.device_types import DEVICE_TYPES, wanted_types
 from homebot.devices.value import PlainValue
+from homebot.errors import UsageError
 from homebot.support.folding import fold
 
 __all__ = [
+    "OPENING_TAGS",
     "And",
     "AreaIs",
     "CanDo",
@@ -33,6 +35,7 @@ __all__ = [
     "TextTerm",
     "TypeIs",
     "leaves",
+    "split_near",
     "type_is",
 ]
 
@@ -53,13 +56,6 @@ class TypeIs:
     types: frozenset[str]
     tag: str = ""
     by_word: bool = True
-
-    def matches(self, kind: tuple[str, str]) -> bool:
-        """Return whether a part of the type and tag *kind* matches."""
-        service_type, tag = kind
-        if service_type not in self.types:
-            return False
-        return not self.tag or service_type not in _OPENINGS or tag in _TAGS[self.tag]
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,14 +211,15 @@ Query: TypeAlias = (
     | Not
 )
 
-_OPENINGS = frozenset({"closure", "contact_sensor"})
-_TAGS = {
+OPENING_TAGS = {
     "window": frozenset({"", "opening", "window", "skylight"}),
     "door": frozenset({"", "opening", "door", "garage_door", "garage", "gate"}),
     "garage door": frozenset({"", "opening", "garage_door", "garage"}),
     "gate": frozenset({"", "opening", "gate"}),
     "damper": frozenset({"", "damper"}),
 }
+"""The declared kinds of openings by the word of a query."""
+
 _SENSORS = frozenset(
     name for name in DEVICE_TYPES if name.endswith(("sensor", "detector", "_meter")) or name == "smoke_co_alarm"
 )
@@ -236,7 +233,7 @@ def type_is(word: str) -> TypeIs:
     if spelled in {"sensor", "sensors"}:
         types = _SENSORS
     singular = spelled.removesuffix("s")
-    return TypeIs(spelled, types, singular if singular in _TAGS and not exact else "")
+    return TypeIs(spelled, types, singular if singular in OPENING_TAGS and not exact else "")
 
 
 def leaves(query: Query) -> Iterator[Query]:
@@ -249,3 +246,28 @@ def leaves(query: Query) -> Iterator[Query]:
             yield from leaves(term)
         case _:
             yield query
+
+
+def split_near(query: Query) -> tuple[IsNear | None, Query]:
+    """Return the term of *query* that asks for what is near a robot, None if there is none, and the rest.
+
+    Raises:
+        UsageError: It is beside ``or`` or after ``not``, or there are several.
+    """
+    terms = tuple(_joined(query))
+    rest = tuple(one for one in terms if not isinstance(one, IsNear))
+    if any(isinstance(one, IsNear) for term in rest for one in leaves(term)):
+        remedy = "write for example '(lamp or plug) near robot'"
+        raise UsageError(f"what is near is asked of a whole query, not beside 'or' or after 'not'; {remedy}")
+    near = [one for one in terms if isinstance(one, IsNear)]
+    if len(near) > 1:
+        raise UsageError("the query asks twice for what is near; one robot and one distance is the limit")
+    return (near[0], And(rest)) if near else (None, query)
+
+
+def _joined(query: Query) -> Iterator[Query]:
+    """Yield the terms all of which must match."""
+    for term in query.terms if isinstance(query, And) else ():
+        yield from _joined(term)
+    if not isinstance(query, And):
+        yield query

@@ -1,13 +1,27 @@
-"""The words that a text query understands beside those of the device types. Pure data."""
+"""The words that a text query understands beside those of the device types, and their meaning. Pure."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from types import MappingProxyType
 
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.device_types import DEVICE_TYPES
-from homebot.devices.query.terms import CanDo, FreshnessIs, IsDisputed, IsUnapproved, Or, Query, ReachableIs, StateIs
+from homebot.devices.device_types import DEVICE_TYPES, wanted_types
+from homebot.devices.query.terms import (
+    And,
+    CanDo,
+    FreshnessIs,
+    IsDisputed,
+    IsUnapproved,
+    Not,
+    Or,
+    Query,
+    ReachableIs,
+    StateIs,
+    TypeIs,
+    type_is,
+)
 from homebot.support.folding import fold
 
 __all__ = [
@@ -22,6 +36,9 @@ __all__ = [
     "NOT_UNDERSTOOD",
     "RELATIVES",
     "TYPE_WORDS",
+    "all_of",
+    "is_meaningful",
+    "meaning_of",
 ]
 
 KEYWORDS = frozenset({"and", "or", "not", "in", "with", "without", "but"})
@@ -170,3 +187,55 @@ CONDITIONS: Mapping[str, Query] = MappingProxyType(
     }
 )
 """Adjectives of how a device is."""
+
+
+def meaning_of(phrase: str) -> Query | None:
+    """Return the term that *phrase*, folded, spells; None if it is no word of queries."""
+    if not phrase:
+        return None
+    if (meant := CONDITIONS.get(phrase) or ABILITIES.get(phrase)) is not None:
+        return meant
+    if (states := ADJECTIVES.get(phrase)) is not None:
+        return states[0] if len(states) == 1 else Or(states)
+    capability = CAPABILITY_WORDS.get(phrase)
+    if wanted_types(phrase) or phrase in {"sensor", "sensors"}:
+        named = type_is(phrase)
+        return named if capability is None else Or((named, CanDo(capability)))
+    return None if capability is None else CanDo(capability)
+
+
+def is_meaningful(word: str) -> bool:
+    """Return whether *word*, folded, is a type, or an adjective."""
+    return word in ADJECTIVES or word in CONDITIONS or word in ABILITIES or bool(type_is(word).types)
+
+
+def all_of(terms: list[Query]) -> Query:
+    """Return the query that all *terms* match, adjectives for the types beside them."""
+    if not any(isinstance(term, TypeIs) for term in terms):
+        terms = [_NOUNS.get(term, term) for term in terms]
+    scoped = _with_scopes(terms)
+    return scoped[0] if len(scoped) == 1 else And(tuple(scoped))
+
+
+def _with_scopes(terms: list[Query]) -> list[Query]:
+    """Restrict adjectives to the types beside them."""
+    types = frozenset(one for term in terms if isinstance(term, TypeIs) for one in term.types)
+    return [_scoped(term, types) for term in terms] if types else terms
+
+
+def _scoped(term: Query, types: frozenset[str]) -> Query:
+    if term in _ADJECTIVE_TERMS:
+        match term:
+            case StateIs():
+                return replace(term, types=types)
+            case Or(terms):
+                return Or(tuple(replace(one, types=types) for one in terms if isinstance(one, StateIs)))
+    return Not(_scoped(term.term, types)) if isinstance(term, Not) else term
+
+
+_ADJECTIVE_TERMS = frozenset(states[0] if len(states) == 1 else Or(states) for states in ADJECTIVES.values())
+
+_NOUNS: dict[Query, Query] = {
+    states[0]: type_is(word) for word, states in ADJECTIVES.items() if len(states) == 1 and wanted_types(word)
+}
+"""Types with a word that is an adjective too, such as ``heating``, for that adjective without a type beside it."""

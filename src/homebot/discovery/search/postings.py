@@ -31,7 +31,7 @@ from homebot.devices.query import (
     StateIs,
     TypeIs,
 )
-from homebot.devices.query.matching import compares
+from homebot.devices.query.matching import compares, matches_kind
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.columns import Column, StoredValue
 from homebot.support.folding import fold, is_typo, may_be_typo, words_of
@@ -228,7 +228,7 @@ class Postings:
         for service_type in query.types:
             for found in self._values_of.get(f"kind {service_type}", set()):
                 tag = str(found[0])
-                if query.matches((service_type, tag)):
+                if matches_kind(query, (service_type, tag)):
                     yield (f"kind {service_type}", tag)
         if query.by_word:
             yield ("advertised", query.word)

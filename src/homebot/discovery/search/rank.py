@@ -23,6 +23,7 @@ from homebot.devices.query import (
     TypeIs,
     fits,
 )
+from homebot.devices.query.matching import matches_kind
 from homebot.devices.value import PlainValue
 from homebot.discovery.search.postings import Postings
 from homebot.support.folding import is_typo, words_of
@@ -149,7 +150,7 @@ def _weigh_type(term: TypeIs, facets: Facets) -> tuple[float, str]:
     if term.by_word and term.word in facets.advertised:
         return 2.5, f"it was announced as {term.word}"
     for kind in facets.kinds:
-        if term.matches(kind):
+        if matches_kind(term, kind):
             return 2.0, f"a part of it is a {_plain(kind[0])}"
     if facets.possible_types and facets.possible_types == term.types:
         return 1.0, f"it may be a {term.word}"
