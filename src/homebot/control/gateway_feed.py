@@ -15,7 +15,7 @@ from homebot.errors import InvalidNameError
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["GatewayFeed", "LinkLoss", "OnReport", "ReportWatch"]
+__all__ = ["GatewayFeed", "LinkLoss", "OnReport"]
 
 OnReport: TypeAlias = Callable[[str, PlainValue, float], None]
 """Called with the capability and the value of a live report, and its time in seconds since the Unix epoch."""
@@ -41,24 +41,6 @@ _NEVER: Final = LinkLoss()
 
 
 @final
-class ReportWatch:
-    """A watch of one part, until it is stopped; made by :meth:`GatewayFeed.watch`."""
-
-    __slots__ = ("_feed", "_places", "on_report")
-
-    def __init__(self, feed: GatewayFeed, places: list[_Place], on_report: OnReport) -> None:
-        self.on_report = on_report
-        self._feed = feed
-        self._places = places
-
-    def stop(self) -> None:
-        """Forward no more reports; twice is fine."""
-        places, self._places = self._places, []
-        for place in places:
-            self._feed.remove(place, self)
-
-
-@final
 class GatewayFeed:
     """The one subscription to the reports, answers and states of each gateway.
 
@@ -70,7 +52,7 @@ class GatewayFeed:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._clock = node.graph.clock
-        self._watches: dict[_Place, list[ReportWatch]] = {}
+        self._watches: dict[_Place, list[OnReport]] = {}
         self._states: set[str] = set()
         self._reports: set[str] = set()
         self._answering: BoundedMap[_Place, None] = BoundedMap(_MOST_ANSWERING)
@@ -87,21 +69,20 @@ class GatewayFeed:
                     self._follow_state(gateway)
                     self.on_gateway(gateway)
 
-    def watch(self, routes: Iterable[Route], on_report: OnReport) -> ReportWatch:
-        """Call *on_report* with each live report by one of *routes*, until the watch is stopped."""
+    def watch(self, routes: Iterable[Route], on_report: OnReport) -> Callable[[], None]:
+        """Call *on_report* with each live report by one of *routes*; return the function that ends it, once."""
         places = [(one.gateway, one.key, one.part) for one in routes]
-        watch = ReportWatch(self, places, on_report)
         for place in places:
-            self._watches.setdefault(place, []).append(watch)
+            self._watches.setdefault(place, []).append(on_report)
             self._follow_reports(place[0])
-        return watch
+        return partial(self._unwatch, places, on_report)
 
-    def remove(self, place: _Place, watch: ReportWatch) -> None:
-        """Remove *watch*; called by it."""
-        watches = self._watches[place]
-        watches.remove(watch)
-        if not watches:
-            del self._watches[place]
+    def _unwatch(self, places: list[_Place], on_report: OnReport) -> None:
+        for place in places:
+            watches = self._watches[place]
+            watches.remove(on_report)
+            if not watches:
+                del self._watches[place]
 
     def last_loss(self, routes: Iterable[Route]) -> LinkLoss:
         """Return when a gateway of *routes* last lost its connection."""
@@ -135,8 +116,8 @@ class GatewayFeed:
         if report.retained:
             return
         for reading in report.readings:
-            for watch in tuple(self._watches.get((report.gateway, report.key, reading.part), ())):
-                watch.on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds())
+            for on_report in tuple(self._watches.get((report.gateway, report.key, reading.part), ())):
+                on_report(reading.capability, reading.value.plain(), report.received_at.to_seconds())
 
     def _on_answer(self, gateway: str, answer: CommandAnswer) -> None:
         self._answering[gateway, answer.key, answer.part] = None

@@ -10,7 +10,7 @@ from functools import partial
 from typing import Final, TypeAlias, final
 
 from homebot.control import durations
-from homebot.control.gateway_feed import GatewayFeed, ReportWatch
+from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.profiles import Profiles
 from homebot.control.timeline.cause import Attribution, cause_of_undoing
 from homebot.control.timeline.facts import PartRef, Reported
@@ -37,7 +37,7 @@ class _TrackedPart:
     target: str
     routes: tuple[Route, ...] = ()
     relevant: frozenset[str] = frozenset()
-    watch: ReportWatch | None = None
+    stop_watch: Callable[[], None] = lambda: None
     timer: int = 0
     timer_at: float = math.inf
     listeners: list[OnValue] = field(default_factory=list)
@@ -127,12 +127,11 @@ class Timelines:
         return entry
 
     def _follow(self, place: PartRef, entry: _TrackedPart, part: DevicePart) -> None:
-        if entry.watch is not None:
-            entry.watch.stop()
+        entry.stop_watch()
         entry.routes = part.routes
         settable = [one.name for one in part.part.capabilities if one.settable]
         entry.relevant = frozenset([other for one in settable for other in related(one)])
-        entry.watch = self._feed.watch(part.routes, partial(self._on_value, place, entry))
+        entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, place, entry))
 
     def _on_value(self, place: PartRef, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
         if capability not in entry.relevant:
@@ -166,8 +165,7 @@ class Timelines:
             if not entry.listeners and not entry.timeline.open_commands():
                 del self._entries[place]
                 self._limits.discard(entry.timer)
-                if entry.watch is not None:
-                    entry.watch.stop()
+                entry.stop_watch()
                 return
 
     def _on_undone(self, place: PartRef, progress: CommandProgress) -> None:

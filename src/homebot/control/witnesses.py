@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from enum import Enum
 from functools import partial
-from typing import Final, TypeAlias, final
+from types import MappingProxyType
+from typing import Final, NamedTuple, final
 
 from homebot.control.command import IssuedCommand
 from homebot.control.device_lookup import DeviceLookup
-from homebot.control.gateway_feed import GatewayFeed, ReportWatch
-from homebot.control.observation import Observed, observed, rises, sensed_by
+from homebot.control.gateway_feed import GatewayFeed
 from homebot.control.sending import OpenCommand
 from homebot.control.settings import ControlSettings
 from homebot.control.timeline.evidence import outcome_of
@@ -22,7 +23,7 @@ from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
 
-__all__ = ["Witness", "Witnesses"]
+__all__ = ["Observed", "Witness", "Witnesses", "observed"]
 
 CONTRADICTED = "control.contradicted_by_witness"
 
@@ -42,19 +43,17 @@ class Witness:
 
     name: str
     is_named: bool
+    part: DevicePart
     capability: str
     before: PlainValue
     newest: PlainValue
     seen_at: float = 0.0
-    watch: ReportWatch | None = None
+    stop_watch: Callable[[], None] = lambda: None
 
     def answer(self, reported_at: float, *, is_rise: bool) -> Observed:
         """Return its observation of a command that the device reported done at *reported_at*."""
         is_heard = self.seen_at > reported_at
         return observed(self.capability, self.before, self.newest, is_rise=is_rise, is_heard=is_heard)
-
-
-_Sensor: TypeAlias = tuple[Witness, DevicePart]
 
 
 @final
@@ -95,16 +94,15 @@ class Witnesses:
         if rises(command.settings) is None or not (wanted := sensed_by(command.settings)):
             return []
         found = await self._sensors_for(command, wanted)
-        for witness, part in found:
+        for witness in found:
             on_report = partial(self._on_report, witness, opened.wake)
-            witness.watch = self._feed.watch(part.routes, on_report)
-        return [witness for witness, _ in found]
+            witness.stop_watch = self._feed.watch(witness.part.routes, on_report)
+        return found
 
     def end(self, witnesses: Iterable[Witness]) -> None:
         """Ask *witnesses* no more."""
         for one in witnesses:
-            if one.watch is not None:
-                one.watch.stop()
+            one.stop_watch()
 
     async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
         """Return *outcome*, or a better one by a witness; a named one is awaited."""
@@ -138,7 +136,7 @@ class Witnesses:
         facets = PartFacets(command.device, command.part)
         return next((name for query, name in self._named if fits(query, facets)), None)
 
-    async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[_Sensor]:
+    async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[Witness]:
         """Return the named sensor, or the meters of the same device."""
         name = self._name_for(command) if self._named else None
         if name is None:
@@ -187,19 +185,106 @@ def _with_answer(
     return [one for one in witnesses if one.answer(reported_at, is_rise=is_rise) is answer]
 
 
-def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[_Sensor]:
+def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[Witness]:
     """Return the sensors of a device that measure one of *wanted*, without silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
     live = {(state.part, state.capability): state.value.plain() for state in device.states if state.live}
-    measured = [
-        (one.name, part)
+    return [
+        Witness(device.name, is_named, part, one.name, value := live[part.id, one.name], value)
         for part in device.parts
         for one in part.part.capabilities
-        if one.name in wanted and one.readable and not one.settable and part.id not in device.offline_parts
+        if one.name in wanted and one.readable and not one.settable
+        if part.id not in device.offline_parts and (part.id, one.name) in live
     ]
-    return [
-        (Witness(device.name, is_named, name, value := live[part.id, name], value), part)
-        for name, part in measured
-        if (part.id, name) in live
-    ]
+
+
+class Observed(Enum):
+    """Answer of a sensor about a command."""
+
+    EFFECT = "effect"
+    NOTHING = "nothing"
+    UNCLEAR = "unclear"
+
+
+class _Sense(NamedTuple):
+    """Signs of an effect in the values of a sensor.
+
+    Attributes:
+        least: The smallest change that counts; 0 for a sensor of truths.
+        shows_fall: Whether a value that does not fall shows that nothing happened: daylight hides a lamp.
+    """
+
+    least: float = 0.0
+    shows_fall: bool = True
+
+
+_SENSES: Final[Mapping[str, _Sense]] = MappingProxyType(
+    {
+        "contact": _Sense(),
+        "unlocked": _Sense(),
+        "power": _Sense(1.0),
+        "flow": _Sense(0.02),
+        "illuminance": _Sense(2.0, shows_fall=False),
+    }
+)
+"""Sensors that show an effect within seconds: people move by themselves, and rooms warm slowly."""
+
+_SENSED_BY: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
+    {
+        "on_off": ("illuminance", "power"),
+        "level": ("illuminance", "power"),
+        "fan_speed": ("power",),
+        "position": ("contact",),
+        "movement": ("contact",),
+        "lock": ("unlocked",),
+        "valve": ("flow",),
+    }
+)
+_RISING: Final[Mapping[PlainValue, bool]] = MappingProxyType(
+    {True: True, False: False, "open": True, "closed": False, "unlocked": True, "locked": False}
+)
+_SHARE: Final = 0.1
+"""Of the value before, by which a number changes at least."""
+
+
+def sensed_by(settings: Iterable[str]) -> frozenset[str]:
+    """Return the capabilities of sensors that may show a change of *settings*."""
+    return frozenset().union(*filter(None, map(_SENSED_BY.get, settings)))
+
+
+def rises(settings: Mapping[str, PlainValue]) -> bool | None:
+    """Return whether a command makes something stronger or opens it; None if that is not certain: a level may dim."""
+    for value in settings.values():
+        if isinstance(value, float):
+            if value == 0.0:
+                return False
+        elif value in _RISING:
+            return _RISING[value]
+    return None
+
+
+def observed(capability: str, before: PlainValue, newest: PlainValue, *, is_rise: bool, is_heard: bool) -> Observed:
+    """Return the observation of a rise or a fall by the values of *capability* before the command, and now.
+
+    Args:
+        is_heard: Whether the sensor reported after the device.
+    """
+    sense = _SENSES[capability]
+    if isinstance(before, bool) and isinstance(newest, bool):
+        if before is is_rise:
+            return Observed.UNCLEAR  # it was so before
+        return Observed.EFFECT if newest is is_rise else Observed.NOTHING
+    if not (isinstance(before, float) and isinstance(newest, float)):
+        return Observed.UNCLEAR
+    return _observed_number(sense, before, newest, is_rise=is_rise, is_heard=is_heard)
+
+
+def _observed_number(sense: _Sense, before: float, newest: float, *, is_rise: bool, is_heard: bool) -> Observed:
+    change = newest - before if is_rise else before - newest
+    if change >= max(sense.least, _SHARE * abs(before)):
+        return Observed.EFFECT
+    if not is_heard:
+        return Observed.UNCLEAR
+    is_nothing = newest < sense.least if is_rise else sense.shows_fall and change <= 0.0 < before - sense.least
+    return Observed.NOTHING if is_nothing else Observed.UNCLEAR

@@ -6,7 +6,7 @@ import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, obey, obey_after
 
-from homebot.control.observation import Observed, observed
+from homebot.control.witnesses import Observed, observed
 from homebot.devices.approval_messages import TrustDevice, TrustDeviceRequest
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import DoorLock, Light, Switch, WindowCovering
