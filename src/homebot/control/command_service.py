@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
-from typing import Final, TypeAlias, final
+from collections.abc import Callable, Mapping
+from typing import Final, final
 
 import anyio
 
 from homebot.control.command_targets import CommandTargets, NoTargetError, SpokenSettings, part_name, settings_by_part
 from homebot.control.device_lookup import DeviceLookup
+from homebot.control.executor import CommandExecutor
 from homebot.devices import Device, DevicePart
 from homebot.devices.command_messages import (
     CommandDevicesRequest,
@@ -23,25 +24,18 @@ from homebot.devices.value import PlainValue, Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 
-__all__ = ["CommandService", "Perform", "Preview"]
+__all__ = ["UNNAMED_CLIENT", "CommandService"]
 
 UNNAMED_CLIENT: Final = "client"
 """The issuer of a command that names none."""
-
-Perform: TypeAlias = Callable[[CommandRequest], Awaitable[Outcome]]
-"""Carries out the command to one part."""
-
-Preview: TypeAlias = Callable[[CommandRequest, Device, DevicePart], Refused | None]
-"""Returns the refusal of the command to one part at this moment."""
 
 
 @final
 class CommandService:
     """Finds the devices that a command in words is for, and commands all of them at once."""
 
-    def __init__(self, node: Node, lookup: DeviceLookup, perform: Perform, preview: Preview) -> None:
-        self._perform = perform
-        self._preview = preview
+    def __init__(self, node: Node, lookup: DeviceLookup, executor: CommandExecutor) -> None:
+        self._executor = executor
         self._lookup = lookup
         self._targets = CommandTargets(node, lookup, self._refusal)
 
@@ -93,7 +87,7 @@ class CommandService:
         if isinstance(spoken, RefusedError):
             outcome: Outcome = Refused("device", f"{spoken.what}: {spoken.reason}")
         else:
-            outcome = await self._perform(_part_request(request, device, part, spoken))
+            outcome = await self._executor.perform(_part_request(request, device, part, spoken))
         result = CommandResult.of(outcome)
         if isinstance(outcome, NoAnswer) and (reason := await self._why_unreachable(device)):
             result = result.model_copy(update={"text": f"{result.text}; {reason}"})
@@ -107,7 +101,7 @@ class CommandService:
             if isinstance(spoken, RefusedError):
                 problem = spoken.reason
                 continue
-            refused = self._preview(_part_request(request, device, part, spoken), device, part)
+            refused = self._executor.preview(_part_request(request, device, part, spoken), device, part)
             if refused is None:
                 return ""
             problem = refused.reason

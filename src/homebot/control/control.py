@@ -141,7 +141,7 @@ class Control:
         create(leases.ReleaseLease, names.RELEASE_LEASE, lambda request: self._layer.leases.release(request))
         create(leases.GetLeases, names.GET_LEASES, lambda request: self._layer.leases.held_parts(request))
         create(leases.EndLeases, names.END_LEASES, lambda request: self._layer.leases.end(request))
-        create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.approvals.unapproved(request))
+        create(GetUnapproved, names.GET_UNAPPROVED, lambda request: self._layer.policies.unapproved(request))
         create(TrustDevice, names.TRUST_DEVICE, lambda request: self._layer.executor.witnesses.trust(request))
         create(GetHealth, "~/health", self.health)
         create(ReadJournal, names.READ_JOURNAL, self.read_journal, concurrent=True)

@@ -8,7 +8,6 @@ from typing import Final, final
 
 import anyio
 
-from homebot.control.approvals import Approvals
 from homebot.control.command_service import CommandService
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.executor import CommandExecutor, Rehearsal
@@ -19,11 +18,10 @@ from homebot.control.journal.file_store import FileStore
 from homebot.control.journal.house_watch import HouseWatch
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.journal.store import JournalStore
-from homebot.control.learnt import LearntPersistence
+from homebot.control.learnt import PROFILE, LearntPersistence, Profiles
 from homebot.control.lease_service import LeaseService
 from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
-from homebot.control.profiles import PROFILE, Profiles
 from homebot.control.settings import ControlSettings
 from homebot.control.text_commands import TextCommands
 from homebot.control.timelines import Timelines
@@ -62,9 +60,7 @@ class ControlLayer:
         store: JournalStore | None,
         rehearsal: Rehearsal | None,
     ) -> None:
-        settings = settings or ControlSettings()
-        if approves_all:
-            settings = settings.model_copy(update={"approvals": False})
+        settings = _with_approvals(settings, approves_all=approves_all)
         store = store or _store(node, settings, journal_file)
         self.journal = CommandJournal(node, store, lookup, house_watch.changes.begin_raw, settings.settle)
         self.learnt = LearntPersistence(node, store)
@@ -73,6 +69,7 @@ class ControlLayer:
         self.timelines = Timelines(node, feed, profiles, settings.timeout, settings.settle)
         self.policies = PolicyEngine(
             node,
+            lookup,
             settings,
             grants,
             self.journal,
@@ -85,11 +82,10 @@ class ControlLayer:
         self.executor = CommandExecutor(
             node, settings, lookup, self.policies, self.journal, leases, self.timelines, feed, self.learnt, rehearsal
         )
-        self.words = CommandService(node, lookup, self.executor.perform, self.executor.preview)
+        self.words = CommandService(node, lookup, self.executor)
         self.leases = LeaseService(node, lookup, self.executor, self.journal)
         self.texts = TextCommands(node, lookup, self.executor, self.policies, self.journal)
         self.denied = DeniedRequests(node, lookup, self.journal)
-        self.approvals = Approvals(lookup, is_needed=settings.approvals)
         self.explanations = Explanations(
             self.journal.read,
             lookup.device,
@@ -99,9 +95,7 @@ class ControlLayer:
 
     def update_policies(self, settings: ControlSettings | None, *, approves_all: bool) -> None:
         """Use the policies of *settings*, None for its defaults; its other keys change nothing."""
-        settings = settings or ControlSettings()
-        self.approvals.is_needed = settings.approvals and not approves_all
-        self.policies.update(settings.model_copy(update={"approvals": self.approvals.is_needed}))
+        self.policies.update(_with_approvals(settings, approves_all=approves_all))
 
     async def run(self) -> None:
         """Write the journal and serve the leases until cancelled."""
@@ -116,10 +110,16 @@ class ControlLayer:
 
     async def health(self) -> HealthResponse:
         """Return the health of the journal, with notes for the owner."""
-        notes = await self.approvals.notes() + self.executor.witnesses.notes() + self.policies.notes()
+        notes = await self.policies.approval_notes() + self.executor.witnesses.notes() + self.policies.notes()
         executor = self.executor
         counts = {"leases_refused": executor.leases.refused, **executor.witnesses.counts, **self.policies.counts}
         return self.journal.health(counts, notes)
+
+
+def _with_approvals(settings: ControlSettings | None, *, approves_all: bool) -> ControlSettings:
+    """Return *settings*, by default those of a home, without approvals if all devices have one."""
+    settings = settings or ControlSettings()
+    return settings.model_copy(update={"approvals": False}) if approves_all else settings
 
 
 def _store(node: Node, settings: ControlSettings, journal_file: Path | None) -> JournalStore:

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import tzinfo
 from functools import lru_cache, partial
 from typing import Final, TypeAlias, final
 from zoneinfo import ZoneInfo
 
 from homebot.control.command import IssuedCommand
+from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.journal import CommandJournal
 from homebot.control.learnt import LearntPersistence
-from homebot.control.policies.detections import DETECTION, Detections
 from homebot.control.policies.facts import Facts, Verdict
-from homebot.control.policies.house import House
+from homebot.control.policies.house import DETECTION, Detections, House
 from homebot.control.policies.rate_limit import TurnCounter
 from homebot.control.policies.rights import check_approval, check_grants, client_refusal
-from homebot.control.policies.settings import PolicySettings
+from homebot.control.settings import PolicySettings
 from homebot.control.timelines import Timelines
-from homebot.devices import DeviceChange, StateChange
+from homebot.devices import Device, DeviceChange, KeyValue, StateChange
+from homebot.devices.always_ask import waits_for_approval, why_device_asks
+from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
 from homebot.devices.house_view import HouseView
 from homebot.devices.outcomes import Refused
-from homebot.devices.query import Or, facets_of, fits
+from homebot.devices.query import IsUnapproved, Or, facets_of, fits
+from homebot.errors import ServiceError
 from homebot.graph import Node
 
 __all__ = ["Policies", "Policy", "PolicyEngine"]
@@ -51,6 +54,7 @@ class PolicyEngine:
     def __init__(
         self,
         node: Node,
+        lookup: DeviceLookup,
         settings: PolicySettings,
         grants: Mapping[str, tuple[str, ...]],
         journal: CommandJournal,
@@ -61,6 +65,7 @@ class PolicyEngine:
         detected: Iterable[str] = (),
     ) -> None:
         self._node = node
+        self._lookup = lookup
         self._clock = node.graph.clock
         self._settings = settings
         self._grants = grants
@@ -115,14 +120,40 @@ class PolicyEngine:
         """The counters for the health of the node, by name."""
         return {"detections_forgotten": self._house.detections.forgotten} if self._guards_presence else {}
 
+    async def unapproved(self, request: UnapprovedRequest) -> UnapprovedResponse:
+        """Return the devices that wait for the owner's approval, and the reasons why devices always ask."""
+        if request.device:
+            device = await self._lookup.device(request.device)
+            found = [] if device is None else [device]
+        else:
+            found = await self._waiting()
+        return UnapprovedResponse(
+            devices=tuple(one.id for one in found if self._settings.approvals and waits_for_approval(one)),
+            reasons=tuple(KeyValue(key=one.id, value=why) for one in found if (why := why_device_asks(one))),
+        )
+
+    async def _waiting(self) -> list[Device]:
+        return list(await self._lookup.devices(IsUnapproved())) if self._settings.approvals else []
+
+    async def approval_notes(self) -> tuple[str, ...]:
+        """Return a note on the devices that wait for approval; none if the directory does not answer."""
+        try:
+            waiting = [f"{one.id} ({why_device_asks(one)})" for one in await self._waiting()]
+        except ServiceError:
+            return ()
+        if not waiting:
+            return ()
+        count = "1 device waits" if len(waiting) == 1 else f"{len(waiting)} devices wait"
+        advice = "and nothing is sent before (`homebot approve DEVICE`)"
+        return (f"{count} for approval, {advice}: {_first_of(waiting)}",)
+
     def notes(self) -> tuple[str, ...]:
         """Return a note on the motion sensors that the presence guard does not trust yet."""
         names = self._house.unproven() if self._settings.presence_guard is not None else ()
         if not names:
             return ()
-        named = ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
         count = "1 motion sensor has" if len(names) == 1 else f"{len(names)} motion sensors have"
-        return (f"{count} never detected anybody, so apps turn off nothing there; walk past: {named}",)
+        return (f"{count} never detected anybody, so apps turn off nothing there; walk past: {_first_of(names)}",)
 
     async def detected(self) -> tuple[str, ...]:
         """Return the motion sensors that have ever detected a person, as far as a policy needs them."""
@@ -191,6 +222,10 @@ class Policies:
             if not verdicts[-1].allowed:
                 break
         return tuple(verdicts)
+
+
+def _first_of(names: Sequence[str]) -> str:
+    return ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
 
 
 def _zone(name: str) -> tzinfo | None:

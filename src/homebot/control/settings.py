@@ -1,23 +1,107 @@
-"""Settings of the control layer."""
+"""Settings of the control layer and of its policies: the table ``[control]``."""
 
 from __future__ import annotations
 
-from typing import Annotated, Final
+from collections.abc import Iterator
+from typing import Annotated, Final, TypeAlias
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from pydantic import Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 
-from homebot.control.policies import PolicySettings
 from homebot.control.policies.command_pattern import QueryText
+from homebot.control.policies.facts import PolicyTable
+from homebot.control.policies.home_policy import NamedPolicy, check_tables, home_policies
+from homebot.control.policies.interlock import Interlock
+from homebot.control.policies.presence_guard import PresenceGuardSettings
+from homebot.control.policies.quiet_hours import QuietHours
+from homebot.control.policies.rate_limit import RateLimitSettings
 from homebot.devices.misspelt_names import StatedNames
 from homebot.devices.query import Query
 from homebot.devices.query.exact import parse_lasting_query
 from homebot.support.folding import fold
 from homebot.units import Seconds
 
-__all__ = ["ControlSettings"]
+__all__ = ["ControlSettings", "PolicySettings"]
 
 _WITNESSES: Final = "control.witnesses"
 _DOORS: Final = "control.presence_guard.doors"
+
+
+_LONGEST_REASON = 200
+
+
+def _zone(name: str) -> str:
+    """Return *name* if it is a time zone, or empty for that of the computer."""
+    if name:
+        try:
+            ZoneInfo(name)
+        except (ZoneInfoNotFoundError, ValueError) as exc:
+            raise ValueError(f"{name!r} is no time zone of this computer; write one like 'Europe/Vienna'") from exc
+    return name
+
+
+def _table_or_bool(example: str) -> BeforeValidator:
+    """Return a validator: ``true`` is the default table, ``false`` is None; *example* is a table, for messages."""
+
+    def read(value: object) -> object:
+        if isinstance(value, bool):
+            return {} if value else None
+        if value is None or isinstance(value, (dict, BaseModel)):
+            return value
+        raise ValueError(f"must be true, false or a table such as {example}, got {value!r}"[:_LONGEST_REASON])
+
+    return BeforeValidator(read)
+
+
+_Guard: TypeAlias = Annotated[PresenceGuardSettings | None, _table_or_bool("{absent_after = 1200}")]
+_Rate: TypeAlias = Annotated[RateLimitSettings | None, _table_or_bool("{changes = 30, seconds = 10}")]
+_Hours: TypeAlias = Annotated[tuple[QuietHours, ...], Field(max_length=100)]
+_Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
+_Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
+_Installed: TypeAlias = Annotated[dict[_Name, dict[str, object]], Field(max_length=100), AfterValidator(check_tables)]
+
+
+class PolicySettings(BaseModel):
+    """The keys of the table ``[control]`` for policies, in the order in which they check a command.
+
+    A new policy of homebot is a :class:`PolicyTable` in its own file, and its key here.
+
+    Attributes:
+        interlocks: Commands that are refused while a condition holds.
+        quiet_hours: Times at which apps may not give some commands.
+        presence_guard: Whether apps may not turn things off or close them in an occupied room: ``true``, or a table.
+        policies: The tables of the policies of other packages, by the names of their entry points.
+        rate_limit: The limit for switching to and fro; ``false`` for none.
+        always_ask: Whether locks, garage doors, ovens and the like take a right that names them.
+        approvals: Whether these take no command until the owner approves each device.
+        time_zone: The time zone, such as ``Europe/Vienna``; empty for that of ``[home]``, or else of the computer.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    interlocks: _Interlocks = ()
+    quiet_hours: _Hours = ()
+    presence_guard: _Guard = None
+    policies: _Installed = Field(default_factory=dict)
+    rate_limit: _Rate = RateLimitSettings()
+    always_ask: bool = True
+    approvals: bool = True
+    time_zone: Annotated[str, AfterValidator(_zone)] = ""
+
+    def tables(self) -> Iterator[PolicyTable | NamedPolicy]:
+        """Yield the policies but those of rights, in their order."""
+        for key in PolicySettings.model_fields:
+            value: object = getattr(self, key)
+            if key == "policies":
+                yield from home_policies(self.policies)
+            for one in value if isinstance(value, tuple) else (value,):
+                if isinstance(one, PolicyTable):
+                    yield one
+
+    @property
+    def needs_house(self) -> bool:
+        """True if some policy needs the values of sensors."""
+        return bool(self.policies) or any(one.needs is not None for one in self.tables())
 
 
 class ControlSettings(PolicySettings):

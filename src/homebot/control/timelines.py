@@ -11,7 +11,7 @@ from typing import Final, TypeAlias, final
 
 from homebot.control import durations
 from homebot.control.gateway_feed import GatewayFeed
-from homebot.control.profiles import Profiles
+from homebot.control.learnt import Profiles
 from homebot.control.timeline.cause import Attribution, cause_of_undoing
 from homebot.control.timeline.facts import PartRef, Reported
 from homebot.control.timeline.part_timeline import PartTimeline

@@ -11,7 +11,7 @@ from anyio import to_thread
 from homebot.bridges.rosbridge import Door
 from homebot.config import Config
 from homebot.control import Control
-from homebot.control.policies import PolicySettings
+from homebot.control.settings import PolicySettings
 from homebot.discovery import Directory
 from homebot.errors import UsageError
 from homebot.runtime.grants import ACT

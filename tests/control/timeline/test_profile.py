@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from homebot.control.profiles import Profiles
+from homebot.control.learnt import Profiles
 from homebot.control.timeline.profile import KEPT, DeviceProfile
 
 

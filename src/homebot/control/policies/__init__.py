@@ -7,14 +7,12 @@ if TYPE_CHECKING:
     from homebot.control.policies.facts import Facts, FactUsed, Verdict
     from homebot.control.policies.home_policy import HomePolicy
     from homebot.control.policies.house import House, SensorReading
-    from homebot.control.policies.settings import PolicySettings
 
 __all__ = [
     "FactUsed",
     "Facts",
     "HomePolicy",
     "House",
-    "PolicySettings",
     "SensorReading",
     "Verdict",
 ]
@@ -26,6 +24,5 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
             "homebot.control.policies.facts": "FactUsed Facts Verdict",
             "homebot.control.policies.home_policy": "HomePolicy",
             "homebot.control.policies.house": "House SensorReading",
-            "homebot.control.policies.settings": "PolicySettings",
         },
     )
