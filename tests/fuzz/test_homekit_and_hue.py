@@ -7,6 +7,7 @@ import random
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, Mutator
+from tests.gateways.checked_command import checked_command
 from tests.gateways.homekit.fake_accessories import PERMS, accessory, characteristic, service
 
 from homebot.conventions.homekit.accessory import parse_accessories
@@ -41,7 +42,8 @@ def test_damaged_accessories_are_refused_or_read(fuzz: Fuzz) -> None:
                     value = part.rows[one.name].read_value(part.service)
                     assert not one.readable or can_report(part.part, one.name, value), (one.name, value)
                     with suppress(PeerError):
-                        written, _ = part.command(one.name, rng.choice((damage.plain(), *one.options)))
+                        wanted = rng.choice((damage.plain(), *one.options))
+                        written, _ = part.command(checked_command(part.part, one.name, wanted))
                         json.dumps([known.encode(number) for known, number in written.items()], allow_nan=False)
 
     fuzz.run("homekit accessories", case)
@@ -66,7 +68,9 @@ def test_damaged_resources_are_refused_or_read(fuzz: Fuzz) -> None:
                     value = None if row.read is None else row.read(resources.get(one.id))
                     assert not capability.readable or can_report(one.part, row.capability, value), (row, value)
                     with suppress(PeerError):
-                        wanted = damage.plain(), rng.choice((0.0, 1e9))
-                        json.dumps(row.write and row.write(resources.get(one.id), *wanted), allow_nan=False)
+                        command = checked_command(
+                            one.part, row.capability, damage.plain(), transition=rng.choice((0.0, 1e9))
+                        )
+                        json.dumps(row.write and row.write(resources.get(one.id), command), allow_nan=False)
 
     fuzz.run("hue resources", case)

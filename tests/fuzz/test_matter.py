@@ -7,8 +7,8 @@ import math
 import random
 
 from tests.fuzz.conftest import Fuzz, Mutator
+from tests.gateways.checked_command import checked_command
 
-from homebot.conventions.matter.cluster_row import MatterCommand
 from homebot.conventions.matter.switch_cluster import press_of
 from homebot.conventions.payload import parse_json
 from homebot.devices.capabilities import CAPABILITIES
@@ -65,10 +65,11 @@ def check_device(rng: random.Random, device: NodeDevice) -> None:
                 value = row.read_value(endpoint)
                 assert can_report(part, capability.name, value), (capability.name, value)
                 assert not isinstance(value, float) or math.isfinite(value)
-            if row.write is not None:
+            if capability.settable:
                 wanted: PlainValue = rng.choice((*WANTED, *capability.options))
                 try:
-                    orders = row.write(endpoint, MatterCommand(wanted, rng.choice((0.0, 1.5, 1e5))))
+                    command = checked_command(part, capability.name, wanted, transition=rng.choice((0.0, 1.5, 1e5)))
+                    orders = row.orders_of(endpoint, command)
                 except RefusedError:
                     continue
                 for order in orders:

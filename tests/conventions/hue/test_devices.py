@@ -7,6 +7,7 @@ from collections.abc import Collection
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.gateways.checked_command import checked_command
 
 from homebot.conventions.hue.devices import HueService, bridge_identifiers, devices_of
 from homebot.conventions.hue.resources import Fields, HueBody, HueResources, HueRow
@@ -51,7 +52,9 @@ def read(kind: str, resource: Fields, capability: str) -> PlainValue:
 def write(resource: Fields, capability: str, value: PlainValue, seconds: float = 0.0) -> HueBody:
     found = row("light", resource, capability)
     assert found.write is not None
-    return found.write(resource, value, seconds)
+    return found.write(
+        resource, checked_command(service("light", resource).part, capability, value, transition=seconds)
+    )
 
 
 @pytest.mark.parametrize(

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from tests.gateways.matter.test_node import LOCK, only_device, orders, readings
+from tests.gateways.matter.test_node import LOCK, encoded, only_device, orders, readings
 
-from homebot.conventions.matter.cluster_row import MatterCommand
 from homebot.conventions.matter.endpoint import AttributeWrite
 from homebot.devices.always_ask import is_declared
 from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.matter.node import find_writer
 from homebot.gateways.matter.server_messages import check_result
 
 MODES = [
@@ -234,8 +232,7 @@ def test_a_further_setting_of_an_appliance_is_a_part_beside_it_that_asks_as_it_d
         "High",
         "1200",
     ]
-    endpoint, write = find_writer(washer, "1-spin_speed", "option")
-    assert write(endpoint, MatterCommand("Off")) == (AttributeWrite(83, 1, 0),)
+    assert encoded(washer, "option", "Off", "1-spin_speed") == (AttributeWrite(83, 1, 0),)
     oven = only_device({**WARM, "1/29/0": [{"0": 0x0071}], "1/73/0": [{"0": "Bake", "1": 1}], "1/73/1": 1})
     assert [is_declared(DevicePart(id=one.id, part=one, routes=())) for one in oven.device.parts] == [True, True]
 

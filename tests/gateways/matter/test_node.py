@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import pytest
+from tests.gateways.checked_command import checked_command
 
-from homebot.conventions.matter.cluster_row import MatterCommand
+from homebot.conventions.matter.endpoint import MatterOrders
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
 from homebot.gateways.announced.value_check import can_report
-from homebot.gateways.matter.node import MatterNode, NodeDevice, find_writer
+from homebot.gateways.matter.node import MatterNode, NodeDevice
 
 LAMP = {
     "1/29/0": [{"0": 0x010D, "1": 1}],
@@ -64,8 +65,14 @@ def readings(device: NodeDevice, part: str = "1") -> dict[str, PlainValue]:
 
 
 def orders(attributes: Mapping[str, object], name: str, value: PlainValue, code: str = "") -> list[dict[str, object]]:
-    endpoint, write = find_writer(only_device(attributes), "1", name)
-    return [dict(one.server_call(5, 1)[1]) for one in write(endpoint, MatterCommand(value, code=code))]
+    return [dict(one.server_call(5, 1)[1]) for one in encoded(only_device(attributes), name, value, code=code)]
+
+
+def encoded(device: NodeDevice, name: str, value: PlainValue, part: str = "1", code: str = "") -> MatterOrders:
+    endpoint, rows = device.rows[part]
+    described = next(one for one in device.device.parts if one.id == part)
+    row = next(one for one in rows if one.capability == name)
+    return row.orders_of(endpoint, checked_command(described, name, value, code=code))
 
 
 @pytest.mark.parametrize(
@@ -210,8 +217,7 @@ def test_a_lock_that_requires_a_code_gets_it_in_a_timed_command_and_no_text_show
     (args,) = orders(coded, "lock", "unlocked", "1234")
     assert args["payload"] == {"PINCode": "MTIzNA=="}
     assert args["timed_request_timeout_ms"] == 1000
-    endpoint, write = find_writer(only_device(coded), "1", "lock")
-    (order,) = write(endpoint, MatterCommand("unlocked", code="1234"))
+    (order,) = encoded(only_device(coded), "lock", "unlocked", code="1234")
     assert order.is_secret
     assert "MTIzNA" not in repr(order)
 

@@ -11,9 +11,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.command_values import require_number
 from homebot.conventions.homekit.accessory import HapService
 from homebot.conventions.homekit.rows import ServiceRow, Writes, known_values, read_number
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -52,12 +53,12 @@ def _setpoint_row(capability: str, threshold: str, mode: int) -> ServiceRow:
         kind = _setpoint_of(threshold, service)
         return None if kind is None else read_number(capability, kind, service)
 
-    def write(service: HapService, value: PlainValue) -> Writes:
+    def write(service: HapService, command: Command) -> Writes:
         kind = _setpoint_of(threshold, service)
         if kind is None:
             raise RefusedError(capability, "the thermostat is in another mode; set thermostat_mode first")
         least, most = service.characteristics[kind].bounds or (-50.0, 100.0)
-        return {kind: require_number(capability, value, least, most, "°C")}
+        return {kind: require_number(capability, command.value.number, least, most, "°C")}
 
     watched = f"{SETPOINT} {threshold} {TARGET}"
     return ServiceRow(THERMOSTAT, capability, watched, SETPOINT, None, read, write, when=partial(_can, mode))
@@ -74,9 +75,8 @@ def _heater_modes(service: HapService) -> tuple[str, ...]:
     return ("off", *known_values(service, HEATER_TARGET, _HEATER_MODES).values())
 
 
-def _write_heater_mode(service: HapService, value: PlainValue) -> Writes:
-    mode = require_option("thermostat_mode", value, _heater_modes(service))
-    number = next((raw for raw, text in _HEATER_MODES.items() if text == mode), None)
+def _write_heater_mode(_at: HapService, command: Command) -> Writes:
+    number = next((raw for raw, text in _HEATER_MODES.items() if text == command.value.text), None)
     return {ACTIVE: 0} if number is None else {HEATER_TARGET: number, ACTIVE: 1}
 
 
@@ -86,17 +86,9 @@ def _humidity_of(service: HapService) -> str:
     return DRY_TO if dries or WET_TO not in service.characteristics else WET_TO
 
 
-def _read_humidity(service: HapService) -> PlainValue:
-    return read_number("humidity_setpoint", _humidity_of(service), service)
-
-
 def _humidity_bounds(service: HapService) -> tuple[float, float]:
     least, most = service.characteristics[_humidity_of(service)].bounds or (0.0, 100.0)
     return least, most
-
-
-def _write_humidity(service: HapService, value: PlainValue) -> Writes:
-    return {_humidity_of(service): require_number("humidity_setpoint", value, *_humidity_bounds(service), "%")}
 
 
 CLIMATE_ROWS: Final = (
@@ -128,8 +120,8 @@ CLIMATE_ROWS: Final = (
         f"{WET_TO} {DRY_TO} {HUMIDIFIER_TARGET}",
         WET_TO,
         None,
-        _read_humidity,
-        _write_humidity,
+        lambda service: read_number("humidity_setpoint", _humidity_of(service), service),
+        lambda service, command: {_humidity_of(service): command.value.number},
         bounds=_humidity_bounds,
     ),
     ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries

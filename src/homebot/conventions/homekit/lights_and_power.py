@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-from homebot.conventions.command_values import require_color, require_number
 from homebot.conventions.homekit.accessory import HapService
 from homebot.conventions.homekit.rows import ServiceRow, Writes
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 
 __all__ = ["POWER_ROWS"]
@@ -48,18 +48,14 @@ def _read_kelvin(service: HapService) -> PlainValue:
     return float(round(MIRED / mireds)) if mireds is not None and 25 <= mireds <= 1000 else None
 
 
-def _write_kelvin(service: HapService, value: PlainValue) -> Writes:
-    return {MIREDS: MIRED / require_number("color_temperature", value, *_kelvin_bounds(service), "K"), ON: 1}
-
-
 def _read_color(service: HapService) -> PlainValue:
     hue, saturation = service.number(HUE), service.number(SATURATION)
     is_known = hue is not None and saturation is not None and 0 <= hue <= 360 and 0 <= saturation <= 100
     return (hue, saturation) if is_known else None  # type: ignore[return-value]  # a number each
 
 
-def _write_color(_at: HapService, value: PlainValue) -> Writes:
-    hue, saturation = require_color(value)
+def _write_color(_at: HapService, command: Command) -> Writes:
+    hue, saturation = command.value.numbers
     return {HUE: hue, SATURATION: saturation, ON: 1}
 
 
@@ -81,32 +77,42 @@ def _read_speed(service: HapService) -> PlainValue:
     return percent if percent is not None and 0 <= percent <= 100 else None
 
 
-def _writer(capability: str, kind: str) -> Callable[[HapService, PlainValue], Writes]:
+def _writer(kind: str) -> Callable[[HapService, Command], Writes]:
     """Return what sets a percentage, by which 0 turns off, and another one on."""
 
-    def write(service: HapService, value: PlainValue) -> Writes:
-        percent = require_number(capability, value, 0.0, 100.0, "%")
-        if percent == 0:
+    def write(service: HapService, command: Command) -> Writes:
+        if command.value.number == 0:
             return {_switch_of(service): 0}
         least = service.characteristics[kind].step or 1.0
-        return {kind: max(least, percent * _share(service, kind)), _switch_of(service): 1}
+        return {kind: max(least, command.value.number * _share(service, kind)), _switch_of(service): 1}
 
     return write
-
-
-def _write_only_speed(service: HapService, value: PlainValue) -> Writes:
-    return {SPEED: require_number("fan_speed", value, 0.0, 100.0, "%") * _share(service, SPEED)}
 
 
 POWER_ROWS: Final = (
     ServiceRow(f"{LIGHT} {SWITCH} {OUTLET} {SIMPLE_FAN}", "on_off", ON, ON),
     ServiceRow(f"{FAN} {PURIFIER} {TELEVISION}", "on_off", ACTIVE, ACTIVE),
-    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_writer("level", BRIGHTNESS)),
-    ServiceRow(LIGHT, "color_temperature", MIREDS, MIREDS, None, _read_kelvin, _write_kelvin, bounds=_kelvin_bounds),
+    ServiceRow(LIGHT, "level", BRIGHTNESS, BRIGHTNESS, write=_writer(BRIGHTNESS)),
+    ServiceRow(
+        LIGHT,
+        "color_temperature",
+        MIREDS,
+        MIREDS,
+        read=_read_kelvin,
+        write=lambda _at, command: {MIREDS: MIRED / command.value.number, ON: 1},
+        bounds=_kelvin_bounds,
+    ),
     ServiceRow(LIGHT, "color", f"{HUE} {SATURATION}", HUE, None, _read_color, _write_color),
     ServiceRow(OUTLET, "plugged_in", "26"),
-    ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _writer("fan_speed", SPEED)),
-    ServiceRow(f"{HEATER} {HUMIDIFIER}", "fan_speed", SPEED, SPEED, None, _read_speed, _write_only_speed),
+    ServiceRow(_FANS, "fan_speed", f"{SPEED} {ON} {ACTIVE}", SPEED, None, _read_speed, _writer(SPEED)),
+    ServiceRow(
+        f"{HEATER} {HUMIDIFIER}",
+        "fan_speed",
+        SPEED,
+        SPEED,
+        read=_read_speed,
+        write=lambda service, command: {SPEED: command.value.number * _share(service, SPEED)},
+    ),
     ServiceRow(f"{FAN} {THERMOSTAT}", "fan_mode", "BF", "BF", _FAN_MODES),
     ServiceRow(PURIFIER, "fan_mode", "A8", "A8", _FAN_MODES),
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),

@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
+from homebot.conventions.command_values import require_option
 from homebot.conventions.homekit.accessory import HapService
 from homebot.conventions.homekit.rows import ServiceRow, Writes, known_values
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 
 __all__ = ["OPENING_ROWS"]
@@ -32,6 +33,7 @@ _OPEN: Final = {0: "open", 1: "closed"}
 _DOOR_MOVES: Final = {2: "opening", 3: "closing", 4: "stopped"}
 _ARMED: Final = {0: "armed_home", 1: "armed_away", 2: "armed_night", 3: "disarmed"}
 _MOVES: Final = ("open", "closed", "opening", "closing")
+_ORDERS: Final = {"open": {POSITION_TARGET: 100}, "closed": {POSITION_TARGET: 0}, "stopped": {HOLD: 1}}
 _CLOSED_ANGLE: Final = 90.0
 """Degrees by which slats turn from open (0) to closed, to either side."""
 
@@ -78,9 +80,8 @@ def _movements(service: HapService) -> tuple[str, ...]:
     return (*_MOVES, "stopped") if service.can(HOLD, "pw") else _MOVES
 
 
-def _write_movement(service: HapService, value: PlainValue) -> Writes:
-    option = require_option("movement", value, tuple(one for one in _movements(service) if not one.endswith("ing")))
-    return {HOLD: 1} if option == "stopped" else {POSITION_TARGET: 100 if option == "open" else 0}
+def _write_movement(_at: HapService, command: Command) -> Writes:
+    return _ORDERS[require_option("movement", command.value.text, _ORDERS)]
 
 
 def _tilt_row(state: str, target: str) -> ServiceRow:
@@ -88,8 +89,8 @@ def _tilt_row(state: str, target: str) -> ServiceRow:
         angle = service.number(state)
         return None if angle is None or abs(angle) > _CLOSED_ANGLE else round(100 - abs(angle) / 0.9, 1)
 
-    def write(service: HapService, value: PlainValue) -> Writes:
-        angle = _CLOSED_ANGLE * (1 - require_number("tilt", value, 0.0, 100.0, "%") / 100)
+    def write(service: HapService, command: Command) -> Writes:
+        angle = _CLOSED_ANGLE * (1 - command.value.number / 100)
         is_negative = (service.number(state) or 0) < 0 or service.characteristics[target].bounds[1:] == (0.0,)
         return {target: -angle if is_negative else angle}
 

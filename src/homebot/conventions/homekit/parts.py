@@ -16,8 +16,8 @@ from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
 from homebot.conventions.homekit.rows import ServiceRow
 from homebot.conventions.units import sensor_type
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability, Category, Part
-from homebot.devices.value import PlainValue
 from homebot.errors import UnableError
 
 __all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
@@ -110,18 +110,18 @@ class HomekitPart:
     service: HapService
     rows: Mapping[str, ServiceRow]
 
-    def command(self, capability: str, value: PlainValue) -> tuple[Mapping[HapCharacteristic, float], list[str]]:
-        """Return the values that set *capability*, and the types of the characteristics that it depends on.
+    def command(self, command: Command) -> tuple[Mapping[HapCharacteristic, float], list[str]]:
+        """Return the values that a command sets, and the types of the characteristics that its capability depends on.
 
         Raises:
             UnableError: It cannot be set.
-            RefusedError: The value is invalid.
+            RefusedError: It cannot be done now.
         """
-        row = self.rows.get(capability)
+        row = self.rows.get(command.capability)
         if row is None or not self.service.can(row.target, "pw"):
-            raise UnableError(f"{capability[:40]} cannot be set")
+            raise UnableError(f"{command.capability[:40]} cannot be set")
         known = self.service.characteristics
-        wanted = row.write_value(self.service, value).items()
+        wanted = row.write_value(self.service, command).items()
         return {known[kind]: number for kind, number in wanted if kind in known}, row.kinds
 
 

@@ -6,9 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.command_values import require_option
 from homebot.conventions.homekit.accessory import HapService
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 
@@ -29,7 +30,7 @@ class ServiceRow:
         target: The characteristic by which it is set; empty for none.
         values: The texts of a capability by the numbers in *target*, or the first watched one.
         read: Returns its value; by default the value of the first watched one.
-        write: Returns what sets a value; by default the value itself in *target*.
+        write: Returns what a command that fits the capability sets; by default the value itself in *target*.
         options: Returns the texts that it has, if *values* are not all.
         bounds: Returns the bounds of its value; by default those of *target* or the vocabulary.
     """
@@ -40,7 +41,7 @@ class ServiceRow:
     target: str = ""
     values: Mapping[int, str] | None = None
     read: Callable[[HapService], PlainValue] | None = None
-    write: Callable[[HapService, PlainValue], Writes] | None = None
+    write: Callable[[HapService, Command], Writes] | None = None
     options: Callable[[HapService], tuple[str, ...]] | None = None
     bounds: Callable[[HapService], tuple[float, ...]] | None = None
     when: Callable[[HapService], object] | None = None
@@ -81,17 +82,16 @@ class ServiceRow:
             return None
         return value != 0 if self.values is None else self.values.get(int(value))
 
-    def write_value(self, service: HapService, value: PlainValue) -> Writes:
-        """Return what sets its capability; raise RefusedError for an invalid value."""
+    def write_value(self, service: HapService, command: Command) -> Writes:
+        """Return what a command that fits its capability sets; raise RefusedError for what cannot be done now."""
         if self.write is not None:
-            return self.write(service, value)
-        if texts := self._texts(service):
-            raw = {text: number for number, text in texts.items()}
-            return {self.target: raw[require_option(self.capability, value, raw)]}
-        if CAPABILITIES[self.capability].kind == "number":
-            least, most = self._bounds(service) or (-1e9, 1e9)
-            return {self.target: require_number(self.capability, value, least, most)}
-        return {self.target: float(require_bool(self.capability, value))}
+            return self.write(service, command)
+        value = command.value
+        if self.values is not None:
+            raw = {text: number for number, text in self._texts(service).items()}
+            return {self.target: raw[require_option(self.capability, value.text, raw)]}
+        is_number = CAPABILITIES[self.capability].kind == "number"
+        return {self.target: value.number if is_number else float(value.flag)}
 
     def _texts(self, service: HapService) -> dict[int, str]:
         return known_values(service, self.target or self.kinds[0], self.values or {})

@@ -11,17 +11,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from homebot.conventions.command_values import (
-    require_bool,
-    require_color,
-    require_number,
-    require_option,
-    require_transition,
-    require_true,
-)
+from homebot.conventions.command_values import require_option, require_transition, require_true
 from homebot.conventions.hue.resources import Fields, HueBody, HueRow, at
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
 from homebot.conventions.payload import text_of
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
@@ -34,14 +28,15 @@ _MIREK: Final = (153.0, 500.0)
 _MOST_EFFECTS: Final = 50
 
 
-def transition_of(seconds: float) -> int:
-    """Return the milliseconds of a transition, which may take 6,000 seconds."""
-    return round(require_transition(seconds, 6000.0) * 1000)
+def transition_of(command: Command) -> HueBody:
+    """Return the duration of a transition, which may take 6,000 seconds, in milliseconds; nothing for none."""
+    seconds = require_transition(command.transition, 6000.0)
+    return {"duration": round(seconds * 1000)} if seconds else {}
 
 
-def _body(seconds: float, *, on: bool = True, **changes: object) -> HueBody:
-    dynamics = {"dynamics": {"duration": transition_of(seconds)}} if seconds else {}
-    return {"on": {"on": on}, **changes, **dynamics}
+def _body(command: Command, *, on: bool = True, **changes: object) -> HueBody:
+    duration = transition_of(command)
+    return {"on": {"on": on}, **changes, **({"dynamics": duration} if duration else {})}
 
 
 def _read_on(light: Fields) -> PlainValue:
@@ -49,18 +44,14 @@ def _read_on(light: Fields) -> PlainValue:
     return on if isinstance(on, bool) else None
 
 
-def _write_on(_light: Fields, value: PlainValue, seconds: float) -> HueBody:
-    return _body(seconds, on=require_bool("on_off", value))
-
-
 def _read_level(light: Fields) -> PlainValue:
     level = finite_number(at(light, "dimming", "brightness"))
     return level if level is not None and 0 <= level <= 100 else None
 
 
-def _write_level(_light: Fields, value: PlainValue, seconds: float) -> HueBody:
-    percent = require_number("level", value, 0.0, 100.0, "%")
-    return _body(seconds, dimming={"brightness": round(percent, 2)}) if percent > 0 else _body(seconds, on=False)
+def _write_level(_light: Fields, command: Command) -> HueBody:
+    percent = command.value.number
+    return _body(command, dimming={"brightness": round(percent, 2)}) if percent > 0 else _body(command, on=False)
 
 
 def _mirek_bounds(light: Fields) -> tuple[float, float]:
@@ -85,10 +76,9 @@ def _read_kelvin(light: Fields) -> PlainValue:
     return None if mirek is None else float(round(MIRED / mirek))
 
 
-def _write_kelvin(light: Fields, value: PlainValue, seconds: float) -> HueBody:
-    kelvin = require_number("color_temperature", value, *_kelvin_bounds(light), "K")
+def _write_kelvin(light: Fields, command: Command) -> HueBody:
     least, most = _mirek_bounds(light)
-    return _body(seconds, color_temperature={"mirek": round(min(max(MIRED / kelvin, least), most))})
+    return _body(command, color_temperature={"mirek": round(min(max(MIRED / command.value.number, least), most))})
 
 
 def _read_color(light: Fields) -> PlainValue:
@@ -98,9 +88,10 @@ def _read_color(light: Fields) -> PlainValue:
     return to_hue_saturation("xy", (x, y), _WHITES)
 
 
-def _write_color(_light: Fields, value: PlainValue, seconds: float) -> HueBody:
-    x, y = from_hue_saturation("xy", *require_color(value), _WHITES)
-    return _body(seconds, color={"xy": {"x": x, "y": y}})
+def _write_color(_light: Fields, command: Command) -> HueBody:
+    hue, saturation = command.value.numbers
+    x, y = from_hue_saturation("xy", hue, saturation, _WHITES)
+    return _body(command, color={"xy": {"x": x, "y": y}})
 
 
 def _effects(light: Fields) -> tuple[str, ...]:
@@ -113,22 +104,26 @@ def _read_effect(light: Fields) -> PlainValue:
     return effect if isinstance(effect, str) and effect in _effects(light) else None
 
 
-def _write_effect(light: Fields, value: PlainValue, seconds: float) -> HueBody:
-    return _body(seconds, effects={"effect": require_option("effect", value, _effects(light))})
-
-
-def _write_locate(_device: Fields, value: PlainValue, _seconds: float) -> HueBody:
-    require_true("locate", value)
+def _write_locate(_device: Fields, command: Command) -> HueBody:
+    require_true("locate", command.value.plain())
     return {"identify": {"action": "identify"}}
 
 
 _COLORS: Final = frozenset({"color", "color_temperature"})
 
 LIGHT_ROWS: Final = (
-    HueRow("light", "on_off", frozenset({"on"}), _read_on, _write_on),
+    HueRow("light", "on_off", frozenset({"on"}), _read_on, lambda _light, one: _body(one, on=one.value.flag)),
     HueRow("light", "level", frozenset({"dimming"}), _read_level, _write_level, "dimming"),
     HueRow("light", "color_temperature", _COLORS, _read_kelvin, _write_kelvin, "color_temperature", _kelvin_bounds),
     HueRow("light", "color", _COLORS, _read_color, _write_color, "color"),
-    HueRow("light", "effect", frozenset({"effects"}), _read_effect, _write_effect, "effects", options=_effects),
+    HueRow(
+        "light",
+        "effect",
+        frozenset({"effects"}),
+        _read_effect,
+        lambda light, one: _body(one, effects={"effect": require_option("effect", one.value.text, _effects(light))}),
+        "effects",
+        options=_effects,
+    ),
     HueRow("light", "locate", frozenset(), write=_write_locate, at_owner=True),
 )

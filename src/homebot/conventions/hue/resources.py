@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from homebot.conventions.payload import as_fields, shown
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -31,8 +32,8 @@ class HueRow:
         type: The type of the resource: ``light``.
         fields: The fields that its value depends on; it is reported by a resource with one of them.
         read: Returns its value, None for unknown; never raises. None for events, and for a capability without a state.
-        write: Returns the body of the request that sets it, given the resource, the value and the transition in
-            seconds; raises RefusedError. None for a capability that cannot be set.
+        write: Returns the body of the request for a command that fits the capability; raises RefusedError. None for a
+            capability that cannot be set.
         needs: The field that a resource has if it has the capability.
         at_owner: Whether the request goes to the device that the resource belongs to.
     """
@@ -41,7 +42,7 @@ class HueRow:
     capability: str
     fields: frozenset[str]
     read: Callable[[Fields], PlainValue] | None = None
-    write: Callable[[Fields, PlainValue, float], HueBody] | None = None
+    write: Callable[[Fields, Command], HueBody] | None = None
     needs: str = "id"
     bounds: Callable[[Fields], tuple[float, ...]] = lambda _: ()
     options: Callable[[Fields], tuple[str, ...]] = lambda _: ()

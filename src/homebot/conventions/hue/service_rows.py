@@ -15,6 +15,7 @@ from homebot.conventions.command_values import require_true
 from homebot.conventions.hue.light_rows import transition_of
 from homebot.conventions.hue.resources import Fields, HueBody, HueRow, at
 from homebot.conventions.payload import text_of
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
@@ -88,9 +89,9 @@ def _words(meanings: Mapping[str, bool], *path: str) -> Callable[[Fields], Plain
     return lambda one: None if one.get("enabled") is False else meanings.get(text_of(at(one, *path)))
 
 
-def _write_recall(action: str, _scene: Fields, value: PlainValue, seconds: float) -> HueBody:
-    require_true("scene", value)
-    return {"recall": {"action": action, **({"duration": transition_of(seconds)} if seconds else {})}}
+def _write_recall(action: str, _scene: Fields, command: Command) -> HueBody:
+    require_true("scene", command.value.plain())
+    return {"recall": {"action": action, **transition_of(command)}}
 
 
 _MOTION, _WARMTH, _LIGHT = (frozenset({one, "enabled"}) for one in ("motion", "temperature", "light"))

@@ -7,20 +7,21 @@ Heater).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, number, one_of
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number, one_of
 from homebot.conventions.matter.endpoint import (
     AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
+    MatterOrder,
     MatterOrders,
     field_of,
 )
 from homebot.conventions.payload import clean_text
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
 
@@ -78,44 +79,42 @@ def _labels(cluster: int, endpoint: MatterEndpoint) -> dict[int, str]:
     return found
 
 
-def _mode_options(cluster: int, endpoint: MatterEndpoint) -> tuple[str, ...]:
-    return tuple(_labels(cluster, endpoint).values())
+def _read_mode(cluster: int, endpoint: MatterEndpoint, raw: object) -> PlainValue:
+    return choice(_labels(cluster, endpoint))(endpoint, raw)
 
 
-def _read_mode(cluster: int, endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    mode = endpoint.whole(cluster, _current_attribute(cluster))
-    return None if mode is None else _labels(cluster, endpoint).get(mode)
+def _mode_orders(cluster: int, endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
+    return {label: _change_to_mode(cluster, mode) for mode, label in _labels(cluster, endpoint).items()}
 
 
-def _write_mode(cluster: int, name: str, endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    numbers = {label: mode for mode, label in _labels(cluster, endpoint).items()}
-    mode = numbers[require_option(name, command.value, numbers)]
-    return (ClusterInvocation(cluster, "ChangeToMode", {"newMode": mode}),)
+def _change_to_mode(cluster: int, mode: int) -> ClusterInvocation:
+    return ClusterInvocation(cluster, "ChangeToMode", {"newMode": mode})
 
 
 def _mode_row(cluster: int) -> ClusterRow:
-    name = "water_heater_mode" if cluster == HEATER_MODE else "option"
     return ClusterRow(
         cluster,
         _current_attribute(cluster),
-        name,
+        "water_heater_mode" if cluster == HEATER_MODE else "option",
         partial(_read_mode, cluster),
-        partial(_write_mode, cluster, name),
         when=partial(_labels, cluster),
-        options=partial(_mode_options, cluster),
+        orders=partial(_mode_orders, cluster),
         accepts=_CHANGE_TO_MODE,
         spare_suffix="energy_mode" if cluster == ENERGY_MODE else "",
     )
 
 
-def _temperature_bounds(endpoint: MatterEndpoint) -> tuple[float, float] | tuple[()]:
+def _temperature_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
     least, most = (endpoint.number(TEMPERATURE, limit) for limit in _LIMITS)
-    return (least / 100, most / 100) if least is not None and most is not None and least < most else ()
+    return (least / 100, most / 100) if least is not None and most is not None and least < most else _ANY_CELSIUS
 
 
-def _write_temperature(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    celsius = require_number("number", command.value, *(_temperature_bounds(endpoint) or _ANY_CELSIUS), "°C")
-    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperature": round(celsius * 100)}),)
+def _to_temperature(**target: int) -> ClusterInvocation:
+    return ClusterInvocation(TEMPERATURE, "SetTemperature", target)
+
+
+def _to_level(level: int) -> ClusterInvocation:
+    return _to_temperature(targetTemperatureLevel=level)
 
 
 def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
@@ -127,31 +126,27 @@ def _texts(listed: object) -> tuple[str, ...]:
     return tuple(clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
 
 
-def _at(listed: tuple[str, ...], index: int | None) -> PlainValue:
-    return listed[index] if index is not None and 0 <= index < len(listed) else None
-
-
-def _read_level(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    return _at(_levels(endpoint), endpoint.whole(TEMPERATURE, _LEVEL))
-
-
-def _write_level(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    levels = _levels(endpoint)
-    level = levels.index(require_option("option", command.value, levels))
-    return (ClusterInvocation(TEMPERATURE, "SetTemperature", {"targetTemperatureLevel": level}),)
-
-
 def _spins(endpoint: MatterEndpoint) -> tuple[str, ...]:
     return _texts(endpoint.value(WASHER, 0))
 
 
-def _read_spin(endpoint: MatterEndpoint, raw: object) -> PlainValue:
-    return _at(_spins(endpoint), whole_number(raw))
-
-
-def _write_spin(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    spins = _spins(endpoint)
-    return (AttributeWrite(WASHER, _SPIN, spins.index(require_option("option", command.value, spins))),)
+def _listed_row(
+    cluster: int,
+    current: int,
+    texts: Callable[[MatterEndpoint], tuple[str, ...]],
+    order: Callable[[int], MatterOrder],
+    spare_suffix: str,
+) -> ClusterRow:
+    """Return the row of a choice from a list of *texts*, of which each has the number of its place."""
+    return ClusterRow(
+        cluster,
+        None if cluster == TEMPERATURE else current,
+        "option",
+        lambda one, _raw: choice(dict(enumerate(texts(one))))(one, one.value(cluster, current)),
+        when=texts,
+        orders=lambda one: {text: order(number) for number, text in enumerate(texts(one))},
+        spare_suffix=spare_suffix,
+    )
 
 
 def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -165,19 +160,19 @@ def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return "idle" if _IDLE_TAG in tags else {_RUNNING: "cleaning", _STOPPED: "idle"}.get(-1 if state is None else state)
 
 
-def _write_vacuum(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+def _vacuum_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
     tagged = {tag: mode for mode, _, tags in reversed(list(_modes(endpoint, RUN_MODE))) for tag in tags}
-    orders = {
+    orders: dict[str, MatterOrder] = {
         option: ClusterInvocation(CLEANING, name)
         for option, (number_, name) in _VACUUM_COMMANDS.items()
         if endpoint.accepts(CLEANING, number_)
     }
     for option, tag in (("cleaning", _CLEANING_TAG), ("idle", _IDLE_TAG)):
         if tag in tagged:
-            orders[option] = ClusterInvocation(RUN_MODE, "ChangeToMode", {"newMode": tagged[tag]})
+            orders[option] = _change_to_mode(RUN_MODE, tagged[tag])
     if endpoint.whole(CLEANING, _STATE) == _PAUSED and endpoint.accepts(CLEANING, _RESUME):
         orders["cleaning"] = ClusterInvocation(CLEANING, "Resume")
-    return (orders[require_option("vacuum", command.value, orders)],)
+    return orders
 
 
 def _read_plugged_in(_at: MatterEndpoint, raw: object) -> PlainValue:
@@ -185,21 +180,13 @@ def _read_plugged_in(_at: MatterEndpoint, raw: object) -> PlainValue:
     return None if state is None or state >= _FAULT else state != 0  # a fault says nothing about the plug
 
 
-def _write_charging(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+def _write_charging(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     """Return the order to charge without an end, at most with the current of the circuit, or not to charge."""
-    if command.value is not True:
+    if not command.value.flag:
         return (ClusterInvocation(EVSE, "Disable", is_timed=True),)
     least, most = (endpoint.whole(EVSE, attribute) or 0 for attribute in (_LEAST_CURRENT, _CIRCUIT_CURRENT))
     currents = {"minimumChargeCurrent": least, "maximumChargeCurrent": most}
     return (ClusterInvocation(EVSE, "EnableCharging", {"chargingEnabledUntil": None, **currents}, is_timed=True),)
-
-
-def _has_run_mode(endpoint: MatterEndpoint) -> bool:
-    return endpoint.has(RUN_MODE, _current_attribute(RUN_MODE))
-
-
-def _read_setpoint(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    return number(100)(endpoint, endpoint.value(TEMPERATURE, _SETPOINT))
 
 
 APPLIANCE_ROWS: Final = (
@@ -208,22 +195,27 @@ APPLIANCE_ROWS: Final = (
         TEMPERATURE,
         None,
         "number",
-        _read_setpoint,
-        _write_temperature,
+        lambda one, _raw: number(100)(one, one.value(TEMPERATURE, _SETPOINT)),
+        lambda _at, command: (_to_temperature(targetTemperature=round(command.value.number * 100)),),
         _BY_NUMBER,
         bounds=_temperature_bounds,
         unit="°C",
     ),
-    ClusterRow(TEMPERATURE, None, "option", _read_level, _write_level, 0, _levels, _levels, spare_suffix="temperature"),
-    ClusterRow(
-        WASHER, _SPIN, "option", _read_spin, _write_spin, when=_spins, options=_spins, spare_suffix="spin_speed"
-    ),
+    _listed_row(TEMPERATURE, _LEVEL, _levels, _to_level, "temperature"),
+    _listed_row(WASHER, _SPIN, _spins, partial(AttributeWrite, WASHER, _SPIN), "spin_speed"),
     ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),
     ClusterRow(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OVEN_CAVITY, _STATE, "problem", one_of(_ERROR)),
     ClusterRow(
-        CLEANING, _STATE, "vacuum", _read_vacuum, _write_vacuum, 0, _has_run_mode, _VACUUM_OPTIONS, also_read=RUN_MODE
+        CLEANING,
+        _STATE,
+        "vacuum",
+        _read_vacuum,
+        when=lambda one: one.has(RUN_MODE, _current_attribute(RUN_MODE)),
+        orders=_vacuum_orders,
+        options=_VACUUM_OPTIONS,
+        also_read=RUN_MODE,
     ),
     ClusterRow(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),
     ClusterRow(EVSE, 0, "plugged_in", _read_plugged_in),

@@ -10,17 +10,18 @@ from __future__ import annotations
 from functools import partial
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, choice, number
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number
 from homebot.conventions.matter.endpoint import (
     AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
+    MatterOrder,
     MatterOrders,
     field_of,
 )
 from homebot.conventions.matter.light_clusters import ON_OFF
 from homebot.conventions.payload import text_of
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
 
@@ -61,7 +62,7 @@ _SEQUENCES: Final = {
     5: ("off", "high"),
 }
 _ROCKS, _TURNS_AROUND = 1 << 2, 1 << 5
-_DIRECTIONS: Final = ("forward", "reverse")
+_DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 
 
 def _has_setpoint(feature: int, endpoint: MatterEndpoint) -> bool:
@@ -77,20 +78,11 @@ def _setpoint_bounds(attribute: int, endpoint: MatterEndpoint) -> tuple[float, f
     return _USUAL_LIMITS[attribute]
 
 
-def _write_setpoint(name: str, attribute: int, endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    celsius = require_number(name, command.value, *_setpoint_bounds(attribute, endpoint), "°C")
-    return (AttributeWrite(THERMOSTAT, attribute, round(celsius * 100)),)
-
-
-def _settable_modes(endpoint: MatterEndpoint) -> tuple[str, ...]:
+def _mode_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
     sequence = endpoint.whole(THERMOSTAT, _CONTROL_SEQUENCE) or 0
     features = endpoint.features(THERMOSTAT) or _SEQUENCE_FEATURES.get(sequence, 0)
-    return ("off", *(mode for mode, feature in _SETTABLE_MODES if features & feature))
-
-
-def _write_system_mode(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    mode = require_option("thermostat_mode", command.value, _MODE_NUMBERS)
-    return (AttributeWrite(THERMOSTAT, _SYSTEM_MODE, _MODE_NUMBERS[mode]),)
+    modes = ("off", *(mode for mode, feature in _SETTABLE_MODES if features & feature))
+    return {mode: AttributeWrite(THERMOSTAT, _SYSTEM_MODE, _MODE_NUMBERS[mode]) for mode in modes}
 
 
 def _read_action(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -113,23 +105,20 @@ def _presets(endpoint: MatterEndpoint) -> dict[str, str]:
     return found
 
 
-def _preset_options(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    return tuple(_presets(endpoint))
-
-
 def _read_preset(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     active = endpoint.value(THERMOSTAT, _ACTIVE_PRESET)
     return next((name for name, handle in _presets(endpoint).items() if handle == active), None)
 
 
-def _write_preset(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    presets = _presets(endpoint)
-    handle = presets[require_option("preset_mode", command.value, presets)]
-    return (ClusterInvocation(THERMOSTAT, "SetActivePresetRequest", {"presetHandle": handle}),)
+def _preset_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
+    return {
+        name: ClusterInvocation(THERMOSTAT, "SetActivePresetRequest", {"presetHandle": handle})
+        for name, handle in _presets(endpoint).items()
+    }
 
 
-def _write_fan_on(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    if command.value is not True:
+def _write_fan_on(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
+    if not command.value.flag:
         return (AttributeWrite(FAN, _FAN_MODE, 0),)
     if endpoint.whole(FAN, _FAN_MODE):
         return ()  # it is on; another mode would change its speed
@@ -143,29 +132,14 @@ def _read_speed(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return endpoint.number(FAN, _FAN_SETTING, 0, 100) if percent is None else percent
 
 
-def _write_speed(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    return (AttributeWrite(FAN, _FAN_SETTING, round(require_number("fan_speed", command.value, 0.0, 100.0, "%"))),)
+def _fan_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
+    modes = _SEQUENCES.get(endpoint.whole(FAN, _FAN_SEQUENCE) or 0, _SEQUENCES[0])
+    return {mode: AttributeWrite(FAN, _FAN_MODE, _FAN_NUMBERS[mode]) for mode in modes}
 
 
-def _fan_options(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    return _SEQUENCES.get(endpoint.whole(FAN, _FAN_SEQUENCE) or 0, _SEQUENCES[0])
-
-
-def _write_fan_mode(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    return (AttributeWrite(FAN, _FAN_MODE, _FAN_NUMBERS[require_option("fan_mode", command.value, _FAN_NUMBERS)]),)
-
-
-def _write_rock(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+def _write_rock(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     supported = endpoint.whole(FAN, _ROCK_SUPPORT) or 1
-    return (AttributeWrite(FAN, _ROCK, supported if command.value is True else 0),)
-
-
-def _read_direction(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    return dict(enumerate(_DIRECTIONS)).get(endpoint.whole(FAN, _AIRFLOW) or 0)
-
-
-def _write_direction(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    return (AttributeWrite(FAN, _AIRFLOW, 1 if command.value == "reverse" else 0),)
+    return (AttributeWrite(FAN, _ROCK, supported if command.value.flag else 0),)
 
 
 def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
@@ -174,7 +148,7 @@ def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
         attribute,
         name,
         number(100, -32_767, 32_767),
-        partial(_write_setpoint, name, attribute),
+        lambda _at, command: (AttributeWrite(THERMOSTAT, attribute, round(command.value.number * 100)),),
         when=partial(_has_setpoint, feature),
         bounds=partial(_setpoint_bounds, attribute),
     )
@@ -184,14 +158,25 @@ CLIMATE_ROWS: Final = (
     ClusterRow(THERMOSTAT, _LOCAL, "local_temperature", number(100, -32_767, 32_767)),
     _setpoint_row("heating_setpoint", _HEATING, _HEATS),
     _setpoint_row("cooling_setpoint", _COOLING, _COOLS),
-    ClusterRow(
-        THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), _write_system_mode, options=_settable_modes
-    ),
+    ClusterRow(THERMOSTAT, _SYSTEM_MODE, "thermostat_mode", choice(_MODES), orders=_mode_orders),
     ClusterRow(THERMOSTAT, _RUNNING_STATE, "thermostat_action", _read_action),
-    ClusterRow(THERMOSTAT, None, "preset_mode", _read_preset, _write_preset, _HAS_PRESETS, _presets, _preset_options),
+    ClusterRow(THERMOSTAT, None, "preset_mode", _read_preset, None, _HAS_PRESETS, _presets, _preset_orders),
     ClusterRow(FAN, _FAN_MODE, "on_off", any_bit(), _write_fan_on, when=lambda one: not one.has(ON_OFF)),
-    ClusterRow(FAN, _FAN_SETTING, "fan_speed", _read_speed, _write_speed),
-    ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), _write_fan_mode, options=_fan_options),
+    ClusterRow(
+        FAN,
+        _FAN_SETTING,
+        "fan_speed",
+        _read_speed,
+        lambda _at, command: (AttributeWrite(FAN, _FAN_SETTING, round(command.value.number)),),
+    ),
+    ClusterRow(FAN, _FAN_MODE, "fan_mode", choice(_FAN_MODES), orders=_fan_orders),
     ClusterRow(FAN, _ROCK, "oscillation", any_bit(), _write_rock, _ROCKS),
-    ClusterRow(FAN, _AIRFLOW, "direction", _read_direction, _write_direction, _TURNS_AROUND, options=_DIRECTIONS),
+    ClusterRow(
+        FAN,
+        _AIRFLOW,
+        "direction",
+        choice(_DIRECTIONS),
+        feature=_TURNS_AROUND,
+        orders=lambda _at: {name: AttributeWrite(FAN, _AIRFLOW, number) for number, name in _DIRECTIONS.items()},
+    ),
 )

@@ -4,42 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
-from homebot.conventions.command_values import require_number
-from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrders
+from homebot.conventions.command_values import require_option
+from homebot.conventions.matter.endpoint import MatterEndpoint, MatterOrder, MatterOrders
+from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number, whole_number
 
-__all__ = [
-    "ClusterRow",
-    "MatterCommand",
-    "Reader",
-    "WriteValue",
-    "any_bit",
-    "choice",
-    "closed_hundredths",
-    "flag",
-    "number",
-    "one_of",
-]
+__all__ = ["ClusterRow", "Reader", "any_bit", "choice", "flag", "number", "one_of"]
 
 Reader: TypeAlias = Callable[[MatterEndpoint, object], PlainValue]
 """Returns the value of a capability from an endpoint and the raw value of the row's attribute; None for unknown. Never
 raises."""
-
-
-class MatterCommand(NamedTuple):
-    """A commanded value, with a transition in seconds and a code."""
-
-    value: PlainValue
-    transition: float = 0.0
-    code: str = ""
-
-
-WriteValue: TypeAlias = Callable[[MatterEndpoint, MatterCommand], MatterOrders]
-"""Returns the orders that set a value; raises RefusedError."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,8 +27,10 @@ class ClusterRow:
     Attributes:
         attribute: Its attribute; None if the cluster is enough.
         read: The reader; None if it is never reported.
-        write: The encoder; None if it cannot be set.
+        write: Returns the orders of a command that fits the capability; raises RefusedError.
+        orders: Returns the order of each text that it can be set to, instead of that.
         feature: Bits of the cluster's feature map, one of which is needed; 0 for none.
+        options: All of its texts; by default those of *orders*.
         accepts: The number of the command that it needs to be settable.
         also_read: A further cluster of its value.
         part_suffix: The part of the endpoint with it, such as ``battery``; empty for the main part.
@@ -61,9 +41,10 @@ class ClusterRow:
     attribute: int | None
     capability: str
     read: Reader | None = None
-    write: WriteValue | None = None
+    write: Callable[[MatterEndpoint, Command], MatterOrders] | None = None
     feature: int = 0
     when: Callable[[MatterEndpoint], object] | None = None
+    orders: Callable[[MatterEndpoint], Mapping[str, MatterOrder]] | None = None
     options: tuple[str, ...] | Callable[[MatterEndpoint], tuple[str, ...]] = ()
     bounds: Callable[[MatterEndpoint], tuple[float, ...]] | None = None
     unit: str | Callable[[MatterEndpoint], str] = ""
@@ -83,17 +64,30 @@ class ClusterRow:
             settable=is_settable,
             unit=self.unit if isinstance(self.unit, str) else self.unit(endpoint),
             bounds=() if self.bounds is None else self.bounds(endpoint),
-            options=self.options if isinstance(self.options, tuple) else self.options(endpoint),
+            options=self._options(endpoint),
         )
 
     def is_settable(self, endpoint: MatterEndpoint) -> bool:
         """Return whether an endpoint with the capability lets it be set."""
-        return self.write is not None and (self.accepts is None or endpoint.accepts(self.cluster, self.accepts))
+        can_be = self.write is not None or self.orders is not None
+        return can_be and (self.accepts is None or endpoint.accepts(self.cluster, self.accepts))
 
     def read_value(self, endpoint: MatterEndpoint) -> PlainValue:
         """Return the value of the capability; None for unknown, and for one that is never reported."""
         raw = None if self.attribute is None else endpoint.value(self.cluster, self.attribute)
         return None if self.read is None else self.read(endpoint, raw)
+
+    def orders_of(self, endpoint: MatterEndpoint, command: Command) -> MatterOrders:
+        """Return the orders of a command that fits the capability; raise RefusedError for what cannot be done now."""
+        if self.write is not None:
+            return self.write(endpoint, command)
+        known = {} if self.orders is None else self.orders(endpoint)
+        return (known[require_option(self.capability, command.value.text, known)],)
+
+    def _options(self, endpoint: MatterEndpoint) -> tuple[str, ...]:
+        if self.orders is not None and not self.options:
+            return tuple(self.orders(endpoint))
+        return self.options if isinstance(self.options, tuple) else self.options(endpoint)
 
     def _is_on(self, endpoint: MatterEndpoint) -> bool:
         if not endpoint.has(self.cluster, self.attribute):
@@ -145,8 +139,3 @@ def any_bit(mask: int = -1) -> Reader:
         return None if bits is None else bool(bits & mask)
 
     return read
-
-
-def closed_hundredths(capability: str, value: PlainValue) -> int:
-    """Return the hundredths of a percent by which a covering shall be closed, for a value that is its opening."""
-    return 10_000 - round(require_number(capability, value, 0.0, 100.0, "%") * 100)

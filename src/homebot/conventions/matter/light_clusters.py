@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import Final
 
-from homebot.conventions.command_values import require_color, require_number, require_transition
+from homebot.conventions.command_values import require_transition
 from homebot.conventions.light_color import MIRED, from_hue_saturation, nearest_mired_bounds, to_hue_saturation
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, flag
+from homebot.conventions.matter.cluster_row import ClusterRow, flag
 from homebot.conventions.matter.endpoint import ClusterInvocation, MatterEndpoint, MatterOrders
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -67,10 +68,10 @@ def _is_no_lock(endpoint: MatterEndpoint) -> bool:
     return not endpoint.has(LOCK)  # On/Off of a lock may move its bolt
 
 
-def _write_on(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    if command.value is True and endpoint.features(ON_OFF) & _OFF_ONLY:
+def _write_on(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
+    if command.value.flag and endpoint.features(ON_OFF) & _OFF_ONLY:
         raise RefusedError("on_off true", "the device can only be turned off, as a cooktop for safety")
-    return (ClusterInvocation(ON_OFF, "On" if command.value is True else "Off"),)
+    return (ClusterInvocation(ON_OFF, "On" if command.value.flag else "Off"),)
 
 
 def _levels(endpoint: MatterEndpoint) -> tuple[int, int]:
@@ -87,9 +88,8 @@ def _read_level(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return None if level is None else min(round(level * 100 / _levels(endpoint)[1], 2), 100.0)
 
 
-def _write_level(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    percent = require_number("level", command.value, 0.0, 100.0, "%")
-    least, most = _levels(endpoint)
+def _write_level(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
+    percent, (least, most) = command.value.number, _levels(endpoint)
     level = max(least, round(percent * most / 100)) if percent > 0 else 0
     payload = {"level": level, "transitionTime": _tenths(command), **_NO_OPTIONS}
     has_switch = endpoint.has(ON_OFF) and not _is_speaker(endpoint)
@@ -119,10 +119,9 @@ def _read_kelvin(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return float(round(MIRED / mireds))
 
 
-def _write_kelvin(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    kelvin = require_number("color_temperature", command.value, *_kelvin_bounds(endpoint), "K")
+def _write_kelvin(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     least, most = _mired_range(endpoint)
-    mireds = round(min(max(MIRED / kelvin, least), most))
+    mireds = round(min(max(MIRED / command.value.number, least), most))
     return _move_color(endpoint, "MoveToColorTemperature", command, colorTemperatureMireds=mireds)
 
 
@@ -145,8 +144,8 @@ def _degrees(endpoint: MatterEndpoint) -> float | None:
     return None if hue is None else hue * 360 / 254
 
 
-def _write_color(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    hue, saturation = require_color(command.value)
+def _write_color(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
+    hue, saturation = command.value.numbers
     features = _color_features(endpoint)
     if not features & _HAS_HUE:
         x, y = (min(round(one * 65_536), _MOST_COLOR) for one in from_hue_saturation("xy", hue, saturation, _WHITES))
@@ -158,14 +157,14 @@ def _write_color(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrde
     return _move_color(endpoint, "MoveToHueAndSaturation", command, hue=round(hue * 254 / 360), saturation=strength)
 
 
-def _move_color(endpoint: MatterEndpoint, name: str, command: MatterCommand, **fields: int) -> MatterOrders:
+def _move_color(endpoint: MatterEndpoint, name: str, command: Command, **fields: int) -> MatterOrders:
     """Return the order of a colour, which turns no lamp on, and that to turn a lamp with a switch on."""
     payload = {**fields, "transitionTime": _tenths(command), **_ALSO_WHEN_OFF}
     switched = (ClusterInvocation(ON_OFF, "On"),) if endpoint.has(ON_OFF, _ON_OFF_VALUE) else ()
     return (ClusterInvocation(COLOR, name, payload), *switched)
 
 
-def _tenths(command: MatterCommand) -> int:
+def _tenths(command: Command) -> int:
     return round(require_transition(command.transition, _LONGEST) * 10)
 
 

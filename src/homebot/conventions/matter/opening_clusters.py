@@ -10,17 +10,20 @@ Control), 5.5 (Closure Dimension).
 from __future__ import annotations
 
 import base64
+from functools import partial
 from typing import Final
 
-from homebot.conventions.command_values import require_number, require_option
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand, any_bit, choice, closed_hundredths
+from homebot.conventions.command_values import require_option
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
+    MatterOrder,
     MatterOrders,
     field_of,
 )
 from homebot.conventions.payload import as_fields
+from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import WrongCodeError
 from homebot.support.numbers import whole_number
@@ -74,14 +77,13 @@ def _read_tilt(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return _open_percent(endpoint, 15, 9)
 
 
-def _write_lift(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    closed = closed_hundredths("position", command.value)
-    return (ClusterInvocation(COVERING, "GoToLiftPercentage", {"liftPercent100thsValue": closed}),)
+def _closed(percent: float) -> int:
+    """Return the hundredths of a percent by which a covering is closed that is open by *percent*."""
+    return 10_000 - round(percent * 100)
 
 
-def _write_tilt(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    closed = closed_hundredths("tilt", command.value)
-    return (ClusterInvocation(COVERING, "GoToTiltPercentage", {"tiltPercent100thsValue": closed}),)
+def _write_share(name: str, field_name: str, _at: MatterEndpoint, command: Command) -> MatterOrders:
+    return (ClusterInvocation(COVERING, name, {field_name: _closed(command.value.number)}),)
 
 
 def _read_covering_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -96,9 +98,8 @@ def _read_covering_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValu
     return "stopped" if lift is None else "closed" if lift == 0 else "open"
 
 
-def _write_covering_movement(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    option = require_option("movement", command.value, _COVERING_COMMANDS)
-    return (ClusterInvocation(COVERING, _COVERING_COMMANDS[option]),)
+def _covering_orders(_at: MatterEndpoint) -> dict[str, MatterOrder]:
+    return {move: ClusterInvocation(COVERING, name) for move, name in _COVERING_COMMANDS.items()}
 
 
 def _lock_commands(endpoint: MatterEndpoint) -> dict[str, str]:
@@ -107,21 +108,13 @@ def _lock_commands(endpoint: MatterEndpoint) -> dict[str, str]:
     return {"locked": "LockDoor", "unlocked": "UnlockDoor"}
 
 
-def _write_lock(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+def _write_lock(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     commands, code = _lock_commands(endpoint), command.code
-    name = commands[require_option("lock", command.value, commands)]
+    name = commands[require_option("lock", command.value.text, commands)]
     if not code and endpoint.flag(LOCK, _NEEDS_PIN):
         raise WrongCodeError("the lock", "it requires its PIN code")
     payload = {"PINCode": base64.b64encode(code.encode()).decode()} if code else {}
     return (ClusterInvocation(LOCK, name, payload, is_timed=True, is_secret=bool(code)),)
-
-
-def _lock_options(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    return tuple(_lock_commands(endpoint))
-
-
-def _has_lock_state(endpoint: MatterEndpoint) -> bool:
-    return endpoint.has(LOCK, _LOCK_STATE)
 
 
 def _read_valve(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
@@ -131,20 +124,18 @@ def _read_valve(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return {0: "closed", 1: "open"}.get(-1 if state is None else state)
 
 
-def _write_valve(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    option = require_option("valve", command.value, ("open", "closed"))
-    return (ClusterInvocation(VALVE, "Open" if option == "open" else "Close"),)
+def _valve_orders(_at: MatterEndpoint) -> dict[str, MatterOrder]:
+    return {"open": ClusterInvocation(VALVE, "Open"), "closed": ClusterInvocation(VALVE, "Close")}
 
 
 def _read_flow(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     return endpoint.number(VALVE, _VALVE_LEVEL, 0, 100)
 
 
-def _write_flow(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    percent = round(require_number("position", command.value, 0.0, 100.0, "%"))
-    if percent == 0:
-        return (ClusterInvocation(VALVE, "Close"),)
-    return (ClusterInvocation(VALVE, "Open", {"targetLevel": percent}),)
+def _write_flow(_at: MatterEndpoint, command: Command) -> MatterOrders:
+    if percent := round(command.value.number):
+        return (ClusterInvocation(VALVE, "Open", {"targetLevel": percent}),)
+    return (ClusterInvocation(VALVE, "Close"),)
 
 
 def _closure_moves(endpoint: MatterEndpoint) -> tuple[str, ...]:
@@ -164,12 +155,12 @@ def _read_closure_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValue
     return None if position is None else "closed" if position == _CLOSED else "open"
 
 
-def _write_closure_movement(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    option = require_option("movement", command.value, (*_MOVE_TO, "stopped"))
-    if option == "stopped":
-        return (ClusterInvocation(CLOSURE, "Stop"),)
-    payload = {"position": _MOVE_TO[option], **_latch(endpoint, CLOSURE, latches=option == "closed")}
-    return (ClusterInvocation(CLOSURE, "MoveTo", payload, is_timed=True),)
+def _closure_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
+    orders: dict[str, MatterOrder] = {}
+    for option, position in _MOVE_TO.items():
+        payload = {"position": position, **_latch(endpoint, CLOSURE, latches=option == "closed")}
+        orders[option] = ClusterInvocation(CLOSURE, "MoveTo", payload, is_timed=True)
+    return orders | {"stopped": ClusterInvocation(CLOSURE, "Stop")}
 
 
 def _latch(endpoint: MatterEndpoint, cluster: int, *, latches: bool) -> dict[str, bool]:
@@ -184,9 +175,9 @@ def _read_panel(_at: MatterEndpoint, state: object) -> PlainValue:
     return round(100 - closed / 100, 2) if closed is not None and closed <= 10_000 else None
 
 
-def _write_panel(endpoint: MatterEndpoint, command: MatterCommand) -> MatterOrders:
+def _write_panel(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     latch = _latch(endpoint, DIMENSION, latches=False)  # a latched panel does not move
-    payload = {"position": closed_hundredths("position", command.value), **latch}
+    payload = {"position": _closed(command.value.number), **latch}
     return (ClusterInvocation(DIMENSION, "SetTarget", payload, is_timed=True),)
 
 
@@ -194,13 +185,20 @@ def _tilts(endpoint: MatterEndpoint) -> bool:
     return _TILT_TAG in endpoint.tags
 
 
+_WRITE_LIFT: Final = partial(_write_share, "GoToLiftPercentage", "liftPercent100thsValue")
+_WRITE_TILT: Final = partial(_write_share, "GoToTiltPercentage", "tiltPercent100thsValue")
+
 OPENING_ROWS: Final = (
-    ClusterRow(COVERING, None, "position", _read_lift, _write_lift, _KNOWS_LIFT),
-    ClusterRow(COVERING, None, "tilt", _read_tilt, _write_tilt, _KNOWS_TILT),
-    ClusterRow(COVERING, None, "movement", _read_covering_movement, _write_covering_movement, options=_MOVES),
-    ClusterRow(LOCK, _LOCK_STATE, "lock", choice(_LOCK_STATES), _write_lock, options=_lock_options),
-    ClusterRow(LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, _has_lock_state),
-    ClusterRow(VALVE, _VALVE_STATE, "valve", _read_valve, _write_valve, options=_MOVES[:-1]),
+    ClusterRow(COVERING, None, "position", _read_lift, _WRITE_LIFT, _KNOWS_LIFT),
+    ClusterRow(COVERING, None, "tilt", _read_tilt, _WRITE_TILT, _KNOWS_TILT),
+    ClusterRow(COVERING, None, "movement", _read_covering_movement, orders=_covering_orders, options=_MOVES),
+    ClusterRow(
+        LOCK, _LOCK_STATE, "lock", choice(_LOCK_STATES), _write_lock, options=lambda one: tuple(_lock_commands(one))
+    ),
+    ClusterRow(
+        LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, lambda one: one.has(LOCK, _LOCK_STATE)
+    ),
+    ClusterRow(VALVE, _VALVE_STATE, "valve", _read_valve, orders=_valve_orders, options=_MOVES[:-1]),
     ClusterRow(VALVE, _VALVE_STATE, "position", _read_flow, _write_flow, _HAS_LEVEL),
     ClusterRow(VALVE, _VALVE_FAULT, "problem", any_bit()),  # it is stuck, leaks or is not connected
     ClusterRow(
@@ -208,8 +206,8 @@ OPENING_ROWS: Final = (
         _CLOSURE_STATE,
         "movement",
         _read_closure_movement,
-        _write_closure_movement,
-        _POSITIONS,
+        feature=_POSITIONS,
+        orders=_closure_orders,
         options=_closure_moves,
     ),
     ClusterRow(DIMENSION, _PANEL_STATE, "tilt", _read_panel, _write_panel, _POSITIONS, _tilts),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, MatterCommand
+from homebot.conventions.matter.cluster_row import ClusterRow
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
@@ -15,6 +15,7 @@ from homebot.conventions.matter.endpoint import (
     field_of,
 )
 from homebot.conventions.payload import as_fields
+from homebot.devices.gateway_messages import Command
 from homebot.support.numbers import whole_number
 
 __all__ = ["SWITCH", "SWITCH_ROWS", "press_of"]
@@ -68,8 +69,8 @@ def _presses(endpoint: MatterEndpoint) -> tuple[str, ...]:
     return (*map(_count_name, range(1, most + 1)), *(_LONG_NAMES.values() if features & _REPORTS_LONG else ()))
 
 
-def _write_locate(_at: MatterEndpoint, command: MatterCommand) -> MatterOrders:
-    seconds = _IDENTIFY_SECONDS if command.value is True else 0
+def _write_locate(_at: MatterEndpoint, command: Command) -> MatterOrders:
+    seconds = _IDENTIFY_SECONDS if command.value.flag else 0
     return (ClusterInvocation(IDENTIFY, "Identify", {"identifyTime": seconds}),)
 
 

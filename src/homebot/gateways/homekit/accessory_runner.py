@@ -133,7 +133,7 @@ class AccessoryRunner(DeviceRunner):
         part = None if accessory is None else accessory.parts.get(command.part)
         if accessory is None or part is None:
             raise self._not_connected()
-        wanted, kinds = part.command(command.capability, command.value.plain())
+        wanted, kinds = part.command(command)
         self._writes += 1
         statuses = await link.write(
             {(accessory.aid, one.iid): one.encode(value) for one, value in wanted.items()},

@@ -126,7 +126,7 @@ class BridgeRunner(DeviceRunner):
         row = next(one for one in service.rows if one.capability == command.capability)
         if row.write is None:
             raise RefusedError(command.capability, "it cannot be set")
-        body = row.write(self._resources.get(service.id), command.value.plain(), command.transition)
+        body = row.write(self._resources.get(service.id), command)
         kind, rid = ("device", device.id) if row.at_owner else (service.part.advertised, service.id)
         try:
             await self._link.change(f"{command.capability} for {device.name}", kind, rid, body)

@@ -7,7 +7,6 @@ from typing import ClassVar
 import anyio.lowlevel
 from pydantic import BaseModel
 
-from homebot.conventions.matter.cluster_row import MatterCommand
 from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.matter.switch_cluster import SWITCH, press_of
@@ -19,15 +18,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.gateways.matter.commissioning import CommissioningServices
-from homebot.gateways.matter.node import (
-    BASIC,
-    BRIDGED,
-    MatterNode,
-    NodeDevice,
-    find_writer,
-    node_id_of,
-    parse_path,
-)
+from homebot.gateways.matter.node import BASIC, BRIDGED, MatterNode, NodeDevice, node_id_of, parse_path
 from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
 from homebot.gateways.matter.settings import MatterGatewaySettings
@@ -285,8 +276,9 @@ class MatterGateway(LinkedGateway):
         device = next(one for one in self._described[node.id] if one.device.key == command.key)
         if not node.is_reachable(device):
             raise LinkError(f"{device.device.name} does not answer the Matter server")
-        endpoint, write = find_writer(device, command.part, command.capability)
+        endpoint, rows = device.rows[command.part]
+        row = next(one for one in rows if one.capability == command.capability)
         what = f"{command.capability} for {device.device.name}"
-        for order in write(endpoint, MatterCommand(command.value.plain(), command.transition, command.code)):
+        for order in row.orders_of(endpoint, command):
             name, args = order.server_call(node.id, endpoint.id)
             check_result(what, await link.call(what, name, args, is_secret=order.is_secret))

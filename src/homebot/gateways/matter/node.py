@@ -16,17 +16,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Self, TypeAlias
 
-from homebot.conventions.matter.cluster_row import ClusterRow, WriteValue
+from homebot.conventions.matter.cluster_row import ClusterRow
 from homebot.conventions.matter.endpoint import MatterEndpoint
 from homebot.conventions.matter.opening_clusters import is_covering
 from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.payload import shown
 from homebot.devices.identity import identifiers
 from homebot.devices.part import Part
-from homebot.errors import UnableError, WireError
+from homebot.errors import WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 
-__all__ = ["MatterNode", "NodeDevice", "find_writer", "node_id_of", "parse_path"]
+__all__ = ["MatterNode", "NodeDevice", "node_id_of", "parse_path"]
 
 MAX_ATTRIBUTES: Final = 20_000
 MAX_PARTS: Final = 200
@@ -171,15 +171,6 @@ class MatterNode:
                     parts.append(part)
                     rows[part.id] = endpoint, found
         return parts, rows
-
-
-def find_writer(device: NodeDevice, part: str, capability: str) -> tuple[MatterEndpoint, WriteValue]:
-    """Return the endpoint that has a capability, and the function that encodes its values."""
-    endpoint, rows = device.rows[part]
-    for row in rows:
-        if row.capability == capability and row.write is not None and row.is_settable(endpoint):
-            return endpoint, row.write
-    raise UnableError(f"{capability[:40]} cannot be set")
 
 
 def parse_path(path: object) -> tuple[int, int, int]:

@@ -1,0 +1,17 @@
+"""Commands as a gateway gets them: checked against the part."""
+
+from __future__ import annotations
+
+from homebot.devices.gateway_messages import Command
+from homebot.devices.part import Part
+from homebot.devices.value import PlainValue, Value
+from homebot.gateways.announced.value_check import check_command
+
+
+def checked_command(
+    part: Part, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = ""
+) -> Command:
+    """A command to *part*; RefusedError for one that does not fit."""
+    check_command(part, capability, value)
+    wanted = Value.of(value)
+    return Command(key="key", part=part.id, capability=capability, value=wanted, transition=transition, code=code)
