@@ -24,7 +24,7 @@ from homebot.conventions.description import (
 )
 from homebot.conventions.payload import clean_text, parse_object, shown, text_of
 from homebot.conventions.shelly.gen1_controls import NO_VALVE, Presses
-from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics, find_model
+from homebot.conventions.shelly.gen1_models import Gen1Model, find_model
 from homebot.conventions.shelly.gen1_parts import build_parts, is_known_topic
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
@@ -40,34 +40,39 @@ class _Gen1Device:
         model: Its model by name or announcement.
         suffixes: Its published topics, below its own.
         mode: Its mode, if the model has several.
-        topic: The topic of its first description.
+        announced: The facts of its last announcement.
+        described_by: The topic of its first description.
         presses: Filters of its inputs, at most 16.
     """
 
-    topics: Gen1Topics
+    name: str
     model: Gen1Model
     suffixes: set[str] = field(default_factory=set)
     mac: str = ""
-    model_name: str = ""
     mode: str = ""
-    version: str = ""
-    address: str = ""
+    announced: dict[str, str] = field(default_factory=dict)
     is_announced: bool = False
     is_online: bool = False
-    topic: str = ""
+    described_by: str = ""
     presses: defaultdict[int, Presses] = field(default_factory=lambda: defaultdict(Presses))
+
+    @property
+    def topic(self) -> str:
+        """The topic above all its topics."""
+        return f"shellies/{self.name}"
 
     def announce(self, device_id: str, mac: str, announcement: Mapping[str, object]) -> bool:
         """Record an announcement; return whether it differs from the last one."""
-        before = self._announced_facts()
+        before = self.mac, self.mode, self.announced
         mode = announcement.get("mode")
-        self.mac = mac
-        self.model_name = text_of(announcement.get("model"), 40)
-        self.model = find_model(self.model_name, device_id)
-        self.mode = mode if isinstance(mode, str) else ""
-        self.version = text_of(announcement.get("fw_ver"))
-        self.address = text_of(announcement.get("ip"))
-        return self._announced_facts() != before
+        self.mac, self.mode = mac, mode if isinstance(mode, str) else ""
+        self.announced = {
+            "model": text_of(announcement.get("model"), 40),
+            "sw_version": text_of(announcement.get("fw_ver")),
+            "ip_address": text_of(announcement.get("ip")),
+        }
+        self.model = find_model(self.announced["model"], device_id)
+        return (self.mac, self.mode, self.announced) != before
 
     def known(self) -> frozenset[str]:
         """Return its published topics: those of its model and mode, and those seen."""
@@ -81,26 +86,22 @@ class _Gen1Device:
 
     def describe(self, topic: str) -> DeviceAnnounced:
         """Return its description, perhaps without parts; *topic* is that of its last message."""
-        topics = self.topics
-        declared = (
-            in_pairs(self.mac),
-            topics.name if _HARDWARE_ID.fullmatch(topics.name) else "",
-            *self._channels(),
-        )
+        own_id = self.name if _HARDWARE_ID.fullmatch(self.name) else ""
+        model = {"manufacturer": "Shelly", "model": self.model.name}
+        facts = {name: fact for name, fact in {**self.announced, "mode": clean_text(self.mode, 20)}.items() if fact}
+        will = LastWillAvailability(f"{self.topic}/online", b"true", b"false")
         return DeviceAnnounced(
-            key=topics.topic,
+            key=self.topic,
             convention="shelly",
             native=True,
             whole_device=True,
-            identifiers=identifiers(declared),
-            name=clean_text(topics.name),
-            parts=build_parts(topics, self.model, self.known(), self.presses),
-            topic=self.topic or topic,
-            facts=self._facts(),
-            availability=None
-            if self.model.sleeps
-            else Availability((LastWillAvailability(topics.at("online"), b"true", b"false"),)),
-            owns=(topics.topic,),
+            identifiers=identifiers((in_pairs(self.mac), own_id, *self._channels())),
+            name=clean_text(self.name),
+            parts=build_parts(self.topic, self.model, self.known(), self.presses),
+            topic=self.described_by or topic,
+            facts={name: fact for name, fact in {**model, **facts}.items() if fact},
+            availability=None if self.model.sleeps else Availability((will,)),
+            owns=(self.topic,),
             implies_alive=True,
         )
 
@@ -112,23 +113,8 @@ class _Gen1Device:
         blocks = sorted({_BLOCKS[found[1]] + found[2] for found in map(_BLOCK.match, self.known()) if found})
         return [f"shelly:{self.mac.upper()}-{block}" for block in blocks] if self.mac and len(blocks) > 1 else []
 
-    def _announced_facts(self) -> tuple[str, ...]:
-        return self.model_name, self.mode, self.mac, self.version, self.address
-
-    def _facts(self) -> dict[str, str]:
-        facts = {
-            "manufacturer": "Shelly",
-            "model": self.model_name or self.model.name,
-            "sw_version": self.version,
-            "ip_address": self.address,
-            "mode": clean_text(self.mode, 20),
-        }
-        return {name: value for name, value in facts.items() if value}
-
 
 _HARDWARE_ID = re.compile(r"shelly[a-z0-9-]*-(?:[0-9a-f]{6}|[0-9a-f]{12})", re.IGNORECASE)
-
-
 _BLOCKS = {"relay": "relay_", "emeter": "emeter_", **dict.fromkeys(("light", "white", "color"), "light_")}
 """Topics of channels, with the names of their blocks in CoIoT."""
 
@@ -184,11 +170,11 @@ class Gen1:
         device = self._device(name or device_id)
         if device is None:
             return ()
-        gone = self._renamed(mac, device.topics.name)
+        gone = self._renamed(mac, device.name)
         is_news = device.announce(device_id, mac, announcement)
         if not device.is_announced:
-            device.is_announced, device.topic = True, topic
-        elif not gone and topic != device.topic and not is_news:
+            device.is_announced, device.described_by = True, topic
+        elif not gone and topic != device.described_by and not is_news:
             return ()
         return gone + self._described(device, topic)
 
@@ -207,13 +193,13 @@ class Gen1:
             return ()
         known = device.known()
         device.suffixes.add(suffix)
-        is_news = device.known() != known or not device.topic
+        is_news = device.known() != known or not device.described_by
         return self._described(device, topic) if is_news else ()
 
     def _device(self, name: str) -> _Gen1Device | None:
         device = self._devices.get(name)
         if device is None:
-            device = _Gen1Device(Gen1Topics(name), find_model("", name))
+            device = _Gen1Device(name, find_model("", name))
             if not self._devices.add(name, device):
                 return None
         return device
@@ -235,8 +221,8 @@ class Gen1:
         described = device.describe(topic)
         if not described.parts:
             return ()
-        self._devices.pin(device.topics.name)
-        device.topic = described.topic
+        self._devices.pin(device.name)
+        device.described_by = described.topic
         return (described,)
 
 

@@ -24,7 +24,6 @@ from homebot.conventions.payload import (
     to_json,
     to_text,
 )
-from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number, whole_number
 
@@ -33,47 +32,38 @@ __all__ = ["NO_VALVE", "Presses", "build_gas_valve", "build_input", "build_light
 
 _SWITCHED: Mapping[bytes, PlainValue] = {b"on": True, b"off": False, b"overpower": False}
 """The payloads of a relay or light; one that drew too much power was switched off."""
+
 _MOVEMENTS: Mapping[bytes, PlainValue] = {b"open": "opening", b"close": "closing", b"stop": "stopped"}
 _COMMANDS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
 _ENDS: Mapping[float, str] = {0.0: "closed", 100.0: "open"}
 _PERCENT = (0.0, 100.0)
 
 
-def build_relay(topics: Gen1Topics, index: int, *, is_plug: bool) -> BytesPart:
+def build_relay(base: str, index: int, *, is_plug: bool) -> BytesPart:
     """Describe a relay, or a plug if it is a socket."""
-    topic = topics.at(f"relay/{index}")
-
-    def switch(on: bool) -> Publications:  # noqa: FBT001 - the only argument
-        return (Publication(f"{topic}/command", b"on" if on else b"off"),)
-
+    topic = f"{base}/relay/{index}"
+    command = f"{topic}/command"
     part = BytesPart(f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
     part.read_from(topic, meaning_reader("on_off", _SWITCHED))
-    part.add_command_topics(f"{topic}/command")
-    part.add_capability("on_off", writer=bool_writer("on_off", switch))
+    part.add_command_topics(command)
+    part.add_capability(
+        "on_off", writer=bool_writer("on_off", lambda on: (Publication(command, b"on" if on else b"off"),))
+    )
     return part
 
 
-def build_roller(topics: Gen1Topics, index: int) -> BytesPart:
+def build_roller(base: str, index: int) -> BytesPart:
     """Describe a roller. Before its calibration it reports the position -1."""
-    topic = topics.at(f"roller/{index}")
-    reader = _RollerReader()
-
-    def move(movement: str) -> Publications:
-        return (Publication(f"{topic}/command", _COMMANDS[movement]),)
-
-    def set_position(percent: float) -> Publications:
-        return (Publication(f"{topic}/command/pos", b"%d" % round(percent)),)
-
+    topic, reader = f"{base}/roller/{index}", _RollerReader()
+    command = f"{topic}/command"
+    mover = option_writer("movement", _COMMANDS, lambda movement: (Publication(command, _COMMANDS[movement]),))
+    pos = number_writer("position", _PERCENT, "%", lambda to: (Publication(f"{command}/pos", b"%d" % round(to)),))
     part = BytesPart(f"roller:{index}", "window_covering", advertised="roller")
     part.read_from(topic, reader.read_movement)
     part.read_from(f"{topic}/pos", reader.read_position)
-    part.add_command_topics(f"{topic}/command", f"{topic}/command/pos")
-    part.add_capability(
-        "movement",
-        writer=option_writer("movement", _COMMANDS, move),
-        options=("open", "closed", "opening", "closing", "stopped"),
-    )
-    part.add_capability("position", writer=number_writer("position", _PERCENT, "%", set_position))
+    part.add_command_topics(command, f"{command}/pos")
+    part.add_capability("movement", writer=mover, options=("open", "closed", "opening", "closing", "stopped"))
+    part.add_capability("position", writer=pos)
     return part
 
 
@@ -85,22 +75,17 @@ _VALVES: Mapping[bytes, PlainValue] = {
     b"opened": "open",
     **dict.fromkeys((NO_VALVE, b"unknown", b"failure", b"checking")),
 }
+_TURNS = {"open": b"open", "closed": b"close"}
 
 
-def build_gas_valve(topics: Gen1Topics, index: int) -> BytesPart:
+def build_gas_valve(base: str, index: int) -> BytesPart:
     """Describe the valve that a gas detector closes."""
-    topic = topics.at(f"valve/{index}")
-    commands = {"open": b"open", "closed": b"close"}
-
-    def turn(target: str) -> Publications:
-        return (Publication(f"{topic}/command", commands[target]),)
-
+    command = f"{base}/valve/{index}/command"
+    writer = option_writer("valve", _TURNS, lambda target: (Publication(command, _TURNS[target]),))
     part = BytesPart(f"valve:{index}", "water_valve", advertised="valve", tag="gas")
-    part.read_from(f"{topic}/state", meaning_reader("valve", _VALVES))
-    part.add_command_topics(f"{topic}/command")
-    part.add_capability(
-        "valve", writer=option_writer("valve", commands, turn), options=("open", "closed", "opening", "closing")
-    )
+    part.read_from(f"{base}/valve/{index}/state", meaning_reader("valve", _VALVES))
+    part.add_command_topics(command)
+    part.add_capability("valve", writer=writer, options=("open", "closed", "opening", "closing"))
     return part
 
 
@@ -171,15 +156,15 @@ class Presses:
 
 
 def build_input(
-    topics: Gen1Topics, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
+    base: str, index: int, presses: Presses, *, has_state: bool, has_events: bool, counts_first: bool
 ) -> BytesPart:
     """Describe an input, or a button if it has events; see :meth:`Presses.read` for *counts_first*."""
     part = BytesPart(f"input:{index}", "generic_switch" if has_events else "x_binary_sensor", advertised="input")
     if has_state:
-        part.read_from(topics.at(f"input/{index}"), meaning_reader("state", {b"0": False, b"1": True}))
+        part.read_from(f"{base}/input/{index}", meaning_reader("state", {b"0": False, b"1": True}))
         part.add_capability("state")
     if has_events:
-        part.read_events_from(topics.at(f"input_event/{index}"), partial(presses.read, counts_first=counts_first))
+        part.read_events_from(f"{base}/input_event/{index}", partial(presses.read, counts_first=counts_first))
         part.add_capability("press", options=tuple(_PRESSES.values()))
     return part
 
@@ -192,12 +177,12 @@ _LONGEST_TRANSITION = 5000  # milliseconds
 _CHANNELS = ("red", "green", "blue")
 
 
-def build_light(topics: Gen1Topics, kind: str, index: int, model: str) -> BytesPart:
+def build_light(base: str, kind: str, index: int, model: str) -> BytesPart:
     """Describe a lamp of the *kind* ``light``, ``color`` or ``white``; an unknown *model* is empty."""
     white = _WHITES.get(model)
     modes = {"brightness"} | ({"rgb"} if kind == "color" else set()) | ({"color_temp"} if white else set())
     whites = WhiteRange(white or _ANY_WHITE, tuple(map(float, white or _ANY_WHITE)))
-    lamp = _Gen1Lamp(topics.at(f"{kind}/{index}"), kind, has_white=white is not None)
+    lamp = _Gen1Lamp(f"{base}/{kind}/{index}", kind, has_white=white is not None)
     part = BytesPart(f"{kind}:{index}", "light", advertised=kind)
     part.read_from(lamp.topic, meaning_reader("on_off", _SWITCHED))
     part.read_from(f"{lamp.topic}/status", lamp.read)

@@ -11,23 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-__all__ = ["MODELS", "Gen1Model", "Gen1Topics", "find_model"]
-
-
-@dataclass(frozen=True, slots=True)
-class Gen1Topics:
-    """The topics of one device; its name there is, for example, ``shellyplug-s-122881``."""
-
-    name: str
-
-    @property
-    def topic(self) -> str:
-        """The topic above all its topics."""
-        return f"shellies/{self.name}"
-
-    def at(self, suffix: str) -> str:
-        """Return the topic *suffix* of the device."""
-        return f"shellies/{self.name}/{suffix}"
+__all__ = ["MODELS", "Gen1Model", "find_model"]
 
 
 @dataclass(frozen=True, slots=True)

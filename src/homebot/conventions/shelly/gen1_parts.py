@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
 
 from homebot.conventions.description import DescribedPart, Publication
 from homebot.conventions.part_builder import BytesPart, JsonPart
@@ -20,7 +19,7 @@ from homebot.conventions.shelly.gen1_controls import (
     build_relay,
     build_roller,
 )
-from homebot.conventions.shelly.gen1_models import Gen1Model, Gen1Topics
+from homebot.conventions.shelly.gen1_models import Gen1Model
 from homebot.conventions.shelly.gen1_sensors import SENSORS, build_meter, build_motion, build_sensor, build_valve
 
 __all__ = ["build_parts", "is_known_topic"]
@@ -28,35 +27,21 @@ __all__ = ["build_parts", "is_known_topic"]
 _MAX_CHANNELS = 16
 """Most channels of one kind; no Shelly has more."""
 
-_CHANNEL = re.compile(
-    r"(?P<kind>relay|roller|light|color|white|valve|input|input_event|emeter|adc|ext_temperature|ext_humidity|ext_switch)"
-    r"/(?P<index>[0-9]{1,2})(?:/(?P<rest>[a-z_]+))?"
-)
-_WHOLE = frozenset({"relay/power", "relay/energy", "status"})
-_METERED = frozenset({"", "power", "energy"})
-_PLAIN = frozenset({""})
 _METER = ("power", "energy")
 _EMETER = ("power", "voltage", "current", "total", "total_returned")
-_RESTS: Mapping[str, frozenset[str]] = {
-    "emeter": frozenset(_EMETER),
-    "relay": _METERED,
-    "roller": _METERED | {"pos"},
-    "valve": frozenset({"state"}),
-    **dict.fromkeys(("light", "color", "white"), _METERED | {"status"}),
-    **dict.fromkeys(("input", "input_event", "adc", "ext_temperature", "ext_humidity", "ext_switch"), _PLAIN),
+_RESTS: Mapping[str, tuple[str, ...]] = {
+    "emeter": _EMETER,
+    "relay": ("", *_METER),
+    "roller": ("", "pos", *_METER),
+    "valve": ("state",),
+    **dict.fromkeys(("light", "color", "white"), ("", "status", *_METER)),
+    **dict.fromkeys(("input", "input_event", "adc", "ext_temperature", "ext_humidity", "ext_switch"), ("",)),
 }
 """Topics below a channel, by its kind; the order is that of the parts."""
 
+_CHANNEL = re.compile(rf"({'|'.join(_RESTS)})/([0-9]{{1,2}})(?:/([a-z_]+))?")
 _RANKS = {kind: rank for rank, kind in enumerate(_RESTS)}
-
-
-class _Channel(NamedTuple):
-    kind: str
-    number: int
-
-    @property
-    def topic(self) -> str:
-        return f"{self.kind}/{self.number}"
+_WHOLE = frozenset({"relay/power", "relay/energy", "status"})
 
 
 def is_known_topic(suffix: str) -> bool:
@@ -64,83 +49,75 @@ def is_known_topic(suffix: str) -> bool:
     if suffix in SENSORS or suffix in _WHOLE:
         return True
     match = _CHANNEL.fullmatch(suffix)
-    return match is not None and int(match["index"]) < _MAX_CHANNELS and (match["rest"] or "") in _RESTS[match["kind"]]
+    return match is not None and int(match[2]) < _MAX_CHANNELS and (match[3] or "") in _RESTS[match[1]]
 
 
 def build_parts(
-    topics: Gen1Topics, model: Gen1Model, suffixes: frozenset[str], presses: defaultdict[int, Presses]
+    base: str, model: Gen1Model, suffixes: frozenset[str], presses: defaultdict[int, Presses]
 ) -> tuple[DescribedPart, ...]:
     """Return the parts of the device that publishes *suffixes*, the main one first.
 
     Args:
-        suffixes: The known topics below its own.
+        base: Its own topic.
+        suffixes: The known topics below it.
         presses: Reports of each of its inputs, which outlive the description.
     """
-    parts: list[BytesPart | JsonPart] = [
-        part for channel in _channels(suffixes) for part in _build_channel(topics, channel, suffixes, model, presses)
-    ]
+    parts: list[BytesPart | JsonPart] = []
+    for kind, index in _channels(suffixes):
+        parts.extend(_build_channel(base, kind, index, suffixes, model, presses))
     if "relay/power" in suffixes and "relay/0/power" not in suffixes:
-        parts.append(build_meter(topics, "meter", {"power": "relay/power", "energy": "relay/energy"}))
-    parts.extend(build_sensor(topics, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
+        parts.append(build_meter(base, "meter", {name: f"relay/{name}" for name in _METER}))
+    parts.extend(build_sensor(base, SENSORS[suffix]) for suffix in SENSORS if suffix in suffixes)
     if "status" in suffixes:
         is_valve, has_thermometer = model.name == "SHTRV-01", model.name != "SHMOS-01"
-        parts.extend(build_valve(topics) if is_valve else build_motion(topics, has_thermometer=has_thermometer))
+        parts.extend(build_valve(base) if is_valve else build_motion(base, has_thermometer=has_thermometer))
     for part in parts[:1]:
-        part.add_state_request(Publication(f"{topics.topic}/command", b"update"))
+        part.add_state_request(Publication(f"{base}/command", b"update"))
     return tuple(part.build() for part in parts)
 
 
-def _channels(suffixes: frozenset[str]) -> tuple[_Channel, ...]:
-    found = {
-        _Channel("input" if match["kind"] == "input_event" else match["kind"], int(match["index"]))
-        for suffix in suffixes
-        if (match := _CHANNEL.fullmatch(suffix)) and int(match["index"]) < _MAX_CHANNELS
-    }
-    return tuple(sorted(found, key=lambda channel: (_RANKS[channel.kind], channel.number)))
+def _channels(suffixes: frozenset[str]) -> list[tuple[str, int]]:
+    """Return kind and number of the channels, in the order of their parts."""
+    matches = [match for match in map(_CHANNEL.fullmatch, suffixes) if match and int(match[2]) < _MAX_CHANNELS]
+    found = {("input" if match[1] == "input_event" else match[1], int(match[2])) for match in matches}
+    return sorted(found, key=lambda channel: (_RANKS[channel[0]], channel[1]))
 
 
 def _build_channel(
-    topics: Gen1Topics,
-    channel: _Channel,
+    base: str,
+    kind: str,
+    index: int,
     suffixes: frozenset[str],
     model: Gen1Model,
     presses: defaultdict[int, Presses],
 ) -> Iterator[BytesPart]:
-    kind, index = channel
+    topic = f"{kind}/{index}"
+    names = _EMETER if kind == "emeter" else _METER
+    meter = {name: f"{topic}/{name}" for name in names if f"{topic}/{name}" in suffixes}
     match kind:
         case "relay":
-            yield build_relay(topics, index, is_plug=model.is_plug)
+            yield build_relay(base, index, is_plug=model.is_plug)
         case "roller":
-            yield build_roller(topics, index)
+            yield build_roller(base, index)
         case "valve":
-            yield build_gas_valve(topics, index)
+            yield build_gas_valve(base, index)
         case "light" | "color" | "white":
-            yield build_light(topics, kind, index, model.name)
+            yield build_light(base, kind, index, model.name)
         case "input":
+            has_events = f"input_event/{index}" in suffixes
             yield build_input(
-                topics,
+                base,
                 index,
                 presses[index],
-                has_state=channel.topic in suffixes,
-                has_events=f"input_event/{index}" in suffixes,
+                has_state=topic in suffixes,
+                has_events=has_events,
                 counts_first=model.sleeps,
             )
         case "emeter":
-            yield build_meter(topics, f"emeter:{index}", _published(channel, _EMETER, suffixes))
+            yield build_meter(base, f"emeter:{index}", meter)
         case "adc":
-            yield build_meter(topics, f"adc:{index}", {"voltage": channel.topic})
+            yield build_meter(base, f"adc:{index}", {"voltage": topic})
         case _:
-            yield build_sensor(topics, SENSORS[kind], index)
-    if kind != "emeter":
-        yield from _build_meter_of_channel(topics, channel, suffixes)
-
-
-def _build_meter_of_channel(topics: Gen1Topics, channel: _Channel, suffixes: frozenset[str]) -> Iterator[BytesPart]:
-    if meter := _published(channel, _METER, suffixes):
-        kind, index = channel
-        yield build_meter(topics, f"{kind}:{index}/meter", meter)
-
-
-def _published(channel: _Channel, names: tuple[str, ...], suffixes: frozenset[str]) -> dict[str, str]:
-    """Return the published topics of *names* below *channel*, by name."""
-    return {name: f"{channel.topic}/{name}" for name in names if f"{channel.topic}/{name}" in suffixes}
+            yield build_sensor(base, SENSORS[kind], index)
+    if meter and kind != "emeter":
+        yield build_meter(base, f"{kind}:{index}/meter", meter)

@@ -13,7 +13,6 @@ from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart, JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_text
-from homebot.conventions.shelly.gen1_models import Gen1Topics
 from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.devices.part import Category
@@ -80,13 +79,7 @@ SENSORS: Mapping[str, Gen1Sensor] = {
         Gen1Sensor("sensor/vibration", "vibration", _FLAG_VALUES),
         Gen1Sensor("sensor/battery", "battery", is_number=True, least=0, most=100, category="diagnostic"),
         Gen1Sensor("sensor/charger", "battery_charging", _FLAG_VALUES, category="diagnostic", service_type="x_battery"),
-        Gen1Sensor(
-            "temperature",
-            "temperature",
-            is_number=True,
-            most=_MOST_CELSIUS,
-            category="diagnostic",
-        ),
+        Gen1Sensor("temperature", "temperature", is_number=True, most=_MOST_CELSIUS, category="diagnostic"),
         Gen1Sensor("overtemperature", "heat", _FLAG_VALUES, category="diagnostic"),
         Gen1Sensor("overpower", "problem", _FLAG_VALUES, category="diagnostic"),
         Gen1Sensor("ext_temperature", "temperature", is_number=True, most=_MOST_CELSIUS),
@@ -107,29 +100,25 @@ _METERED: Mapping[str, tuple[str, float]] = {
 """Capability and factor of the topics of a meter; Shelly counts watt-minutes or watt-hours."""
 
 
-def build_sensor(topics: Gen1Topics, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
+def build_sensor(base: str, sensor: Gen1Sensor, index: int | None = None) -> BytesPart:
     """Describe a sensor, or channel *index* of one."""
     part_id = sensor.suffix.removeprefix("sensor/")
-    topic = topics.at(sensor.suffix)
+    topic = f"{base}/{sensor.suffix}"
     if index is not None:
         part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
-    part = BytesPart(
-        part_id,
-        sensor.service_type or sensor_type(sensor.capability),
-        advertised=sensor.suffix,
-        category=sensor.category,
-    )
+    service_type = sensor.service_type or sensor_type(sensor.capability)
+    part = BytesPart(part_id, service_type, advertised=sensor.suffix, category=sensor.category)
     part.read_from(topic, sensor.read)
     part.add_capability(sensor.capability, unit=sensor.unit)
     return part
 
 
-def build_meter(topics: Gen1Topics, part_id: str, suffixes: Mapping[str, str]) -> BytesPart:
+def build_meter(base: str, part_id: str, suffixes: Mapping[str, str]) -> BytesPart:
     """Describe a meter; *suffixes* are its topics by the names in ``_METERED``."""
     part = BytesPart(part_id, "electrical_meter", advertised="meter")
     for name, suffix in suffixes.items():
         capability, factor = _METERED[name]
-        part.read_from(topics.at(suffix), partial(_read_measure, capability, factor))
+        part.read_from(f"{base}/{suffix}", partial(_read_measure, capability, factor))
         part.add_capability(capability)
     return part
 
@@ -142,18 +131,18 @@ def _read_measure(capability: str, factor: float, payload: bytes) -> Readings:
 _VALVE_BOUNDS = (4.0, 31.0)
 
 
-def build_motion(topics: Gen1Topics, *, has_thermometer: bool) -> tuple[JsonPart, ...]:
+def build_motion(base: str, *, has_thermometer: bool) -> tuple[JsonPart, ...]:
     """Describe the values in the one ``status`` of a motion sensor."""
     return tuple(
-        _status_part(topics, part_id, capability, decode)
+        _status_part(base, part_id, capability, decode)
         for part_id, capability, decode in _MOTION
         if has_thermometer or capability != "temperature"
     )
 
 
-def build_valve(topics: Gen1Topics) -> tuple[JsonPart, ...]:
+def build_valve(base: str) -> tuple[JsonPart, ...]:
     """Describe a radiator valve. Its commands are in the unit of its reports."""
-    topic = topics.at("thermostat/0/command/target_t")
+    topic = f"{base}/thermostat/0/command/target_t"
     reader = _ValveReader()
 
     def set_target(celsius: float) -> Publications:
@@ -161,14 +150,14 @@ def build_valve(topics: Gen1Topics) -> tuple[JsonPart, ...]:
         return (Publication(topic, f"{round(degrees, 1):g}".encode()),)
 
     part = JsonPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
-    part.read_from(topics.at("status"), reader.read)
-    part.read_from(topics.at("info"), reader.read)
+    part.read_from(f"{base}/status", reader.read)
+    part.read_from(f"{base}/info", reader.read)
     part.add_command_topics(topic)
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")
     part.add_capability("position")
-    return part, _status_part(topics, "battery", "battery", _read_battery)
+    return part, _status_part(base, "battery", "battery", _read_battery)
 
 
 def _read_battery(status: Fields) -> Readings:
@@ -196,12 +185,12 @@ _MOTION: tuple[tuple[str, str, StatusDecoder], ...] = (
 )
 
 
-def _status_part(topics: Gen1Topics, part_id: str, capability: str, decode: StatusDecoder) -> JsonPart:
+def _status_part(base: str, part_id: str, capability: str, decode: StatusDecoder) -> JsonPart:
     is_battery = part_id == "battery"
     category: Category = "diagnostic" if is_battery else ""
     part = JsonPart(part_id, sensor_type(capability), advertised="status", category=category)
     for topic in ("status", "info") if is_battery else ("status",):
-        part.read_from(topics.at(topic), decode)
+        part.read_from(f"{base}/{topic}", decode)
     part.add_capability(capability)
     return part
 

@@ -136,7 +136,8 @@ def _value_parts(component: ShellyComponent, model: BluModel) -> Iterator[tuple[
     part = JsonPart(
         part_id, sensor_type(capability), name=component.name, tag=TAGS.get(known.name, ""), category=category
     )
-    component.add_reading(part, capability, decode, unit=known.unit)
+    component.read_status(part, decode)
+    part.add_capability(capability, unit=known.unit)
     yield part_id, part
 
 
@@ -145,7 +146,7 @@ def _own_parts(component: ShellyComponent) -> Iterator[tuple[str, JsonPart]]:
     for field, capability in (("battery", "battery"), ("rssi", "signal_strength")):
         if field in component.status:
             part = JsonPart(field, sensor_type(capability), category="diagnostic")
-            component.add_measure(part, field, capability)
+            component.add_value(part, capability, field)
             yield field, part
 
 
@@ -158,9 +159,8 @@ def _valve_part(component: ShellyComponent) -> JsonPart:
 
     part = JsonPart("thermostat", "thermostat", tag="radiator_valve")
     component.read_status(part, reader_of("target_C", "heating_setpoint"))
-    component.add_command_topic(part)
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
-    part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
-    component.add_measure(part, "current_C", "local_temperature")
-    component.add_measure(part, "pos", "position")
+    component.add_control(part, "heating_setpoint", writer, bounds=_VALVE_BOUNDS)
+    component.add_value(part, "local_temperature", "current_C")
+    component.add_value(part, "position", "pos")
     return part

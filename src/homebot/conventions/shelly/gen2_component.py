@@ -117,6 +117,11 @@ class ShellyComponent:
         """Name in its configuration; empty for none."""
         return text_of(self.config.get("name"))
 
+    @property
+    def commands(self) -> str:
+        """The topic of its commands."""
+        return f"{self.topics.prefix}/rpc"
+
     def has(self, path: str) -> bool:
         """Return whether its status has a value at *path*."""
         return value_at(self.status, path) is not NO_FIELDS
@@ -138,19 +143,6 @@ class ShellyComponent:
         answered = _unrepeated(decode) if self.kind in BLUETOOTH else decode
         part.read_from(self.topics.answers, lambda frame: _read_answer(as_fields(frame.get("result")), key, answered))
 
-    def add_reading(
-        self, part: JsonPart, capability: str, decode: StatusDecoder, *, unit: str = "", key: str = ""
-    ) -> None:
-        """Add *capability*, read with *decode* from the component or from the one called *key*."""
-        self.read_status(part, decode, key)
-        part.add_capability(capability, unit=unit)
-
-    def add_measure(
-        self, part: JsonPart, path: str, capability: str, factor: float = 1.0, *, unit: str = "", key: str = ""
-    ) -> None:
-        """Add *capability*, the number at *path*; see :meth:`add_reading`."""
-        self.add_reading(part, capability, reader_of(path, capability, factor), unit=unit, key=key)
-
     def add_value(
         self,
         part: JsonPart,
@@ -159,6 +151,8 @@ class ShellyComponent:
         method: str = "",
         param: str = "value",
         *,
+        factor: float = 1.0,
+        key: str = "",
         unit: str = "",
         bounds: tuple[float, ...] = (),
         options: tuple[str, ...] = (),
@@ -169,12 +163,29 @@ class ShellyComponent:
         Args:
             method: The method that sets it; empty if it is not settable.
             param: The parameter of *method* with the value; *more* are its other ones.
+            key: The name of another component that reports it; empty for this one.
         """
-        self.read_status(part, reader_of(path, capability))
+        self.read_status(part, reader_of(path, capability, factor), key)
         if method:
-            part.add_command_topics(f"{self.topics.prefix}/rpc")
-        writer = _writer(capability, bounds, options, lambda value: self.call(method, **more, **{param: value}))
-        part.add_capability(capability, writer=writer if method else None, unit=unit, bounds=bounds, options=options)
+            writer = _writer(capability, bounds, options, lambda value: self.call(method, **more, **{param: value}))
+            self.add_control(part, capability, writer, unit=unit, bounds=bounds, options=options)
+        else:
+            part.add_capability(capability, unit=unit, bounds=bounds, options=options)
+
+    def add_control(
+        self,
+        part: JsonPart,
+        capability: str,
+        writer: Writer,
+        *,
+        readable: bool = True,
+        unit: str = "",
+        bounds: tuple[float, ...] = (),
+        options: tuple[str, ...] = (),
+    ) -> None:
+        """Add *capability*, set by calls of *writer*."""
+        part.add_command_topics(self.commands)
+        part.add_capability(capability, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
 
     def add_presses(self, part: JsonPart, presses: Mapping[str, str], index: int | None = None) -> None:
         """Add ``press``, read from the component's events, which *presses* translates.
@@ -187,10 +198,6 @@ class ShellyComponent:
             f"{self.topics.prefix}/events/rpc", lambda frame: _read_events(frame, key, presses, index)
         )
         part.add_capability("press", options=tuple(presses.values()))
-
-    def add_command_topic(self, part: JsonPart) -> None:
-        """Add the topic of commands to *part*."""
-        part.add_command_topics(f"{self.topics.prefix}/rpc")
 
     def call(self, method: str, /, **params: object) -> Publications:
         """Return the call of *method* of this component."""

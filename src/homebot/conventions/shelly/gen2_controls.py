@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer
@@ -42,14 +41,13 @@ def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a cover. It has a position once it is calibrated, and a tilt if it has slats."""
     part = component.part("", "window_covering")
     component.read_status(part, _decode_cover)
-    component.add_command_topic(part)
     mover = option_writer("movement", _COMMANDS, lambda movement: component.call(_COMMANDS[movement]))
-    part.add_capability("movement", writer=mover, options=_MOVEMENTS)
+    component.add_control(part, "movement", mover, options=_MOVEMENTS)
     if component.status.get("pos_control") is not False:
-        part.add_capability("position", writer=_position_writer(component, "position", "pos"))
+        component.add_control(part, "position", _position_writer(component, "position", "pos"))
     slat = as_fields(component.config.get("slat"))
     if component.status.get("slat_pos") is not None or slat.get("enable") is True:
-        part.add_capability("tilt", writer=_position_writer(component, "tilt", "slat_pos"))
+        component.add_control(part, "tilt", _position_writer(component, "tilt", "slat_pos"))
     return (part,)
 
 
@@ -64,20 +62,19 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
     mode, action = ("cool", "cooling") if component.config.get("type") == "cooling" else ("heat", "heating")
     setpoint, modes = f"{action}_setpoint", ("off", mode)
 
-    def set_target(celsius: float) -> Publications:
-        return component.call("Thermostat.SetConfig", config={"target_C": round(celsius, 1)})
-
-    def set_mode(chosen: str) -> Publications:
-        return component.call("Thermostat.SetConfig", config={"enable": chosen == mode})
+    def configure(**fields: object) -> Publications:
+        return component.call("Thermostat.SetConfig", config=fields)
 
     part = component.part("", "thermostat")
     component.read_status(part, reader_of("target_C", setpoint))
     component.read_status(part, partial(_decode_thermostat, mode, action))
-    component.add_command_topic(part)
-    writer = number_writer(setpoint, _THERMOSTAT_BOUNDS, "°C", set_target)
-    part.add_capability(setpoint, writer=writer, bounds=_THERMOSTAT_BOUNDS)
-    component.add_measure(part, "current_C", "local_temperature")
-    part.add_capability("thermostat_mode", writer=option_writer("thermostat_mode", modes, set_mode), options=modes)
+    target_writer = number_writer(
+        setpoint, _THERMOSTAT_BOUNDS, "°C", lambda celsius: configure(target_C=round(celsius, 1))
+    )
+    component.add_control(part, setpoint, target_writer, bounds=_THERMOSTAT_BOUNDS)
+    component.add_value(part, "local_temperature", "current_C")
+    mode_writer = option_writer("thermostat_mode", modes, lambda chosen: configure(enable=chosen == mode))
+    component.add_control(part, "thermostat_mode", mode_writer, options=modes)
     part.add_capability("thermostat_action", options=(action, "idle"))
     return (part,)
 
@@ -124,65 +121,56 @@ _ANY_WHITE = (2700, 6500)
 _LEAST_TRANSITION = 0.5
 
 
-@dataclass(frozen=True, slots=True)
-class _LightKind:
-    namespace: str
-    modes: frozenset[str]
-    calls_mode: bool = False
-
-
-LIGHTS: Mapping[str, _LightKind] = {
-    "light": _LightKind("Light", frozenset({"brightness"})),
-    "cct": _LightKind("CCT", frozenset({"color_temp"})),
-    "rgb": _LightKind("RGB", frozenset({"rgb"})),
-    "rgbw": _LightKind("RGBW", frozenset({"rgb"})),
-    "rgbcct": _LightKind("RGBCCT", frozenset({"color_temp", "rgb"}), calls_mode=True),
+LIGHTS: Mapping[str, frozenset[str]] = {
+    "light": frozenset({"brightness"}),
+    "cct": frozenset({"color_temp"}),
+    "rgb": frozenset({"rgb"}),
+    "rgbw": frozenset({"rgb"}),
+    "rgbcct": frozenset({"color_temp", "rgb"}),
 }
-"""The components that are lamps."""
+"""Modes of the components that are lamps; one with several has to be told which."""
 
 
 def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
     """Describe a lamp."""
-    kind, white = LIGHTS[component.kind], _white_range(component.config)
+    white = _white_range(component.config)
     features = LightFeatures(
-        kind.modes, WhiteRange(white, tuple(map(float, white))), only_in_bounds=True, most_seconds=math.inf
+        LIGHTS[component.kind],
+        WhiteRange(white, tuple(map(float, white))),
+        only_in_bounds=True,
+        most_seconds=math.inf,
     )
-    lamp = _Gen2Lamp(component, kind, features)
     part = component.part("", "light")
-    component.read_status(part, lamp.decode)
-    component.add_command_topic(part)
-    features.add_to(part, LIGHT_CAPABILITIES, lamp.publish)
+    component.read_status(part, partial(_decode_light, features))
+    part.add_command_topics(component.commands)
+    features.add_to(part, LIGHT_CAPABILITIES, partial(_set_light, component))
     return (part,)
 
 
-@dataclass(frozen=True, slots=True)
-class _Gen2Lamp:
-    component: ShellyComponent
-    kind: _LightKind
-    features: LightFeatures
+def _decode_light(features: LightFeatures, status: Fields) -> Readings:
+    found = dict(read_lamp(status, "output", "brightness"))
+    mode = status.get("mode")
+    if features.has_white and (kelvin := to_number(status.get("ct"))) is not None:
+        found["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
+    rgb = status.get("rgb")
+    if features.color_mode and isinstance(rgb, list) and (color := read_rgb(rgb)) is not None:
+        found["color"] = color if mode != "cct" else None
+    return found
 
-    def decode(self, status: Fields) -> Readings:
-        found = dict(read_lamp(status, "output", "brightness"))
-        mode = status.get("mode")
-        if self.features.has_white and (kelvin := to_number(status.get("ct"))) is not None:
-            found["color_temperature"] = kelvin if kelvin > 0 and mode != "rgb" else None
-        rgb = status.get("rgb")
-        if self.features.color_mode and isinstance(rgb, list) and (color := read_rgb(rgb)) is not None:
-            found["color"] = color if mode != "cct" else None
-        return found
 
-    def publish(self, command: LightCommand) -> Publications:
-        params: dict[str, object] = {"on": command.on}
-        if command.percent is not None:
-            params["brightness"] = command.percent
-        if command.white is not None:
-            params |= ({"mode": "cct"} if self.kind.calls_mode else {}) | {"ct": round(command.white)}
-        if command.color:
-            params |= ({"mode": "rgb"} if self.kind.calls_mode else {}) | {"rgb": list(command.color)}
-            params |= {"white": 0} if self.component.kind == "rgbw" else {}
-        if command.transition:
-            params["transition_duration"] = max(_LEAST_TRANSITION, round(command.transition, 1))
-        return self.component.call(f"{self.kind.namespace}.Set", **params)
+def _set_light(component: ShellyComponent, command: LightCommand) -> Publications:
+    params: dict[str, object] = {"on": command.on}
+    has_modes = len(LIGHTS[component.kind]) > 1
+    if command.percent is not None:
+        params["brightness"] = command.percent
+    if command.white is not None:
+        params |= ({"mode": "cct"} if has_modes else {}) | {"ct": round(command.white)}
+    if command.color:
+        params |= ({"mode": "rgb"} if has_modes else {}) | {"rgb": list(command.color)}
+        params |= {"white": 0} if component.kind == "rgbw" else {}
+    if command.transition:
+        params["transition_duration"] = max(_LEAST_TRANSITION, round(command.transition, 1))
+    return component.call("Light.Set" if component.kind == "light" else f"{component.kind.upper()}.Set", **params)
 
 
 def _white_range(config: Fields) -> tuple[int, int]:

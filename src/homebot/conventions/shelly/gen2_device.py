@@ -42,8 +42,15 @@ from homebot.conventions.shelly.gen2_sensors import (
     build_power,
     build_sensor,
 )
-from homebot.conventions.shelly.gen2_service import OF_THERMOSTAT, TARGET, build_service_thermostat
-from homebot.conventions.shelly.gen2_virtual import VIRTUAL, build_virtual, build_virtual_button, role_of
+from homebot.conventions.shelly.gen2_virtual import (
+    OF_THERMOSTAT,
+    TARGET,
+    VIRTUAL,
+    build_service_thermostat,
+    build_virtual,
+    build_virtual_button,
+    role_of,
+)
 from homebot.conventions.shelly.status import Fields
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.support.numbers import to_number

@@ -62,7 +62,8 @@ def build_sensor(component: ShellyComponent) -> Parts:
     if component.kind == "presencezone" and "value" in component.status:
         field = "value"  # from firmware 1.8 on
     part = component.part("", sensor_type(capability), category="diagnostic" if component.is_inside else "")
-    component.add_reading(part, capability, partial(_decode_sensor, reader_of(field, capability), capability))
+    component.read_status(part, partial(_decode_sensor, reader_of(field, capability), capability))
+    part.add_capability(capability)
     return (part,)
 
 
@@ -103,7 +104,7 @@ def build_power(component: ShellyComponent) -> Parts:
     if "battery" in status or "external" not in status:
         component.add_value(part, "battery", "battery.percent")
     if "V" in as_fields(status.get("battery")):
-        component.add_measure(part, "battery.V", "voltage")
+        component.add_value(part, "voltage", "battery.V")
     if isinstance(status.get("external"), dict):
         component.add_value(part, "plugged_in", "external.present")
     return (part,)
@@ -114,22 +115,15 @@ def build_input(component: ShellyComponent) -> Parts:
     kind, status = component.config.get("type"), component.status
     if component.config.get("enable") is False:
         return ()
-    if kind == "analog" or (kind is None and "percent" in status and "state" not in status):
-        return _build_measured_input(component, "percent", "%")
-    if kind == "count":
-        return _build_measured_input(component, "counts.total", "")
-    return _build_binary_input(component, is_button=kind != "switch")
-
-
-def _build_measured_input(component: ShellyComponent, key: str, unit: str) -> Parts:
-    part = component.part("", "x_sensor")
-    component.add_measure(part, key, "measurement", unit=unit)
-    return (part,)
-
-
-def _build_binary_input(component: ShellyComponent, *, is_button: bool) -> Parts:
+    is_analog = kind == "analog" or (kind is None and "percent" in status and "state" not in status)
+    if is_analog or kind == "count":
+        part = component.part("", "x_sensor")
+        path, unit = ("percent", "%") if is_analog else ("counts.total", "")
+        component.add_value(part, "measurement", path, unit=unit)
+        return (part,)
+    is_button = kind != "switch"
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
-    if not is_button or component.status.get("state") is not None:
+    if not is_button or status.get("state") is not None:
         component.add_value(part, "state", "state")
     if is_button:
         component.add_presses(part, PRESSES)
@@ -146,10 +140,10 @@ def build_meters(component: ShellyComponent) -> Parts:
     part = component.part("" if is_meter else "meter", "electrical_meter")
     for field, capability in _ELECTRICAL:
         if field in component.status:
-            component.add_measure(part, field, capability)
+            component.add_value(part, capability, field)
     for field, capability in _COUNTED:
         if isinstance(component.status.get(field), dict):
-            component.add_measure(part, f"{field}.total", capability, _WATT_HOURS)
+            component.add_value(part, capability, f"{field}.total", factor=_WATT_HOURS)
     if component.kind == "em1":
         _add_counters(component, part, f"em1data:{component.index}", "total_act_energy", "total_act_ret_energy")
     return (part,)
@@ -159,7 +153,7 @@ def _build_phases(component: ShellyComponent) -> Parts:
     data = f"emdata:{component.index}"
     total = component.part("", "electrical_meter")
     for field, capability in (("total_act_power", "power"), ("total_current", "current")):
-        component.add_measure(total, field, capability)
+        component.add_value(total, capability, field)
     _add_counters(component, total, data, "total_act", "total_act_ret")
     parts = [total]
     for phase in _PHASES:
@@ -168,7 +162,7 @@ def _build_phases(component: ShellyComponent) -> Parts:
         part = component.part(phase, "electrical_meter", tag=f"phase_{phase}")
         for field, capability in _PHASE:
             if field == "act_power" or component.has(f"{phase}_{field}"):
-                component.add_measure(part, f"{phase}_{field}", capability)
+                component.add_value(part, capability, f"{phase}_{field}")
         _add_counters(component, part, data, f"{phase}_total_act_energy", f"{phase}_total_act_ret_energy")
         parts.append(part)
     return tuple(parts)
@@ -176,8 +170,8 @@ def _build_phases(component: ShellyComponent) -> Parts:
 
 def _add_counters(component: ShellyComponent, part: JsonPart, key: str, drawn: str, returned: str) -> None:
     """Add the energy that the component *key* counts in both directions."""
-    component.add_measure(part, drawn, "energy", _WATT_HOURS, key=key)
-    component.add_measure(part, returned, "energy_returned", _WATT_HOURS, key=key)
+    component.add_value(part, "energy", drawn, factor=_WATT_HOURS, key=key)
+    component.add_value(part, "energy_returned", returned, factor=_WATT_HOURS, key=key)
 
 
 def build_own_temperature(component: ShellyComponent) -> Parts:
@@ -185,5 +179,5 @@ def build_own_temperature(component: ShellyComponent) -> Parts:
     if not isinstance(component.status.get("temperature"), dict):
         return ()
     part = component.part("temperature", "temperature_sensor", category="diagnostic")
-    component.add_measure(part, "temperature.tC", "temperature")
+    component.add_value(part, "temperature", "temperature.tC")
     return (part,)

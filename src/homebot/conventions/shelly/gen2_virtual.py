@@ -1,13 +1,17 @@
 """Values that users or makers of a device define themselves, in Shelly's second generation. Pure.
 
-Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller and
-Smart Water Valve; ShellyX, Manifest Reference.
+The values of a maker's service are components of their own; those of a thermostat make one part.
+
+Source: Shelly Gen2+ API, Virtual Components: Boolean, Number, Text, Enum and Button; XT1, Irrigation Controller, Smart
+Water Valve, LinkedGo ST802 and ST1820; ShellyX, Manifest Reference; Home Assistant core 2025.11,
+``components/shelly/climate.py``.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 from homebot.conventions.command_values import number_writer, option_writer, push_writer
 from homebot.conventions.description import Publications
@@ -18,7 +22,15 @@ from homebot.conventions.shelly.status import LONGEST_TEXT, Fields
 from homebot.conventions.units import sensor_type
 from homebot.support.numbers import to_number
 
-__all__ = ["VIRTUAL", "bounds_of", "build_virtual", "build_virtual_button", "options_of", "role_of"]
+__all__ = [
+    "OF_THERMOSTAT",
+    "TARGET",
+    "VIRTUAL",
+    "build_service_thermostat",
+    "build_virtual",
+    "build_virtual_button",
+    "role_of",
+]
 
 Parts = tuple[JsonPart, ...]
 
@@ -66,9 +78,8 @@ def build_virtual(component: ShellyComponent) -> Parts:
 def build_virtual_button(component: ShellyComponent) -> Parts:
     """Describe a button that can be pressed by command."""
     part = component.part("", "generic_switch")
-    component.add_command_topic(part)
     writer = push_writer("push", lambda: component.call("Button.Trigger", event="single_push"))
-    part.add_capability("push", readable=False, writer=writer)
+    component.add_control(part, "push", writer, readable=False)
     return (part,)
 
 
@@ -81,8 +92,8 @@ def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
         capability,
         method=f"{kind.capitalize()}.Set",
         unit=_unit(config) if capability == "number" else "",
-        bounds=bounds_of(config) if kind == "number" else (),
-        options=options_of(config) if kind == "enum" else (),
+        bounds=_bounds_of(config) if kind == "number" else (),
+        options=_options_of(config) if kind == "enum" else (),
     )
     return part
 
@@ -116,11 +127,10 @@ def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
 
     part = component.part("", "water_valve", tag=role)
     component.read_status(part, decode)
-    component.add_command_topic(part)
     writer = option_writer("valve", _VALVES, lambda state: publish(100.0 if state == "open" else 0.0))
-    part.add_capability("valve", writer=writer, options=_VALVES)
+    component.add_control(part, "valve", writer, options=_VALVES)
     if has_position:
-        part.add_capability("position", writer=number_writer("position", (0.0, 100.0), "%", publish))
+        component.add_control(part, "position", number_writer("position", (0.0, 100.0), "%", publish))
     return part
 
 
@@ -131,8 +141,7 @@ def role_of(config: Fields) -> str:
     return role if is_makers and isinstance(role, str) else ""
 
 
-def options_of(config: Fields) -> tuple[str, ...]:
-    """Return the options of an enum."""
+def _options_of(config: Fields) -> tuple[str, ...]:
     options = config.get("options")
     if not isinstance(options, list):
         return ()
@@ -142,12 +151,90 @@ def options_of(config: Fields) -> tuple[str, ...]:
 
 
 def _unit(config: Fields) -> str:
-    """Return the unit of a number in the device's own pages; empty for none."""
+    """Return the unit of a number in the device's own pages."""
     unit = as_fields(as_fields(config.get("meta")).get("ui")).get("unit")
     return text_of(unit, LONGEST_UNIT)
 
 
-def bounds_of(config: Fields) -> tuple[float, ...]:
+def _bounds_of(config: Fields) -> tuple[float, ...]:
     """Return the smallest and the largest value of a number; empty if they are not configured."""
     least, most = to_number(config.get("min")), to_number(config.get("max"))
     return (least, most) if least is not None and most is not None and least < most else ()
+
+
+TARGET = "target_temperature"
+OF_THERMOSTAT = frozenset({"enable", "working_mode", "fan_speed"})
+"""Roles of the components that the thermostat has beside :data:`TARGET`, and which are no parts then."""
+
+_WORKING_MODES: Mapping[str, str] = {"heat": "heat", "cool": "cool", "dry": "dry", "ventilation": "fan_only"}
+"""Thermostat modes by working mode."""
+
+_USUAL = (5.0, 35.0)
+
+
+def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
+    """Describe the thermostat of the components with these *roles*, among them :data:`TARGET`."""
+    target = roles[TARGET]
+    part = target.part("", "thermostat")
+    mode = _ServiceMode(roles.get("enable"), roles.get("working_mode"))
+    bounds = _bounds_of(target.config) or _USUAL
+    for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in mode.options else ())):
+        target.add_value(part, setpoint, method="Number.Set", bounds=bounds)
+    if (room := roles.get("current_temperature")) is not None:
+        room.add_value(part, "local_temperature")
+    mode.add_to(part)
+    if (fan := roles.get("fan_speed")) is not None:
+        fan.add_value(part, "fan_mode", method="Enum.Set", options=_options_of(fan.config))
+    return part
+
+
+@dataclass(slots=True)
+class _ServiceMode:
+    """The mode: ``off`` by one component, and by another one the function while it is on."""
+
+    enable: ShellyComponent | None
+    working: ShellyComponent | None
+    _is_on: bool = True
+    _function: str | None = None
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        listed = ("heat",) if self.working is None else _options_of(self.working.config)
+        return tuple(_WORKING_MODES[one] for one in listed if one in _WORKING_MODES)
+
+    def add_to(self, part: JsonPart) -> None:
+        if self.enable is not None:
+            self.enable.read_status(part, self._read_enable)
+        if self.working is not None:
+            self.working.read_status(part, self._read_function)
+        else:
+            self._function = "heat"
+        if self.enable is None and self.working is None:
+            return
+        options = (*(("off",) if self.enable is not None else ()), *self.options)
+        part.remembers()
+        part.add_capability(
+            "thermostat_mode", writer=option_writer("thermostat_mode", options, self._publish), options=options
+        )
+
+    def _read_enable(self, status: Fields) -> Readings:
+        value = status.get("value")
+        if not isinstance(value, bool):
+            return NO_READINGS
+        self._is_on = value
+        return self._mode()
+
+    def _read_function(self, status: Fields) -> Readings:
+        value = status.get("value")
+        self._function = _WORKING_MODES.get(value) if isinstance(value, str) else None
+        return self._mode()
+
+    def _mode(self) -> Readings:
+        return {"thermostat_mode": self._function if self._is_on else "off"}
+
+    def _publish(self, mode: str) -> Publications:
+        calls = self.enable.call("Boolean.Set", value=mode != "off") if self.enable is not None else ()
+        if self.working is None or mode == "off":
+            return calls
+        function = next(name for name, known in _WORKING_MODES.items() if known == mode)
+        return (*calls, *self.working.call("Enum.Set", value=function))
