@@ -48,8 +48,6 @@ def address_of(name: str) -> str:
 
 
 class _RadioDevice(ServedDevice):
-    """A device on the virtual radio."""
-
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], radio: VirtualRadio) -> None:
         super().__init__(device, on_command)
         self.radio = radio
@@ -57,11 +55,9 @@ class _RadioDevice(ServedDevice):
         self._changed = anyio.Event()
 
     def show(self) -> None:
-        """Have it sent."""
         self._changed.set()
 
     async def serve(self) -> None:
-        """Be on the radio until cancelled."""
         name = self.device.device_id
         async with self.radio.peripheral(name, self.address, self.services()) as peripheral:
             while True:
@@ -70,7 +66,6 @@ class _RadioDevice(ServedDevice):
                 await self._changed.wait()
 
     def services(self) -> Mapping[str, tuple[GattValue, ...]]:
-        """Return the GATT values for connected clients."""
         return {}
 
     @abstractmethod
@@ -95,7 +90,6 @@ class _BTHomeDevice(_RadioDevice):
         self._count = 0
 
     async def send(self, peripheral: VirtualPeripheral) -> None:
-        """Advertise the state, as one more packet."""
         await self._advertise(peripheral, self.objects())
 
     @abstractmethod

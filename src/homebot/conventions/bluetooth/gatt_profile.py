@@ -164,7 +164,6 @@ class GattProfile(BaseModel):
         return data
 
     def _changes(self, capability: str, value: PlainValue, fields: Mapping[str, int]) -> dict[str, int]:
-        """Return the fields that a command changes."""
         if capability == "on_off":
             dark = bool(value) and not fields["level"]
             return {"on": int(bool(value)), **({"level": self.level_max} if dark else {})}

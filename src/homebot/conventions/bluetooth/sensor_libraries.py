@@ -59,8 +59,6 @@ MOMENT = 90.0
 
 
 class _Sensor:
-    """One device, and the library that reads it."""
-
     def __init__(self, reader: BluetoothData) -> None:
         self.reader = reader
         self.parts: dict[str, Part] = {}

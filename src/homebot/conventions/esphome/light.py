@@ -58,7 +58,6 @@ def _kelvin_bounds(info: Fields) -> tuple[float, ...]:
 
 
 def _kelvins(info: Fields) -> KelvinRange:
-    """Return the range of its whites, or the usual one."""
     bounds = _kelvin_bounds(info)
     return (int(bounds[0]), int(bounds[1])) if bounds else _USUAL_KELVINS
 

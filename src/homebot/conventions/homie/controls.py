@@ -179,7 +179,6 @@ def _add_switch_of_range(part: BytesPart, capability: str, prop: HomieProperty) 
 
 
 def _options_by_command(prop: HomieProperty | None, spellings: Mapping[str, tuple[str, ...]]) -> dict[str, str]:
-    """Return the option of *prop* for each command."""
     if prop is None:
         return {}
     by_name = {option.casefold(): option for option in prop.options}
@@ -201,7 +200,6 @@ class _Vacuum:
 
     @property
     def props(self) -> tuple[HomieProperty, ...]:
-        """Its properties."""
         return tuple(prop for prop in (self.command, self.state, self.power) if prop is not None)
 
 

@@ -6,17 +6,16 @@ Source: Homie convention 5, Payload and Property Formats, Device Lifecycle; Homi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.description import Availability
-from homebot.conventions.payload import clean_text, shown
+from homebot.conventions.payload import shown
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
 
 __all__ = [
     "COLOR_FORMS",
-    "DATATYPES",
     "DEVICE_ATTRIBUTES",
     "MAX_PROPERTIES",
     "NODE_ATTRIBUTES",
@@ -27,17 +26,14 @@ __all__ = [
     "HomieProperty",
     "Range",
     "availability_of",
-    "make_property",
     "parse_options",
     "parse_range",
 ]
 
 
-DATATYPES = frozenset({"integer", "float", "boolean", "string", "enum", "color", "datetime", "duration", "json"})
-"""Every datatype of versions 3 to 5."""
-
 COLOR_FORMS = ("hsv", "rgb", "xyz")
 """The forms of a colour, the one that loses least first."""
+
 PROPERTY_ATTRIBUTES = ("$name", "$format", "$unit", "$settable", "$retained", "$datatype")
 NODE_ATTRIBUTES = ("$name", "$type", "$array", "$properties")
 DEVICE_ATTRIBUTES = ("$name", "$mac", "$fw/name", "$fw/version", "$implementation", "$nodes", "$homie", "$state")
@@ -47,8 +43,6 @@ _MAX_OPTIONS = 200
 """Words that an enum may have."""
 
 _LONGEST_OPTION = 255
-_LONGEST_UNIT = 20
-_WITH_OPTIONS = frozenset({"enum", "color"})
 _FIELDS = 3
 
 
@@ -114,7 +108,7 @@ class HomieProperty:
 
     Attributes:
         id: Its id, unique in its node.
-        datatype: One of :data:`DATATYPES`.
+        datatype: One of versions 3 to 5, but an enum of two states is a boolean.
         topic: The topic of its value; commands go to ``<topic>/set``.
         options: The options of an enum, or the forms of a colour.
         is_retained: Whether its value is a state; otherwise it is an event.
@@ -154,73 +148,6 @@ def parse_options(text: str) -> tuple[str, ...]:
     return options
 
 
-def make_property(
-    fields: Callable[[str], str],
-    *,
-    prop_id: str,
-    topic: str,
-    is_settable: bool,
-    is_retained: bool,
-    names_form: bool = True,
-) -> HomieProperty:
-    """Return the property with these *fields*, by the names of version 5; a missing one is empty.
-
-    Raises:
-        WireError: Its datatype is unknown, or its format does not fit.
-    """
-    datatype, form = fields("datatype"), fields("format")
-    if datatype not in DATATYPES:
-        raise WireError(f"datatype is {shown(datatype)}")
-    options = parse_options(form) if datatype in _WITH_OPTIONS or (datatype == "boolean" and form) else ()
-    _check_options(datatype, options, form)
-    flags = _flags(prop_id, options) if datatype == "enum" else None
-    return HomieProperty(
-        id=prop_id,
-        name=clean_text(fields("name")),
-        datatype="boolean" if flags else datatype,
-        topic=topic,
-        unit=clean_text(fields("unit"), _LONGEST_UNIT).translate(_LOOKALIKES),
-        range=parse_range(form) if datatype in {"integer", "float"} else Range(),
-        options=options if datatype in _WITH_OPTIONS and not flags else (),
-        is_settable=is_settable,
-        is_retained=is_retained,
-        names_form=names_form,
-        flags=flags or ("false", "true"),
-    )
-
-
-_LOOKALIKES = str.maketrans("ºμ", "°µ")
-"""Characters of units by others of the same look, as the examples of homie-esp8266 write ``ºC``."""
-
-
-def _flags(prop_id: str, options: tuple[str, ...]) -> tuple[str, str] | None:
-    """Return the options for false and true of an enum that is a boolean; None for any other enum."""
-    spelled = {option.casefold(): option for option in options}
-    for only_id, false, true in _FLAGS:
-        if only_id in {"", prop_id} and {false, true} <= spelled.keys() <= {false, true, "unknown"}:
-            return spelled[false], spelled[true]
-    return None
-
-
-_FLAGS = (
-    ("", "off", "on"),
-    ("relay", "open", "closed"),
-    ("contact", "closed", "open"),
-    ("valve", "closed", "open"),
-)
-"""Enums that are booleans: the id, empty for any, and the options for false and true.
-
-Source: homie4 0.2 (PyPI), ``Property_Switch`` and ``Property_Contact``; eBus 0.3, capability switch (SPAN panels).
-"""
-
-
-def _check_options(datatype: str, options: tuple[str, ...], form: str) -> None:
-    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-        raise WireError(f"format {shown(form)} names no colour formats")
-    if datatype == "boolean" and options and len(options) != len(("false", "true")):
-        raise WireError(f"format {shown(form)} does not name false and true")
-
-
 @dataclass(frozen=True, slots=True)
 class HomieNode:
     """A node of a device; its id is unique there."""
@@ -239,6 +166,7 @@ class HomieDevice:
         id: Its id, unique in its domain.
         topic: The topic above all its topics.
         root: The topic of its root device; empty for none.
+        ignored: Number of its invalid nodes and properties.
     """
 
     id: str
@@ -248,6 +176,7 @@ class HomieDevice:
     nodes: tuple[HomieNode, ...]
     root: str = ""
     facts: Mapping[str, str] = field(default_factory=dict)
+    ignored: int = 0
 
 
 STATES: Mapping[str, bool | None] = {
@@ -268,7 +197,6 @@ class _StateTopic:
     topic: str
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device can be reached, or None when *payload* means neither."""
         return STATES.get(payload.decode(errors="replace")) if len(payload) <= _LONGEST else None
 
 

@@ -181,7 +181,6 @@ _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float"
 
 
 def _meters(node: NodeRoles) -> Iterator[BytesPart]:
-    """Describe the electrical measurements of a node as one meter."""
     roles = _metered(node)
     if not roles:
         return

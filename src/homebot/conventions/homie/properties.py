@@ -98,7 +98,6 @@ def _add_press(part: BytesPart, prop: HomieProperty) -> None:
 
 
 def _plain_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
-    """Return the codec of any value, in the vocabulary's unit."""
     conversion = conversion_of(capability, prop.unit) or Conversion()
 
     def read(payload: bytes) -> PlainValue:
@@ -135,7 +134,6 @@ def _valve_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
 
 
 def _enum_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
-    """Return the codec of options in small letters."""
     options = {option.casefold(): option for option in prop.options}
 
     def read(payload: bytes) -> PlainValue:

@@ -50,6 +50,7 @@ class Registry(Generic[DeviceT]):
 
     def announce(self, device: DeviceT, whole: HomieDevice, domain: str, state: str) -> tuple[AnnouncementEvent, ...]:
         """Return the description of *device*, or its withdrawal if it has no parts."""
+        self.ignored += whole.ignored
         described = _describe(whole, domain, is_alive=bool(STATES[state]))
         if described is None:
             return self.withdraw(device, whole.topic, "it no longer has any nodes")

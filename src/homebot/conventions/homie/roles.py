@@ -29,12 +29,10 @@ def _options(prop: HomieProperty) -> frozenset[str]:
 
 
 def _is_opening(prop: HomieProperty) -> bool:
-    """Return whether it is an enum of positions and movements."""
     return prop.datatype == "enum" and _options(prop) <= _OPENINGS
 
 
 def _is_moving(prop: HomieProperty) -> bool:
-    """Return whether it is an enum with an option to open and one to close."""
     options = _options(prop)
     return bool(options & {"open", "up"}) and bool(options & {"close", "closed", "down"})
 
@@ -78,12 +76,10 @@ def _has_lock_states(prop: HomieProperty) -> bool:
 
 
 def _is_locking(prop: HomieProperty) -> bool:
-    """Return whether it is an enum with an option to lock and one to unlock."""
     return {"lock", "unlock"} <= _options(prop) or _has_lock_states(prop)
 
 
 def _is_arming(prop: HomieProperty) -> bool:
-    """Return whether it is an enum of the states of an alarm."""
     options = _options(prop)
     return "disarmed" in options and any(one.startswith("armed") for one in options)
 
@@ -176,7 +172,6 @@ _REPORTED_BESIDE = tuple(guess for guess in _REPORTED if guess.role in {"movemen
 
 
 def _guess(node: HomieNode, prop: HomieProperty, kind: str) -> str:
-    """Return the guessed role of *prop* in a node of *kind*; empty for none."""
     if not kind and _is_arming(prop):
         return "arm" if prop.is_settable else "alarm"
     tokens = tokens_in(prop.id, prop.name)
@@ -315,7 +310,6 @@ _DATATYPES: Mapping[str, frozenset[str]] = {
 
 
 def _fits(role: str, prop: HomieProperty) -> bool:
-    """Return whether *prop* has the form of its declared *role*."""
     if prop.datatype not in _DATATYPES[role] or (role == "movement" and not _is_opening(prop)):
         return False
     return prop.is_settable if role in {"move", "lock_action"} else role != "local_temperature" or not prop.is_settable
@@ -343,7 +337,6 @@ def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
 
 
 def _read_only_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    """Return the role of a property that is no control."""
     if prop.is_settable:
         return Role("", prop, is_guess=False)
     tokens = tokens_in(prop.id, prop.name)

@@ -19,15 +19,13 @@ from homebot.conventions.homie.model import (
     NODE_ATTRIBUTES,
     PROPERTY_ATTRIBUTES,
     STATES,
-    HomieDevice,
 )
-from homebot.conventions.homie.node_reader import NodeReader
+from homebot.conventions.homie.node_reader import read_device
 from homebot.conventions.homie.registry import RegisteredDevice, Registry
 from homebot.conventions.payload import clean_text, shown, to_text
 from homebot.errors import WireError
 
 __all__ = ["Version4"]
-
 
 _MAX_ARRAY = 100
 _LISTED = re.compile(r"[A-Za-z0-9_-]{1,100}(?:\[\])?")
@@ -61,7 +59,6 @@ def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
 
 
 def _elements(attributes: Mapping[str, str], node_id: str) -> tuple[str, ...] | None:
-    """Return the ids of the nodes of an array."""
     match = _ARRAY.fullmatch(attributes.get(f"{node_id}/$array", ""))
     if match is None:
         return None
@@ -153,24 +150,18 @@ class Version4(Registry[_Homie4Device]):
         state = device.attributes.get("$state", "")
         if not device.is_changed or state in {"", "init"} or "$homie" not in device.attributes:
             return ()
-        fields = _nodes(device.attributes)
-        if fields is None:
+        nodes = _nodes(device.attributes)
+        if nodes is None:
             return ()
         device.is_changed = False
-        reader = NodeReader(f"{domain}/{device_id}", _ID, names_form=False)
-        nodes = reader.nodes(fields)
-        self.ignored += reader.ignored
-        whole = HomieDevice(
-            id=device_id,
-            name=clean_text(device.attributes.get("$name", "")) or device_id,
-            type="",
-            topic=f"{domain}/{device_id}",
-            nodes=nodes,
-            facts={
-                fact: text
-                for attribute, fact in _FACTS.items()
-                if (text := clean_text(device.attributes.get(attribute, "")))
-            },
+        attributes = device.attributes
+        whole = read_device(
+            {"name": attributes.get("$name", ""), "nodes": nodes},
+            device_id,
+            f"{domain}/{device_id}",
+            _ID,
+            facts={fact: text for key, fact in _FACTS.items() if (text := clean_text(attributes.get(key, "")))},
+            names_form=False,
         )
         return self.announce(device, whole, domain, state)
 

@@ -1,9 +1,8 @@
 """Devices of Homie 5, each of which reports its state and describes itself in one document. Pure.
 
 A device exists once both are known and it is not starting; a new document becomes effective when it is ready again.
-Unknown fields are ignored; an invalid field invalidates its property, its node or the whole device.
 
-Source: Homie convention 5, Device Lifecycle, Device Attributes ($description), Nodes, Properties.
+Source: Homie convention 5, Device Lifecycle.
 """
 
 from __future__ import annotations
@@ -14,33 +13,19 @@ from dataclasses import dataclass
 
 from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.homie.model import STATES, HomieDevice
-from homebot.conventions.homie.node_reader import LONGEST_TYPE, NodeReader, optional
+from homebot.conventions.homie.node_reader import optional, read_device
 from homebot.conventions.homie.registry import RegisteredDevice, Registry
-from homebot.conventions.payload import clean_text, parse_object, shown
+from homebot.conventions.payload import parse_object, shown
 from homebot.errors import WireError
 
-__all__ = ["Document", "Version5", "parse_document"]
-
+__all__ = ["Version5", "parse_document"]
 
 _ID = re.compile(r"[a-z0-9-]{1,100}")
 _VERSION = re.compile(r"5\.[0-9]{1,5}")
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
-    """A described device, and the number of its invalid nodes and properties."""
-
-    device: HomieDevice
-    ignored: int
-
-
-def _is_id(text: str) -> bool:
-    """Return whether *text* is an id: small letters, digits and hyphens."""
-    return _ID.fullmatch(text) is not None
-
-
-def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
-    """Return the parsed ``$description`` of a device.
+def parse_document(domain: str, device_id: str, payload: bytes) -> HomieDevice:
+    """Return the device that its ``$description`` describes.
 
     Raises:
         WireError: It is no document of Homie 5, or a field of the device itself is illegal.
@@ -53,26 +38,21 @@ def parse_document(domain: str, device_id: str, payload: bytes) -> Document:
     for name in ("children", "extensions"):
         optional(fields, name, list)
     root, parent = _relatives(fields, device_id)
-    topic = f"{domain}/5/{device_id}"
-    reader = NodeReader(topic, _ID)
-    nodes = reader.nodes(optional(fields, "nodes", dict) or {})
-    device = HomieDevice(
-        id=device_id,
-        name=clean_text(optional(fields, "name", str) or "") or device_id,
-        type=(optional(fields, "type", str) or "")[:LONGEST_TYPE],
-        topic=topic,
-        nodes=nodes,
+    return read_device(
+        fields,
+        device_id,
+        f"{domain}/5/{device_id}",
+        _ID,
         root=f"{domain}/5/{root}" if root else "",
         facts={"via_device": parent} if parent else {},
     )
-    return Document(device, reader.ignored)
 
 
 def _relatives(fields: Mapping[str, object], device_id: str) -> tuple[str, str]:
     """Return the ids of the root and the parent of a device, each empty for none."""
     root = optional(fields, "root", str) or ""
     parent = optional(fields, "parent", str) or root
-    if not all(_is_id(relative) for relative in (root, parent) if relative):
+    if not all(_ID.fullmatch(relative) for relative in (root, parent) if relative):
         raise WireError(f"root is {shown(root)} and parent {shown(parent)}, not ids")
     return root if root != device_id else "", parent if parent != device_id else ""
 
@@ -112,7 +92,7 @@ class Version5(Registry[_Homie5Device]):
         Raises:
             WireError: It is illegal.
         """
-        if not _is_id(device_id):
+        if not _ID.fullmatch(device_id):
             raise WireError(f"{shown(device_id)} is not a valid device id")
         name = f"{domain}/5/{device_id}"
         if not payload:
@@ -126,10 +106,9 @@ class Version5(Registry[_Homie5Device]):
         document = read(device, domain, device_id, payload)
         if document is None:
             return ()
-        self.ignored += document.ignored
-        return self.announce(device, document.device, domain, device.state)
+        return self.announce(device, document, domain, device.state)
 
-    def _on_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _on_state(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> HomieDevice | None:
         """Return the document that waited for this state."""
         state = payload.decode(errors="replace") if len(payload) <= len("disconnected") else ""
         if state not in STATES:
@@ -141,7 +120,7 @@ class Version5(Registry[_Homie5Device]):
         self._keep(device, b"")
         return document
 
-    def _on_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> Document | None:
+    def _on_document(self, device: _Homie5Device, domain: str, device_id: str, payload: bytes) -> HomieDevice | None:
         """Return a changed document that is effective now; invalid fields are reported in any case."""
         document_hash = hash(payload)
         if device.document_hash == document_hash:

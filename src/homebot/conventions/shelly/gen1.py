@@ -58,7 +58,6 @@ class _Gen1Device:
 
     @property
     def topic(self) -> str:
-        """The topic above all its topics."""
         return f"shellies/{self.name}"
 
     def announce(self, device_id: str, mac: str, announcement: Mapping[str, object]) -> bool:
@@ -227,7 +226,6 @@ class Gen1:
 
 
 def _ids(announcement: Mapping[str, object]) -> tuple[str, str]:
-    """Return the id and the hardware address of an announcement."""
     device_id, mac = announcement.get("id"), announcement.get("mac", "")
     if not isinstance(device_id, str) or not 0 < len(device_id) <= _LONGEST_NAME or set(device_id) & set("+#/\0"):
         raise WireError(f"an announcement has the invalid id {shown(device_id)}")

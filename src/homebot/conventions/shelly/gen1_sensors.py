@@ -196,8 +196,6 @@ def _status_part(base: str, part_id: str, capability: str, decode: StatusDecoder
 
 
 class _ValveReader:
-    """Reader of a radiator valve's status, and of its unit."""
-
     def __init__(self) -> None:
         self.is_fahrenheit = False
 

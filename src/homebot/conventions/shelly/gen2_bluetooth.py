@@ -142,7 +142,6 @@ def _value_parts(component: ShellyComponent, model: BluModel) -> Iterator[tuple[
 
 
 def _own_parts(component: ShellyComponent) -> Iterator[tuple[str, JsonPart]]:
-    """Yield the battery and the signal strength of the device itself."""
     for field, capability in (("battery", "battery"), ("rssi", "signal_strength")):
         if field in component.status:
             part = JsonPart(field, sensor_type(capability), category="diagnostic")
@@ -151,8 +150,6 @@ def _own_parts(component: ShellyComponent) -> Iterator[tuple[str, JsonPart]]:
 
 
 def _valve_part(component: ShellyComponent) -> JsonPart:
-    """Return the thermostat of a radiator valve."""
-
     def set_target(celsius: float) -> Publications:
         params = {"id": 0, "target_C": round(celsius, 1)}
         return component.call("BluTRV.Call", method="TRV.SetTarget", params=params)

@@ -207,7 +207,6 @@ class ShellyComponent:
 def _writer(
     capability: str, bounds: tuple[float, ...], options: tuple[str, ...], publish: Callable[[object], Publications]
 ) -> Writer:
-    """Return a writer of numbers, booleans, *options* or texts."""
     match CAPABILITIES[capability].kind:
         case "bool":
             return bool_writer(capability, publish)

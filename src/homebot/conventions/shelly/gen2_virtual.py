@@ -99,7 +99,6 @@ def _build_setting(component: ShellyComponent, role: str) -> JsonPart:
 
 
 def _build_sensor(component: ShellyComponent, role: str) -> JsonPart:
-    """Describe a value that is only reported."""
     plain = VIRTUAL[component.kind][1]
     own_unit = _unit(component.config) if plain == "measurement" else ""
     capability, unit = _MEASURED.get(role if component.kind == "number" else "", (plain, own_unit))
@@ -151,7 +150,6 @@ def _options_of(config: Fields) -> tuple[str, ...]:
 
 
 def _unit(config: Fields) -> str:
-    """Return the unit of a number in the device's own pages."""
     unit = as_fields(as_fields(config.get("meta")).get("ui")).get("unit")
     return text_of(unit, LONGEST_UNIT)
 

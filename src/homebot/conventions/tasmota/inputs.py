@@ -70,7 +70,6 @@ _PULSE_SECONDS = 1.0
 
 
 def _switch_name(topics: TasmotaTopics, index: int) -> str:
-    """Return the key of an input in messages."""
     names = topics.config.switch_names
     return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
 

@@ -252,12 +252,10 @@ def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
 
 
 def _place(config: TasmotaConfig, index: int) -> int:
-    """Return the number of lamps before the one at *index*."""
     return index - config.outputs.index(LIGHT)
 
 
 def _hue_saturation(value: object) -> tuple[float, float] | None:
-    """Return the first two of ``hue,saturation,brightness``."""
     if not isinstance(value, str) or len(value) > _MAX_COLOR:
         return None
     try:

@@ -26,7 +26,6 @@ __all__ = ["build_parts", "count_shutters"]
 
 
 def _add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
-    """Add the capabilities of the fan."""
     fan = _Fan(topics)
     for topic in topics.states(_COMMAND):
         part.read_from(topic, fan.read)

@@ -92,7 +92,6 @@ class TasmotaReader:
         return ()
 
     def _described(self, mac: str) -> DeviceAnnounced:
-        """Describe a device again, with new codecs."""
         config = self._configs[mac]
         will = LastWillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
         described = DeviceAnnounced(

@@ -141,7 +141,6 @@ class WledStrip:
         return given | _master_state(capability, value)
 
     def _extras(self) -> Iterator[tuple[_Extra, PlainValue]]:
-        """Yield the further values that it has."""
         for (owner, field), switch in _SWITCHES.items():
             if isinstance(is_on := as_fields(self._state.get(owner)).get(field), bool):
                 yield switch, is_on

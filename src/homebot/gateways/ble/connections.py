@@ -70,8 +70,6 @@ _FULL = 100
 
 @dataclass(slots=True)
 class _ManagedDevice:
-    """A device that is to be connected."""
-
     device: KnownDevice
     profile: GattProfile
     scope: anyio.CancelScope = field(default_factory=anyio.CancelScope)

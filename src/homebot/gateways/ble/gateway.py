@@ -252,7 +252,6 @@ class BleGateway(Gateway):
             parser.forget(address)
 
     async def _look_around(self) -> None:
-        """Refresh connected devices and forget silent ones, every few seconds."""
         while True:
             await anyio.sleep(TICK)
             now = self._clock.monotonic()

@@ -204,7 +204,6 @@ class MdnsGateway(Gateway):
         self.publish_state("active")
 
     def _start(self, listed: _Listed) -> None:
-        """Start the driver of a service if there is one for its type."""
         driver = self._drivers.by_type.get(listed.service.service_type)
         if driver is None or self._tasks is None:
             return

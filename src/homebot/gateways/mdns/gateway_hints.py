@@ -47,7 +47,6 @@ def _hue(service: FoundService) -> str:
 
 
 def _homekit(service: FoundService) -> str:
-    """Return the next step with an accessory that is not paired."""
     flags = service.properties.get("sf", "")
     is_free = flags.isdecimal() and len(flags) <= _FLAG_DIGITS and bool(int(flags) & 1)
     return f"add [gateways.homekit], then: homebot pair '{name_of(service)}' CODE" if is_free else ""

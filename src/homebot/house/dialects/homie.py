@@ -162,7 +162,6 @@ class HomieDialect(Dialect):
 
 
 def _id(device: SimulatedDeviceInfo) -> str:
-    """Return a Homie id: lower-case letters, digits and ``-``."""
     name = f"{device.home}-{device.device_id}"
     plain = re.sub(r"[^a-z0-9-]", "-", name.lower())
     return plain if plain == name else f"{plain}-{hardware_address(device)[-6:]}"

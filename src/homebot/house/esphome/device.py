@@ -126,7 +126,6 @@ class EsphomeServedDevice(ServedDevice):
                 self.on_command(command)
 
     def _responses(self, name: str, fields: Mapping[str, Any]) -> tuple[ApiMessage, ...]:
-        """Return the answers to a request."""
         match name:
             case "HelloRequest":
                 return (("HelloResponse", {**_VERSION, "name": self.name}),)
@@ -167,8 +166,6 @@ class EsphomeServedDevice(ServedDevice):
 
 
 class _ApiClient:
-    """A client that has connected."""
-
     def __init__(self, messages: NativeApiStream) -> None:
         self.messages = messages
         self.is_open = True

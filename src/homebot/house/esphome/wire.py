@@ -116,8 +116,6 @@ class _PlainStream(NativeApiStream):
 
 
 class _NoiseStream(NativeApiStream):
-    """Encrypted messages."""
-
     noise: NoiseConnection
 
     async def shake_hands(self, identity: ServerIdentity) -> None:
