@@ -14,6 +14,8 @@ from tests.control.conftest import Home, OpenHome
 from tests.control.test_leases import leases
 from tests.robots.test_tracker import HOUSE
 
+from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.session import ClientSession, DoorLink
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.rosbridge.shared_state import SharedState
@@ -40,9 +42,8 @@ class Client:
         self._is_there = True
         self._is_cut = anyio.Event()
         link = DoorLink(self._send, self._is_cut.set, self._ping, bool)
-        self._session = ClientSession(
-            self.shared, "rosie", read_scope(SCOPE), "rosie", link, is_page=False, is_roslibpy=False
-        )
+        client = OutsideClient(self.shared, ClientAccess("rosie", read_scope(SCOPE), OWNERS), "rosie")
+        self._session = ClientSession(client, link, is_roslibpy=False)
 
     async def serve(self) -> None:
         """Serve it until its connection ends."""

@@ -84,6 +84,8 @@ _ACTING: Final = frozenset(
         names.SEND_TEXT,
     }
 )
+_PUBLISHING: Final = frozenset({"advertise", "advertise_action", "advertise_service", "publish"})
+_CALLING: Final = frozenset({"call_service", "send_action_goal"})
 _SEVERAL: Final = "?"
 _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
@@ -171,21 +173,14 @@ class ClientAccess:
             MissingRightError: The client lacks a right; the message says which, and how to get it.
             InvalidNameError: The name is illegal.
         """
-        match op:
-            case protocol.PublishOperation() | protocol.Advertise():
-                right = self._right_to_publish(resolve(op.topic))
-            case protocol.AdvertiseService():
-                right = self._right_to_publish(resolve(op.service))
-            case protocol.AdvertiseAction():
-                right = self._right_to_publish(resolve(op.action))
-            case protocol.CallService():
-                right = right_to_call(resolve(op.service))
-            case protocol.SendActionGoal():
-                right = right_to_call(resolve(op.action))
-            case protocol.SubscribeOperation():
-                right = Right.READ
-            case _:  # ends earlier operations, or concerns the client alone
-                return
+        if op.op in _PUBLISHING:
+            right = self._right_to_publish(resolve(op.name))
+        elif op.op in _CALLING:
+            right = right_to_call(resolve(op.name))
+        elif op.op == "subscribe":
+            right = Right.READ
+        else:  # ends earlier operations, or concerns the client alone
+            return
         if not self.rights.has(right):
             raise MissingRightError(right, self._problem(right))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from http import HTTPStatus
-from typing import Final, Literal, TypeAlias
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 from weakref import WeakKeyDictionary
 
 import anyio
@@ -24,6 +24,10 @@ from homebot.clock import Clock
 from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights
 from homebot.errors import ConfigError
 from homebot.support.addresses import is_loopback
+
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.access import ClientAccess
+    from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket", "token_in"]
 
@@ -45,9 +49,6 @@ class Entrance:
         local_rights: The rights of clients without a token, where the settings have no scope for them.
         open_timeout: Seconds that a page has to log in.
 
-    Attributes:
-        rights: The rights of each client, by the name of its token.
-
     Raises:
         ConfigError: The host is not a loopback one and there is no token.
     """
@@ -62,8 +63,8 @@ class Entrance:
         site: Site | None,
         open_timeout: float,
     ) -> None:
-        self.rights = settings.rights(local_rights)
-        if LOCAL_CLIENT in self.rights and not is_loopback(settings.host):
+        self._rights = settings.rights(local_rights)
+        if LOCAL_CLIENT in self._rights and not is_loopback(settings.host):
             raise ConfigError(
                 "door",
                 "host",
@@ -81,17 +82,20 @@ class Entrance:
 
     def update_tokens(self, settings: DoorSettings) -> frozenset[str]:
         """Use the tokens and rights of *settings*; return the names of those that changed."""
-        old, old_tokens = self.rights, self._settings.all_tokens()
+        old, old_tokens = self._rights, self._settings.all_tokens()
         new, tokens = settings.rights(self._local_rights), settings.all_tokens()
-        self.rights, self.tokens = new, TokenCheck(tokens, self._clock)
+        self._rights, self.tokens = new, TokenCheck(tokens, self._clock)
         self._settings = self._settings.model_copy(
             update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
         )
         return frozenset(name for name in old if new.get(name) != old[name] or tokens.get(name) != old_tokens.get(name))
 
-    def name_of(self, connection: DoorConnection) -> str:
-        """Return the name of the token of an admitted client."""
-        return self._names[connection]
+    def access_of(self, connection: DoorConnection, owners: RobotOwners) -> ClientAccess:
+        """Return the name and the rights of an admitted client."""
+        from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first
+
+        name, is_page = self._names[connection], bool(self._unnamed_page(connection, connection.request))
+        return ClientAccess.of(name, self._rights[name], owners, is_page=is_page)
 
     async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
         """Return the answer that ends *request*: a refusal, or a file of the page; None for an admitted client."""
@@ -124,10 +128,6 @@ class Entrance:
             return False
         return True
 
-    def is_unnamed_page(self, connection: DoorConnection, request: Request | None) -> bool:
-        """Return whether a client is a web page without a token that the settings do not name."""
-        return bool(self._unnamed_page(connection, request))
-
     def turn_away(self, connection: DoorConnection, status: HTTPStatus, problem: str) -> Response:
         """Count and log a refusal, and return its response."""
         client = address_of(connection)
@@ -155,7 +155,7 @@ class Entrance:
 
     async def _check_token(self, connection: DoorConnection, token: str) -> Response | None:
         """Check the token of the client; return the response to a refused one."""
-        if LOCAL_CLIENT in self.rights and (not token or len(self.rights) == 1):
+        if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
             self._names[connection] = LOCAL_CLIENT
             return None
         name = await self.tokens.check(address_of(connection).rpartition(":")[0], token)

@@ -13,10 +13,10 @@ import anyio
 from homebot.bridges.home_api.routes import ApiAnswer, ApiRequest, answer, problem_body
 from homebot.bridges.home_api.shapes import ProblemError
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
+from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.devices.client_rights import ClientRights
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.graph import EntityKind
 from homebot.support.addresses import network_of
@@ -50,27 +50,18 @@ class HttpRequests:
         for scope in self._asking.values():
             scope.cancel()
 
-    async def answer(
-        self,
-        connection: DoorConnection,
-        name: str,
-        rights: ClientRights,
-        client: str,
-        *,
-        is_page: bool,
-    ) -> ApiAnswer:
+    async def answer(self, connection: DoorConnection, access: ClientAccess, address: str) -> ApiAnswer:
         """Return the answer; a request whose client leaves is given up."""
         connection.has_arrived()
         posted = connection.posted
-        access = ClientAccess.of(name, rights, self._shared.owners(), is_page=is_page)
         more = () if posted is None else (posted.content_type, posted.body)
         asked = ApiRequest("GET" if posted is None else posted.method, connection.target, *more)
         with anyio.CancelScope() as scope:
             self._asking[connection] = scope
             connection.connection_lost_waiter.add_done_callback(lambda _: scope.cancel())
             try:
-                await self._wait(network_of(client.rpartition(":")[0]))
-                return await answer(asked, _Calls(self._shared, access, client, self._home))
+                await self._wait(network_of(address.rpartition(":")[0]))
+                return await answer(asked, _Calls(OutsideClient(self._shared, access, address), self._home))
             finally:
                 del self._asking[connection]
                 connection.has_answer()
@@ -92,28 +83,26 @@ class HttpRequests:
 class _Calls:
     """The services of the house for one request, see :class:`homebot.bridges.home_api.device_search.HomeCalls`."""
 
-    def __init__(self, shared: SharedState, access: ClientAccess, client: str, home: str) -> None:
-        self._shared = shared
-        self._access = access
-        self._client = client
+    def __init__(self, client: OutsideClient, home: str) -> None:
+        self._client, self._node = client, client.shared.node
         self.home = home
 
     def now(self) -> float:
-        return self._shared.node.graph.clock.now()
+        return self._node.graph.clock.now()
 
     def offers(self, service: str) -> bool:
-        return bool(self._shared.node.graph.get_endpoints(kind=EntityKind.SERVICE, name=service))
+        return bool(self._node.graph.get_endpoints(kind=EntityKind.SERVICE, name=service))
 
     async def call(self, service: str, request: Mapping[str, object]) -> JsonMessage:
-        shared, access = self._shared, self._access
+        access = self._client.access
         op = CallService(op="call_service", service=service, args=dict(request))
         try:
-            access.check(op, shared.node.resolve_name)
+            access.check(op, self._node.resolve_name)
         except MissingRightError as exc:
-            shared.record_refusal(access, self._client, op, exc)
+            self._client.record_missing_right(op, exc)
             raise ProblemError(HTTPStatus.FORBIDDEN, str(exc)) from exc
         frames: list[str] = []
-        await call_service(shared.node, op, shared.turns, access, frames.append)
+        await call_service(self._node, op, self._client.shared.turns, access, frames.append)
         found = json.loads(frames[0])
         if not found["result"]:
             raise ProblemError(HTTPStatus.SERVICE_UNAVAILABLE, str(found["values"]))

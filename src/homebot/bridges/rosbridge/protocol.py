@@ -29,24 +29,20 @@ __all__ = [
     "AdvertiseAction",
     "AdvertiseService",
     "CallService",
-    "CancelActionGoal",
     "Compression",
     "Fragment",
     "FrameError",
     "Identifier",
-    "IgnoredOperation",
     "Level",
     "Operation",
     "PublishOperation",
     "Request",
     "SendActionGoal",
+    "ServiceOperation",
     "ServiceResponse",
     "SetLevel",
     "SubscribeOperation",
-    "Unadvertise",
-    "UnadvertiseAction",
-    "UnadvertiseService",
-    "UnsubscribeOperation",
+    "TopicOperation",
     "failure_frame",
     "frame_text",
     "parse_frame",
@@ -105,6 +101,9 @@ _CLASSES: dict[str, type[Operation]] = {}
 class Operation(BaseModel):
     """An operation that a client asks for.
 
+    One with nothing else in it is ignored: clients log in when they connect, and the server of an action knows its
+    goals.
+
     Attributes:
         op: The protocol's name of the operation.
         id: The client's identifier of the interaction; answers repeat it.
@@ -125,29 +124,30 @@ class Operation(BaseModel):
         return next((getattr(self, key) for key in _NAMES if hasattr(self, key)), "")
 
 
-class Advertise(Operation, ops=("advertise",)):
-    """The client will publish messages of ``type`` on ``topic``."""
+_CLASSES |= dict.fromkeys(("auth", "status", "action_status"), Operation)
+
+
+class TopicOperation(Operation, ops=("unadvertise", "unsubscribe")):
+    """The client will publish on ``topic``, or wants its messages, no more; without an id: under none of its ids."""
 
     topic: Name
+
+
+class Advertise(TopicOperation, ops=("advertise",)):
+    """The client will publish messages of ``type`` on ``topic``."""
+
     type: Name
     latch: bool = False
 
 
-class Unadvertise(Operation, ops=("unadvertise",)):
-    """The client will publish on ``topic`` no more; without an id: under none of its ids."""
-
-    topic: Name
-
-
-class PublishOperation(Operation, ops=("publish",)):
+class PublishOperation(TopicOperation, ops=("publish",)):
     """A message for a topic."""
 
-    topic: Name
     msg: dict[str, Any]
     latch: bool = False
 
 
-class SubscribeOperation(Operation, ops=("subscribe",)):
+class SubscribeOperation(TopicOperation, ops=("subscribe",)):
     """The client wants the messages of ``topic``.
 
     Attributes:
@@ -158,18 +158,11 @@ class SubscribeOperation(Operation, ops=("subscribe",)):
         fragment_size: Characters of JSON above which a message should come in fragments.
     """
 
-    topic: Name
     type: str = ""
     throttle_rate: Milliseconds = 0
     queue_length: Annotated[int, Field(ge=0)] = 0
     compression: Compression = "none"
     fragment_size: int | None = None
-
-
-class UnsubscribeOperation(Operation, ops=("unsubscribe",)):
-    """The client wants no more; without an id: under none of its ids."""
-
-    topic: Name
 
 
 class Request(Operation):
@@ -186,10 +179,15 @@ class Request(Operation):
     fragment_size: int | None = None
 
 
-class CallService(Request, ops=("call_service",)):
-    """A service call."""
+class ServiceOperation(Operation, ops=("unadvertise_service",)):
+    """The client provides ``service`` no more."""
 
     service: Name
+
+
+class CallService(Request, ServiceOperation, ops=("call_service",)):
+    """A service call."""
+
     timeout: Seconds = 0
 
 
@@ -201,17 +199,10 @@ class ServiceResponse(Operation, ops=("service_response",)):
     result: bool = False
 
 
-class AdvertiseService(Operation, ops=("advertise_service",)):
+class AdvertiseService(ServiceOperation, ops=("advertise_service",)):
     """The client provides a service."""
 
-    service: Name
     type: Name
-
-
-class UnadvertiseService(Operation, ops=("unadvertise_service",)):
-    """The client provides it no more."""
-
-    service: Name
 
 
 class SetLevel(Operation, ops=("set_level",)):
@@ -220,12 +211,8 @@ class SetLevel(Operation, ops=("set_level",)):
     level: Level
 
 
-class IgnoredOperation(Operation, ops=("auth", "status", "action_status")):
-    """There is nothing to do: clients log in when they connect, and the server of an action knows its goals."""
-
-
-class ActionOperation(Operation):
-    """Anything about an action."""
+class ActionOperation(Operation, ops=("cancel_action_goal", "unadvertise_action")):
+    """The client wants its goal with this id no more, or executes goals of ``action`` no more."""
 
     action: Name
 
@@ -239,10 +226,6 @@ class SendActionGoal(Request, ActionOperation, ops=("send_action_goal",)):
 
     action_type: str = ""
     feedback: bool = False
-
-
-class CancelActionGoal(ActionOperation, ops=("cancel_action_goal",)):
-    """The client wants its goal with this id no more."""
 
 
 class ActionFeedback(ActionOperation, ops=("action_feedback",)):
@@ -267,10 +250,6 @@ class AdvertiseAction(ActionOperation, ops=("advertise_action",)):
     """The client executes the goals of an action."""
 
     type: Name
-
-
-class UnadvertiseAction(ActionOperation, ops=("unadvertise_action",)):
-    """The client executes them no more."""
 
 
 class Fragment(Operation, ops=("fragment",)):

@@ -9,16 +9,15 @@ from typing import Any, NamedTuple
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
     ActionFeedback,
+    ActionOperation,
     ActionResult,
     AdvertiseAction,
-    UnadvertiseAction,
     frame_text,
 )
-from homebot.bridges.rosbridge.provided_services import Provisions
 from homebot.bridges.rosbridge.services import named_values
+from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import action_type_of, request_from_client
 from homebot.errors import PeerError
-from homebot.graph import Node
 from homebot.graph.actions import ActionServer, GoalState, ServerGoal
 from homebot.messages.json import JsonObject, message_to_text
 from homebot.messages.message import Message
@@ -34,17 +33,11 @@ class _Running(NamedTuple):
 
 
 class ProvidedActions:
-    """The actions that one connection of a client serves; the goals of a connection that ends are aborted.
+    """The actions that one connection of a client serves; the goals of a connection that ends are aborted."""
 
-    Args:
-        limit: Goals that the client may execute at a time; one more is rejected.
-    """
-
-    def __init__(self, node: Node, limit: int, outbox: Outbox, provisions: Provisions) -> None:
-        self._node = node
-        self._limit = limit
-        self._outbox = outbox
-        self._provisions = provisions
+    def __init__(self, shared: SharedState, outbox: Outbox, provisions: Provisions) -> None:
+        self._node, self._limit = shared.node, shared.settings.max_calls
+        self._outbox, self._provisions = outbox, provisions
         self._running: dict[str, _Running] = {}
         self._goals = 0
 
@@ -63,7 +56,7 @@ class ProvidedActions:
         execute = partial(self._execute, op.action)
         self._provisions.add(_key(name), lambda: create(self._node, action_type, name, execute))
 
-    def unadvertise(self, op: UnadvertiseAction) -> None:
+    def unadvertise(self, op: ActionOperation) -> None:
         """Withdraw an action; its goals are aborted.
 
         Raises:

@@ -1,87 +1,29 @@
-"""The servers of one client on the graph, and the services among them."""
+"""The services that a client provides."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeAlias, final
+from typing import Any
 
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceResponse, UnadvertiseService, frame_text
+from homebot.bridges.rosbridge.protocol import AdvertiseService, ServiceOperation, ServiceResponse, frame_text
 from homebot.bridges.rosbridge.services import named_values
+from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
 from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.errors import PeerError, RefusedError
-from homebot.graph import Node
 from homebot.messages.json import message_to_text
 from homebot.messages.message import Message, ServiceType
 
-if TYPE_CHECKING:
-    from homebot.graph import Service
-    from homebot.graph.actions import ActionServer
-
-__all__ = ["ProvidedServices", "Provisions"]
-
-_Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
-
-
-@final
-class Provisions:
-    """The servers of one connection of a client, by the full names of what they serve.
-
-    One of an older connection of the same client passes to the newer one: a client that reconnects after a network
-    failure offers its services before its old connection is known to be dead.
-
-    Attributes:
-        on_taken: Called with a name that a newer connection took over.
-    """
-
-    def __init__(self, client: str, providers: dict[str, Provisions], on_taken: Callable[[str], None]) -> None:
-        self.client = client
-        self._providers = providers
-        self.on_taken = on_taken
-        self._servers: dict[str, _Server] = {}
-
-    def __len__(self) -> int:
-        return len(self._servers)
-
-    def add(self, name: str, create: Callable[[], _Server]) -> None:
-        """Serve *name*; the same once more is fine."""
-        if name in self._servers:
-            return
-        older = self._providers.get(name)
-        if older is not None and older.client == self.client:
-            older.remove(name)
-            older.on_taken(name)
-        self._servers[name] = create()
-        self._providers[name] = self
-
-    def remove(self, name: str) -> bool:
-        """Withdraw the server of *name*; return whether there was one."""
-        server = self._servers.pop(name, None)
-        if server is None:
-            return False
-        del self._providers[name]
-        server.close()
-        return True
-
-    def close_one(self) -> bool:
-        """Withdraw one server; return whether there was one."""
-        return bool(self._servers) and self.remove(next(reversed(self._servers)))
+__all__ = ["ProvidedServices"]
 
 
 class ProvidedServices:
-    """The services that one connection of a client provides.
+    """The services that one connection of a client provides; it may owe an answer to so many calls, and no more."""
 
-    Args:
-        limit: Calls that the client may owe an answer to; one more fails at once.
-    """
-
-    def __init__(self, node: Node, limit: int, outbox: Outbox, provisions: Provisions) -> None:
-        self._node = node
-        self._limit = limit
-        self._outbox = outbox
-        self._provisions = provisions
+    def __init__(self, shared: SharedState, outbox: Outbox, provisions: Provisions) -> None:
+        self._node, self._limit = shared.node, shared.settings.max_calls
+        self._outbox, self._provisions = outbox, provisions
         self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
         self._calls = 0
 
@@ -100,7 +42,7 @@ class ProvidedServices:
         create = partial(self._node.create_service, concurrent=True, cancel_with_caller=True)
         self._provisions.add(name, lambda: create(service_type, name, ask))
 
-    def unadvertise(self, op: UnadvertiseService) -> None:
+    def unadvertise(self, op: ServiceOperation) -> None:
         """Withdraw a service; calls under way fail.
 
         Raises:

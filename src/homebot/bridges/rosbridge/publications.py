@@ -9,13 +9,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
 
-from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError, right_to_publish
+from homebot.bridges.rosbridge.access import MissingRightError, right_to_publish
+from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.protocol import (
     Advertise,
     FrameError,
     Identifier,
     PublishOperation,
-    Unadvertise,
+    TopicOperation,
     parse_frame,
 )
 from homebot.bridges.rosbridge.types import (
@@ -25,7 +26,7 @@ from homebot.bridges.rosbridge.types import (
 )
 from homebot.devices.client_rights import Right
 from homebot.errors import PeerError, TypeMismatchError
-from homebot.graph import DurabilityPolicy, Node, Publisher, QoSProfile, qos_profile_latched
+from homebot.graph import DurabilityPolicy, Publisher, QoSProfile, qos_profile_latched
 from homebot.messages.message import Message
 
 __all__ = ["Publications"]
@@ -73,15 +74,12 @@ class Publications:
     """The topics that one client publishes, under the names that the client uses.
 
     Args:
-        access: The client's identity, used as the issuer of messages.
         on_unfit: Called with the operation, topic, problem and id where a message turns out wrong for a late reader.
     """
 
-    def __init__(self, node: Node, access: ClientAccess, on_unfit: Callable[[str, str, str, Identifier], None]) -> None:
-        self._node = node
-        self._access = access
-        self._on_unfit = on_unfit
-        self._now = node.graph.clock.monotonic
+    def __init__(self, client: OutsideClient, on_unfit: Callable[[str, str, str, Identifier], None]) -> None:
+        self._node, self._access, self._on_unfit = client.shared.node, client.access, on_unfit
+        self._now = self._node.graph.clock.monotonic
         self._recent: deque[_KeptMessage] = deque()
         self._recent_size = 0
         self._topics: dict[str, _Publication] = {}
@@ -103,7 +101,7 @@ class Publications:
         """
         self._open(op.topic, op.type, latched=op.latch).ids.add(op.id)
 
-    def unadvertise(self, op: Unadvertise) -> None:
+    def unadvertise(self, op: TopicOperation) -> None:
         """Give a topic up.
 
         Raises:

@@ -8,12 +8,11 @@ from typing import Any
 import anyio.lowlevel
 from anyio.abc import TaskGroup
 
-from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import Packing
-from homebot.bridges.rosbridge.protocol import CancelActionGoal, SendActionGoal, failure_frame, frame_text
+from homebot.bridges.rosbridge.protocol import ActionOperation, SendActionGoal, failure_frame, frame_text
 from homebot.bridges.rosbridge.services import cause_of_call, named_values, parse_queries
-from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.rosbridge.types import action_type_of, request_from_client
 from homebot.errors import HomebotError, PeerError
 from homebot.graph.actions import ActionClient, ClientGoal, GoalState
@@ -41,18 +40,12 @@ class SentGoals:
     """The goals of one connection by the ids that the client chose; they are cancelled when it ends.
 
     Each goal is answered with one result, in any case. Feedback is dropped where the client does not read.
-
-    Args:
-        access: The client's identity, used as the issuer of goals.
     """
 
-    def __init__(self, shared: SharedState, access: ClientAccess, outbox: Outbox, tasks: TaskGroup) -> None:
-        self._node = shared.node
-        self._access = access
-        self._limit = shared.settings.max_calls
-        self._outbox = outbox
-        self._tasks = tasks
-        self._counters = shared.counters
+    def __init__(self, client: OutsideClient, outbox: Outbox, tasks: TaskGroup) -> None:
+        shared = client.shared
+        self._node, self._access, self._limit = shared.node, client.access, shared.settings.max_calls
+        self._outbox, self._tasks, self._counters = outbox, tasks, shared.counters
         self._goals: dict[object, _SentGoal] = {}
         self._clients: dict[str, ActionClient[Any, Any, Any]] = {}
 
@@ -82,7 +75,7 @@ class SentGoals:
         self._goals[sent if op.id is None else op.id] = sent
         self._tasks.start_soon(self._run, sent, request)
 
-    def cancel(self, op: CancelActionGoal) -> None:
+    def cancel(self, op: ActionOperation) -> None:
         """Cancel a goal, at once or when it is accepted; its result says how it ended.
 
         Raises:

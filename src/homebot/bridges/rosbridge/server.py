@@ -130,8 +130,8 @@ class Door:
     def update_tokens(self, settings: DoorSettings) -> None:
         """Use the tokens and rights of *settings*, and disconnect each client whose token or rights changed."""
         changed = self._entrance.update_tokens(settings)
-        for connection in self._sessions:
-            if self._entrance.name_of(connection) in changed:
+        for connection, session in self._sessions.items():
+            if session.client.access.name in changed:
                 connection.transport.abort()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
@@ -222,14 +222,14 @@ class Door:
         if (response := await self._entrance.admit(arriving, request)) is not None:
             return response
         if is_for_api(request):
-            return await self._answer(arriving, request)
+            return await self._answer(arriving)
         if not is_for_websocket(request):
             response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, _GREETING)
             response.headers["Upgrade"] = "websocket"
             return response
         return None
 
-    async def _answer(self, connection: DoorConnection, request: Request) -> Response:
+    async def _answer(self, connection: DoorConnection) -> Response:
         """Answer a request to the HTTP API."""
         from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
 
@@ -237,18 +237,17 @@ class Door:
             return self._entrance.turn_away(connection, HTTPStatus.SERVICE_UNAVAILABLE, _FULL)
         if self._api is None:
             self._api = HttpRequests(self._shared, self._home)
-        name, is_page = self._entrance.name_of(connection), self._entrance.is_unnamed_page(connection, request)
         self._shared.counters.clients += 1
-        rights = self._entrance.rights[name]
-        call = self._api.answer(connection, name, rights, address_of(connection), is_page=is_page)
-        return http_response(*await call)
+        access = self._entrance.access_of(connection, self._shared.owners())
+        return http_response(*await self._api.answer(connection, access, address_of(connection)))
 
     async def _serve(self, opened: ServerConnection) -> None:
         connection, entrance = cast("DoorConnection", opened), self._entrance
         if self.client_count >= self._settings.max_clients:  # several were let in at the same time
             await connection.close(CloseCode.TRY_AGAIN_LATER, _FULL)
             return
-        from homebot.bridges.rosbridge import session as sessions  # noqa: PLC0415 - loaded with the first client
+        from homebot.bridges.rosbridge.client import OutsideClient  # noqa: PLC0415 - loaded with the first
+        from homebot.bridges.rosbridge.session import ClientSession, DoorLink  # noqa: PLC0415 - likewise
 
         def cut() -> None:
             self._shared.counters.clients_cut += 1
@@ -259,18 +258,11 @@ class Door:
             return
         self._shared.counters.clients += 1
         connection.has_arrived()
-        name, is_page = entrance.name_of(connection), entrance.is_unnamed_page(connection, connection.request)
         send = partial(connection.send_in_time, self._settings.stall_timeout, cut)
-        link = sessions.DoorLink(send, cut, connection.round_trip, connection.is_excused)
-        session = sessions.ClientSession(
-            self._shared,
-            name,
-            entrance.rights[name],
-            address_of(connection),
-            link,
-            is_page=is_page,
-            is_roslibpy=is_roslibpy(connection),
-        )
+        link = DoorLink(send, cut, connection.round_trip, connection.is_excused)
+        access = entrance.access_of(connection, self._shared.owners())
+        asking = OutsideClient(self._shared, access, address_of(connection))
+        session = ClientSession(asking, link, is_roslibpy=is_roslibpy(connection))
         self._sessions[connection] = session
         try:
             await session.run(texts)

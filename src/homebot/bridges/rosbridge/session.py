@@ -1,4 +1,4 @@
-"""One client of the door: its rights and its entities, which end with it.
+"""One connection of a client: its operations, and its entities, which end with it.
 
 Frames are handled in the order in which they come, each in a turn of its own; service calls run side by side.
 """
@@ -8,32 +8,37 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import anyio
 from anyio.abc import TaskGroup
 
 from homebot.bridges.rosbridge import protocol
-from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
+from homebot.bridges.rosbridge.access import MissingRightError
+from homebot.bridges.rosbridge.backlog import Backlog
+from homebot.bridges.rosbridge.client import OutsideClient, operation_text
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
-from homebot.bridges.rosbridge.holdings import Holdings
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import FrameAssembler, Packing
-from homebot.bridges.rosbridge.refusals import operation_text
+from homebot.bridges.rosbridge.provided_services import ProvidedServices
+from homebot.bridges.rosbridge.publications import Publications
 from homebot.bridges.rosbridge.services import call_service, missing_service
-from homebot.bridges.rosbridge.shared_state import SharedState
-from homebot.devices.client_rights import ClientRights, Right
+from homebot.bridges.rosbridge.shared_state import Provisions
+from homebot.bridges.rosbridge.subscriptions import Subscriptions
+from homebot.devices.client_rights import Right
 from homebot.errors import HomebotError, LinkError, PeerError
 from homebot.graph import Client
 from homebot.log import LogLimit
 from homebot.messages.message import Message
 from homebot.support.rate_limit import RateLimit
 
+if TYPE_CHECKING:
+    from homebot.bridges.rosbridge.sent_goals import SentGoals
+
 __all__ = ["ClientSession", "DoorLink"]
 
 _SEVERITY: dict[protocol.Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-_OPENING = (protocol.Advertise, protocol.AdvertiseAction, protocol.AdvertiseService, protocol.SubscribeOperation)
-_PACKED = (protocol.Request, protocol.SubscribeOperation)
+_OPENING = frozenset({"advertise", "advertise_action", "advertise_service", "subscribe"})
 _ANSWERS = 1_048_576
 """Bytes of answers that may wait for a client before it is not read from any more."""
 
@@ -54,71 +59,81 @@ class DoorLink(NamedTuple):
 
 
 class ClientSession:
-    """All that one client does through the door.
+    """All that one client does through the door, and all that it holds: topics, services, actions, goals and leases.
 
     Args:
-        name: The name of its token, see :class:`ClientAccess`.
-        is_page: Whether the client is homebot's own page without a token.
         is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
             unless it asks for them with ``set_level``: it raises an exception for each.
-
-    Attributes:
-        refused: Frames and requests of the client that were refused.
     """
 
-    def __init__(
-        self,
-        shared: SharedState,
-        name: str,
-        rights: ClientRights,
-        client: str,
-        link: DoorLink,
-        *,
-        is_page: bool,
-        is_roslibpy: bool,
-    ) -> None:
-        self.refused = 0
-        self._reads_png = not is_roslibpy
-        self._shared = shared
-        self._access = ClientAccess.of(name, rights, shared.owners(), is_page=is_page)
+    def __init__(self, client: OutsideClient, link: DoorLink, *, is_roslibpy: bool) -> None:
+        self.client, self._link, self._reads_png = client, link, not is_roslibpy
+        self._shared = shared = client.shared
         self._node, self._turns = shared.node, shared.turns
         self._settings = settings = shared.settings
-        self._client = client
-        self._link = link
         self._outbox = Outbox(link.send, link.cut, shared.turns, _ANSWERS)
         self._heartbeat = Heartbeat(link.ping, settings.ping_interval, settings.ping_timeout, link.is_excused)
         self._assembler = FrameAssembler(settings.max_frame_bytes)
         self._level: protocol.Level = "none" if is_roslibpy else "error"
         self._calls = 0
         self._slowness = LogLimit(shared.node.graph.clock)
+        self._tasks: TaskGroup = anyio.create_task_group()
+        self._backlog = Backlog(settings.max_waiting_bytes, shared.backlog)
+        self._publications = Publications(client, self._report_unfit)
+        self._subscriptions = Subscriptions(client, self._backlog, self._outbox, self._report_unfit)
+        self._provisions = Provisions(client.access.name, shared.providers, self._report_taken)
+        self._services = services = ProvidedServices(shared, self._outbox, self._provisions)
+        self._goals: SentGoals | None = None
+        self._handlers: dict[str, Callable[[Any], object]] = {
+            "advertise": self._publications.advertise,
+            "unadvertise": self._publications.unadvertise,
+            "subscribe": self._subscribe,
+            "unsubscribe": self._subscriptions.unsubscribe,
+            "call_service": self._start_call,
+            "advertise_service": services.advertise,
+            "unadvertise_service": services.unadvertise,
+            "service_response": services.answer,
+            "set_level": self._set_level,
+        }
 
     async def run(self, frames: AsyncIterator[str]) -> None:
         """Carry out *frames* until they end; then release everything the client holds."""
-        async with anyio.create_task_group() as tasks:
-            holdings = Holdings(self._shared, self._access, self._outbox, tasks, self._report_unfit, self._report_taken)
+        async with self._tasks as tasks:
             try:
-                tasks.start_soon(self._send, tasks)
-                tasks.start_soon(self._watch, holdings, tasks)
-                await self._read(frames, holdings, tasks)
+                tasks.start_soon(self._send)
+                tasks.start_soon(self._watch)
+                await self._read(frames)
             finally:
                 tasks.cancel_scope.cancel()
                 with anyio.CancelScope(shield=True):
-                    await holdings.close()
+                    await self._close()
 
-    async def _send(self, tasks: TaskGroup) -> None:
+    async def _close(self) -> None:
+        """Release everything, a little each time the event loop goes round."""
+        self._backlog.close()
+        for kind in (self._goals, self._provisions, self._publications, self._subscriptions):
+            while kind is not None and kind.close_one():
+                await self._turns.turn()
+        self._shared.leases.release(self)
+
+    async def _send(self) -> None:
         with suppress(LinkError):  # the client is gone, and so is the session
             await self._outbox.run()
-        tasks.cancel_scope.cancel()
+        self._tasks.cancel_scope.cancel()
 
-    async def _watch(self, holdings: Holdings, tasks: TaskGroup) -> None:
+    def _must_end(self) -> bool:
+        """Return whether the client has a goal or a lease, which ends soon after the client."""
+        return bool(self._goals) or self._shared.leases.has(self)
+
+    async def _watch(self) -> None:
         """End the session when the client vanishes while something of it runs."""
-        await self._heartbeat.run(lambda: holdings.must_end)
+        await self._heartbeat.run(self._must_end)
         self._shared.counters.clients_vanished += 1
-        self._log("vanished", "door.client_vanished", " answers no ping: its goals and leases end")
+        self.client.log("vanished", "door.client_vanished", " answers no ping: its goals and leases end")
         self._link.cut()
-        tasks.cancel_scope.cancel()
+        self._tasks.cancel_scope.cancel()
 
-    async def _read(self, frames: AsyncIterator[str], holdings: Holdings, tasks: TaskGroup) -> None:
+    async def _read(self, frames: AsyncIterator[str]) -> None:
         """Handle one frame after the other, no faster than the client may send and takes its answers."""
         now = self._node.graph.clock.monotonic
         most = self._settings.max_frames_per_second
@@ -129,19 +144,17 @@ class ClientSession:
                 await anyio.sleep(wait)
             await self._outbox.room()
             await self._turns.turn()
-            await self._handle(frame, holdings, tasks)
+            await self._handle(frame)
 
-    async def _handle(self, frame: str, holdings: Holdings, tasks: TaskGroup) -> None:
+    async def _handle(self, frame: str) -> None:
         self._shared.counters.frames += 1
-        if holdings.publications.keep_unread(frame):
+        if self._publications.keep_unread(frame):
             return
         try:
             op = await self._turns.run(self._assembler.read(frame))
         except protocol.FrameError as exc:
-            refusal = _refusal(exc.op, exc.name, exc.problem)
-            self._log_error(
-                f": {refusal}" if exc.op else f" sent a frame that {exc.problem}", exc.op or "frame", exc.problem
-            )
+            text = f": {_refusal(exc.op, exc.name, exc.problem)}" if exc.op else f" sent a frame that {exc.problem}"
+            self.client.log_refusal(text, exc.op or "frame", exc.problem)
             self._answer(exc, str(exc))
             return
         if op is None:
@@ -150,13 +163,12 @@ class ClientSession:
             return
         try:
             self._check(op)
-            self._do(op, holdings, tasks, len(frame))
+            self._do(op, len(frame))
         except MissingRightError as exc:
-            self.refused += 1
-            self._shared.record_refusal(self._access, self._client, op, exc)
+            self.client.record_missing_right(op, exc)
             self._answer(op, str(exc))
         except HomebotError as exc:
-            self._log_error(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
+            self.client.log_refusal(f": {_refusal(op.op, op.name, str(exc))}", op.op, str(exc))
             self._answer(op, str(exc))
 
     def _check(self, op: protocol.Operation) -> None:
@@ -166,71 +178,86 @@ class ClientSession:
             PeerError: The right is missing; or the service does not exist, which a client that may list all is told.
             InvalidNameError: The name is illegal.
         """
+        access = self.client.access
         try:
-            self._access.check(op, self._node.resolve_name)
+            access.check(op, self._node.resolve_name)
         except MissingRightError:
-            may_list = self._access.rights.has(Right.READ)
+            may_list = access.rights.has(Right.READ)
             if may_list and isinstance(op, protocol.CallService) and (problem := missing_service(self._node, op)):
                 raise PeerError(problem) from None
             raise
 
-    def _do(self, op: protocol.Operation, holdings: Holdings, tasks: TaskGroup, size: int) -> None:
-        if isinstance(op, _OPENING):
-            self._check_room(holdings)
-        if isinstance(op, _PACKED) and op.compression == "png" and not self._reads_png:
+    def _do(self, op: protocol.Operation, size: int) -> None:
+        if op.op in _OPENING:
+            self._check_room()
+        if not self._reads_png and getattr(op, "compression", "") == "png":
             op = op.model_copy(update={"compression": "none"})
-        match op:
-            case protocol.PublishOperation():
-                self._publish(op, holdings, size)
-            case protocol.SubscribeOperation():
-                self._subscribe(op, holdings)
-            case protocol.CallService():
-                self._start_call(op, holdings, tasks)
-            case protocol.SetLevel():
-                self._level = op.level
-            case _:
-                holdings.handle(op)
-                if isinstance(op, protocol.SendActionGoal):
-                    self._watch_over(holdings)
+        if isinstance(op, protocol.ActionOperation) and self._goals is None:
+            self._load_actions()
+        if isinstance(op, protocol.PublishOperation):
+            self._publish(op, size)
+        elif (handle := self._handlers.get(op.op)) is not None:
+            handle(op)
+        if isinstance(op, protocol.SendActionGoal):
+            self._watch_over()
 
-    def _publish(self, op: protocol.PublishOperation, holdings: Holdings, size: int) -> None:
-        if op.topic not in holdings.publications:
-            self._check_room(holdings)
-        if missing := holdings.publications.publish(op, size):
+    def _publish(self, op: protocol.PublishOperation, size: int) -> None:
+        if op.topic not in self._publications:
+            self._check_room()
+        if missing := self._publications.publish(op, size):
             text = f"the message on {op.topic} lacks {', '.join(missing)}, which were taken for zero or empty"
             self._remark("warning", text, op.id)
 
-    def _subscribe(self, op: protocol.SubscribeOperation, holdings: Holdings) -> None:
-        if (remark := holdings.subscriptions.subscribe(op)) is not None:
+    def _subscribe(self, op: protocol.SubscribeOperation) -> None:
+        if (remark := self._subscriptions.subscribe(op)) is not None:
             self._remark(*remark, op.id)
 
-    def _start_call(self, op: protocol.CallService, holdings: Holdings, tasks: TaskGroup) -> None:
+    def _set_level(self, op: protocol.SetLevel) -> None:
+        self._level = op.level
+
+    def _load_actions(self) -> None:
+        from homebot.bridges.rosbridge import provided_actions, sent_goals  # noqa: PLC0415 - with the first one
+
+        self._goals = goals = sent_goals.SentGoals(self.client, self._outbox, self._tasks)
+        provided = provided_actions.ProvidedActions(self._shared, self._outbox, self._provisions)
+        self._handlers |= {
+            "send_action_goal": goals.send,
+            "cancel_action_goal": goals.cancel,
+            "advertise_action": provided.advertise,
+            "unadvertise_action": provided.unadvertise,
+            "action_feedback": provided.publish_feedback,
+            "action_result": provided.end,
+        }
+
+    def _start_call(self, op: protocol.CallService) -> None:
         if self._calls >= self._settings.max_calls:
             raise PeerError(f"{self._calls} calls of this client are waiting already")
         self._calls += 1
-        tasks.start_soon(self._call, op, holdings)
+        self._tasks.start_soon(self._call, op)
 
-    async def _call(self, op: protocol.CallService, holdings: Holdings) -> None:
+    async def _call(self, op: protocol.CallService) -> None:
         try:
             await self._outbox.room()
             await self._turns.turn()
             answer = partial(self._outbox.answer, packing=Packing.of(op))
-            await call_service(self._node, op, self._turns, self._access, answer, partial(self._on_request, holdings))
+            await call_service(self._node, op, self._turns, self.client.access, answer, self._on_request)
         finally:
             self._calls -= 1
 
-    def _on_request(self, holdings: Holdings, client: Client[Any, Any], request: Message) -> None:
-        self._shared.leases.record(holdings, client, request)
-        self._watch_over(holdings)
+    def _on_request(self, client: Client[Any, Any], request: Message) -> None:
+        self._shared.leases.record(self, client, request)
+        self._watch_over()
 
-    def _watch_over(self, holdings: Holdings) -> None:
-        if holdings.must_end:
+    def _watch_over(self) -> None:
+        if self._must_end():
             self._heartbeat.start()
 
-    def _check_room(self, holdings: Holdings) -> None:
-        if len(holdings) >= self._settings.max_entities:
-            raise PeerError(f"this client uses {len(holdings)} topics and services already, the limit")
-        if (held := self._shared.held_by_all()) >= self._settings.max_entities_of_all:
+    def _check_room(self) -> None:
+        held = len(self._publications) + len(self._subscriptions) + len(self._provisions)
+        if held >= self._settings.max_entities:
+            raise PeerError(f"this client uses {held} topics and services already, the limit")
+        held = self._node.graph.count_endpoints(self._node.full_name)
+        if held >= self._settings.max_entities_of_all:
             raise PeerError(f"all clients together use {held} topics and services already, the limit")
 
     def _report_slow(self) -> None:
@@ -238,30 +265,20 @@ class ClientSession:
         if self._slowness.allows("") is not None:
             limit = f"more than {self._settings.max_frames_per_second} frames a second"
             self._remark("warning", f"{limit} came from this client: it is being throttled to that rate", None)
-            self._log("slowed down", "door.slowed_down", f" sends {limit}: it is being throttled to that rate")
+            self.client.log("slowed down", "door.slowed_down", f" sends {limit}: it is being throttled to that rate")
 
     def _report_taken(self, name: str) -> None:
+        """Report that a newer connection took over the service or action *name*."""
         service = name.removesuffix("/_action")
-        problem = f"{service} is provided by a newer connection of the client {self._access.name} now"
-        self._log("taken over", "door.service_taken_over", f": {problem}", service=service)
+        problem = f"{service} is provided by a newer connection of the client {self.client.access.name} now"
+        self.client.log("taken over", "door.service_taken_over", f": {problem}", service=service)
         self._remark("error", problem, None)
 
-    def _report_unfit(self, op: str, topic: str, problem: str, identifier: protocol.Identifier = None) -> None:
+    def _report_unfit(self, op: str, topic: str, problem: str, identifier: protocol.Identifier) -> None:
         """Report that *op* is refused after all: the topic it waited for is of another type, or its message unfit."""
-        error_text = f": {_refusal(op, topic, problem)}, now that it is used"
-        self._log_error(error_text, op, problem, event="door.late_topic_unfit")
+        text = f": {_refusal(op, topic, problem)}, now that it is used"
+        self.client.log_refusal(text, op, problem, "door.late_topic_unfit")
         self._remark("error", problem, identifier)
-
-    def _log_error(self, error_text: str, op: str, problem: str, *, event: str = "door.refused") -> None:
-        self.refused += 1
-        self._shared.counters.requests_refused += 1
-        self._log("refused", event, error_text, op=op, problem=problem, refused=self.refused)
-
-    def _log(self, kind: str, event: str, text: str, **facts: str | int) -> None:
-        """Log *text*, which follows the name of the client; lines of one *kind* and address are limited."""
-        host = self._client.rpartition(":")[0]
-        log, client = self._shared.error_log.log, self._client
-        log(f"{kind} {host}", event, f"{client}{text}", level="warning", error=None, client=client, **facts)
 
     def _answer(self, op: protocol.Operation | protocol.FrameError, problem: str) -> None:
         if op.op in {"call_service", "send_action_goal"}:

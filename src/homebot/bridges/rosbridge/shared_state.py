@@ -1,11 +1,11 @@
-"""State that all clients of the door share: counters, their mistakes, topics to come, the door's parts."""
+"""State that all clients of the door share: counters, their mistakes, topics to come, their servers."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, final
+from typing import TYPE_CHECKING, Any, TypeAlias, final
 
 import anyio
 from anyio.abc import TaskStatus
@@ -14,17 +14,18 @@ from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
-from homebot.graph import EntityKind, Graph, Node
+from homebot.graph import EntityKind, Graph, Node, Publisher
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError
     from homebot.bridges.rosbridge.owned_leases import OwnedLeases
-    from homebot.bridges.rosbridge.protocol import Operation
-    from homebot.bridges.rosbridge.provided_services import Provisions
-    from homebot.bridges.rosbridge.refusals import Refusals
+    from homebot.devices.access_messages import AccessRefused
     from homebot.devices.robot_owners import RobotOwners
+    from homebot.graph import Service
+    from homebot.graph.actions import ActionServer
 
-__all__ = ["DoorCounters", "ExpectedTopics", "SharedState"]
+__all__ = ["DoorCounters", "ExpectedTopics", "Provisions", "SharedState"]
+
+_Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 
 
 @dataclass(slots=True)
@@ -86,6 +87,51 @@ class ExpectedTopics:
 
 
 @final
+class Provisions:
+    """The servers of one connection of a client, by the full names of what they serve.
+
+    One of an older connection of the same client passes to the newer one: a client that reconnects after a network
+    failure offers its services before its old connection is known to be dead.
+
+    Attributes:
+        on_taken: Called with a name that a newer connection took over.
+    """
+
+    def __init__(self, client: str, providers: dict[str, Provisions], on_taken: Callable[[str], None]) -> None:
+        self.client = client
+        self._providers = providers
+        self.on_taken = on_taken
+        self._servers: dict[str, _Server] = {}
+
+    def __len__(self) -> int:
+        return len(self._servers)
+
+    def add(self, name: str, create: Callable[[], _Server]) -> None:
+        """Serve *name*; the same once more is fine."""
+        if name in self._servers:
+            return
+        older = self._providers.get(name)
+        if older is not None and older.client == self.client:
+            older.remove(name)
+            older.on_taken(name)
+        self._servers[name] = create()
+        self._providers[name] = self
+
+    def remove(self, name: str) -> bool:
+        """Withdraw the server of *name*; return whether there was one."""
+        server = self._servers.pop(name, None)
+        if server is None:
+            return False
+        del self._providers[name]
+        server.close()
+        return True
+
+    def close_one(self) -> bool:
+        """Withdraw one server; return whether there was one."""
+        return bool(self._servers) and self.remove(next(reversed(self._servers)))
+
+
+@final
 class SharedState:
     """The state that all clients of a door share.
 
@@ -95,6 +141,7 @@ class SharedState:
     Attributes:
         expected: Topics to come.
         providers: The connection that provides each service and action, by its full name.
+        refusals: Tells of each refusal for want of a right; None before the first.
     """
 
     def __init__(self, node: Node, settings: DoorSettings, owners: Callable[[], RobotOwners]) -> None:
@@ -107,18 +154,7 @@ class SharedState:
         self.counters = DoorCounters()
         self.error_log = ClientErrorLog(node)
         self.providers: dict[str, Provisions] = {}
-
-    def record_refusal(self, access: ClientAccess, address: str, op: Operation, error: MissingRightError) -> None:
-        """Count, log and publish that *op* of a client was refused for want of a right."""
-        self.counters.requests_refused += 1
-        self.counters.rights_missing += 1
-        self._refusals.record(access, address, op, error)
-
-    @cached_property
-    def _refusals(self) -> Refusals:
-        from homebot.bridges.rosbridge.refusals import Refusals  # noqa: PLC0415 - with the first client
-
-        return Refusals(self.node, self.error_log)
+        self.refusals: Publisher[AccessRefused] | None = None
 
     @cached_property
     def leases(self) -> OwnedLeases:
@@ -126,7 +162,3 @@ class SharedState:
         from homebot.bridges.rosbridge.owned_leases import OwnedLeases  # noqa: PLC0415 - with the first client
 
         return OwnedLeases(self.node)
-
-    def held_by_all(self) -> int:
-        """Return how many entities all clients together hold on the graph."""
-        return self.node.graph.count_endpoints(self.node.full_name)

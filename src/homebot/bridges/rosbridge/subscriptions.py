@@ -6,13 +6,12 @@ from collections.abc import Callable
 from typing import Literal
 
 from homebot.bridges.rosbridge.backlog import Backlog
+from homebot.bridges.rosbridge.client import OutsideClient
 from homebot.bridges.rosbridge.feed import Feed
 from homebot.bridges.rosbridge.outbox import Outbox
-from homebot.bridges.rosbridge.protocol import Identifier, SubscribeOperation, UnsubscribeOperation
-from homebot.bridges.rosbridge.shared_state import ExpectedTopics
+from homebot.bridges.rosbridge.protocol import Identifier, SubscribeOperation, TopicOperation
 from homebot.bridges.rosbridge.types import message_type_of_topic
 from homebot.errors import HomebotError, PeerError
-from homebot.graph import Node
 
 __all__ = ["Subscriptions"]
 
@@ -23,26 +22,19 @@ class Subscriptions:
     A request for a topic of unknown type is remembered and served when the topic is first used.
 
     Args:
-        depth: Messages of a topic that may wait for the client.
-        expected: Calls back when a topic appears.
         on_unfit: Called with the operation, topic, reason and id where a remembered one cannot be served after all.
     """
 
     def __init__(
         self,
-        node: Node,
-        depth: int,
+        client: OutsideClient,
         backlog: Backlog,
         outbox: Outbox,
-        expected: ExpectedTopics,
         on_unfit: Callable[[str, str, str, Identifier], None],
     ) -> None:
-        self._node = node
-        self._depth = depth
-        self._backlog = backlog
-        self._outbox = outbox
-        self._expected = expected
-        self._on_unfit = on_unfit
+        self._node, self._expected = client.shared.node, client.shared.expected
+        self._depth = client.shared.settings.queue_depth
+        self._backlog, self._outbox, self._on_unfit = backlog, outbox, on_unfit
         self._feeds: dict[str, Feed] = {}
         self._early: dict[str, dict[tuple[str, Identifier], SubscribeOperation]] = {}  # by full name
 
@@ -72,7 +64,7 @@ class Subscriptions:
             return "error" if op.type else "warning", f"{exc}; messages will come once somebody uses {full_name}"
         return None
 
-    def unsubscribe(self, op: UnsubscribeOperation) -> None:
+    def unsubscribe(self, op: TopicOperation) -> None:
         """Stop sending a topic.
 
         Raises:
