@@ -316,7 +316,7 @@ async def test_what_a_handler_ended_with_when_its_caller_was_cancelled_at_once_i
     call = asyncio.ensure_future(client.call(ASK))
     await asyncio.wait([call])
     assert call.cancelled()
-    assert graph.service_counts.late_answers == 1
+    assert graph.failures.late_answers == 1
 
 
 async def test_what_the_handler_waits_for_being_cancelled_does_not_cancel_the_caller(

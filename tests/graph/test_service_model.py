@@ -175,5 +175,5 @@ def test_each_handler_ends_once_each_caller_gets_its_own_answer_and_the_counts_a
     heard = {number for number, outcome in trial.outcomes.items() if outcome in {"answer", "refuse", "fail"}}
     assert all(ends[number] == trial.outcomes[number] for number in heard)
     ended_by_themselves = {number for number, end in ends.items() if end != "cancelled"}
-    assert trial.graph.service_counts.late_answers == len(ended_by_themselves - heard)
+    assert trial.graph.failures.late_answers == len(ended_by_themselves - heard)
     assert sum(one.count for one in trial.graph.failures) == sum(end == "fail" for end in ends.values())

@@ -108,9 +108,9 @@ async def test_a_late_answer_is_dropped_and_counted(
     handler = Slow()
     server.create_service(Trigger, "/s", handler)
     await leave(client, 1)
-    assert (now(), handler.at_work, graph.service_counts.late_answers) == (1, 1, 0)
+    assert (now(), handler.at_work, graph.failures.late_answers) == (1, 1, 0)
     await client.wait_for_handlers()
-    assert (handler.ends, graph.service_counts.late_answers) == ([("done", 3)], 1)
+    assert (handler.ends, graph.failures.late_answers) == ([("done", 3)], 1)
 
 
 @pytest.mark.parametrize("leave", LEAVES)
@@ -120,7 +120,7 @@ async def test_one_who_asks_for_it_cancels_the_handler_when_it_leaves(
     handler = Slow()
     server.create_service(Trigger, "/s", handler, cancel_with_caller=True)
     await leave(client, 1)
-    assert (handler.ends, graph.service_counts.late_answers) == ([("cancelled", 1)], 0)
+    assert (handler.ends, graph.failures.late_answers) == ([("cancelled", 1)], 0)
 
 
 @pytest.mark.parametrize("seconds", [1, 3])
@@ -133,7 +133,7 @@ async def test_the_caller_may_ask_for_it_too(graph: Graph, server: Node, client:
         with pytest.raises(ServiceTimeoutError):
             await client.call(ASK, 2, cancel_with_caller=True)
         assert handler.ends == [("cancelled", 2)]
-    assert graph.service_counts.late_answers == 0
+    assert graph.failures.late_answers == 0
 
 
 async def test_the_next_call_of_an_exclusive_service_begins_when_the_handler_has_ended(
@@ -143,7 +143,7 @@ async def test_the_next_call_of_an_exclusive_service_begins_when_the_handler_has
     server.create_service(Trigger, "/s", handler)
     await give_up(client, 1)
     assert await client.call(ASK, timeout=10) == answer("2")
-    assert (now(), handler.most, graph.service_counts.late_answers) == (6, 1, 1)
+    assert (now(), handler.most, graph.failures.late_answers) == (6, 1, 1)
 
 
 async def test_a_late_failure_is_logged_and_counted_as_every_failure_is(
@@ -159,7 +159,7 @@ async def test_a_late_failure_is_logged_and_counted_as_every_failure_is(
     assert [line["message"] for line in lines] == [
         "the handler of /s failed (ValueError: no such lamp); its caller had left"
     ]
-    assert graph.service_counts.late_answers == 1
+    assert graph.failures.late_answers == 1
 
 
 async def test_a_late_error_that_is_an_answer_is_logged_and_counted_as_late(
@@ -170,7 +170,7 @@ async def test_a_late_error_that_is_an_answer_is_logged_and_counted_as_late(
         await give_up(client, 1)
         await client.wait_for_handlers()
     assert list(graph.failures) == []
-    assert graph.service_counts.late_answers == 1
+    assert graph.failures.late_answers == 1
     assert [line["message"] for line in lines] == [
         f"/s failed when its caller had left (RefusedError: {RefusedError('it', 'too hot')})"
     ]
@@ -184,7 +184,7 @@ async def test_closing_the_server_ends_handlers_whose_callers_have_left(
     await give_up(client, 1)
     serving.close()
     await client.wait_for_handlers()
-    assert (handler.ends, graph.service_counts.late_answers) == ([("cancelled", 1)], 0)
+    assert (handler.ends, graph.failures.late_answers) == ([("cancelled", 1)], 0)
     assert list(graph.failures) == []
 
 
@@ -203,7 +203,7 @@ async def test_a_node_that_ends_ends_its_handlers_and_tells_their_callers(graph:
             tasks.start_soon(call)
         await anyio.sleep(1)
     assert (ended, handler.ends) == ([1, 1, 1], [("cancelled", 1)] * 3)
-    assert graph.service_counts.late_answers == 0
+    assert graph.failures.late_answers == 0
 
 
 async def test_closing_a_service_answers_the_caller_at_once_also_if_the_handler_takes_long_to_end(
@@ -244,7 +244,7 @@ async def test_handlers_beyond_the_room_of_a_concurrent_service_wait_in_line(
         with pytest.raises(ServiceUnavailableError, match="has 1,000 calls waiting already"):
             await client.call(ASK)
     assert (handler.most, len(handler.ends)) == (MAX_AT_WORK, MAX_AT_WORK + MAX_WAITING)
-    assert (graph.service_counts.late_answers, graph.service_counts.refused_calls) == (MAX_AT_WORK, 1)
+    assert (graph.failures.late_answers, graph.failures.refused_calls) == (MAX_AT_WORK, 1)
 
 
 async def test_a_service_of_a_node_that_does_not_run_is_served_by_the_callers_task(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from inspect import isawaitable
-from typing import Generic, NoReturn, TypeVar
+from typing import Any, Generic, NoReturn, TypeVar
 from weakref import WeakSet
 
 import anyio
@@ -18,7 +18,7 @@ from homebot.errors import (
     ServiceUnavailableError,
     TypeMismatchError,
 )
-from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.service import HandlerRun, Service, ServiceSlot
 from homebot.messages.message import Message, ServiceType
 from homebot.support.time_limits import TimeLimits
@@ -31,7 +31,7 @@ ResponseT = TypeVar("ResponseT")
 DEFAULT_TIMEOUT = 5.0
 
 
-class Client(Generic[RequestT, ResponseT]):
+class Client(GraphEntity, Generic[RequestT, ResponseT]):
     """Calls one service. Calls may run concurrently, from any task."""
 
     def __init__(
@@ -39,13 +39,11 @@ class Client(Generic[RequestT, ResponseT]):
         slot: ServiceSlot,
         service_type: ServiceType[RequestT, ResponseT],
         node: str,
-        on_close: Callable[[], None],
+        on_close: Callable[[Any], None],
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_client` instead."""
-        self.info = EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type)
+        super().__init__(EndpointInfo(EntityKind.CLIENT, node, slot.name, service_type.ros_type), on_close)
         self._slot = slot
-        self._on_close: Callable[[], None] | None = on_close
-        self._closed = False
         self._left_at_work: WeakSet[HandlerRun] = WeakSet()
         self._limits = TimeLimits()
         self.service_type = service_type
@@ -143,12 +141,9 @@ class Client(Generic[RequestT, ResponseT]):
 
     def close(self) -> None:
         """Close the client. Idempotent."""
-        if not self._closed:
-            self._closed = True
+        if not self.is_closed:
             slot, self._slot = self._slot, ServiceSlot(self._slot.name, self._slot.service_type)
-            on_close, self._on_close = self._on_close, None  # breaks a reference cycle
-            if on_close is not None:
-                on_close()
+            super().close()
             slot.wake()
 
     async def _wait_in_line(self, server: Service[RequestT, ResponseT], timeout: float) -> float:  # noqa: ASYNC109
@@ -190,7 +185,7 @@ class Client(Generic[RequestT, ResponseT]):
         )
 
     def _check_open(self) -> None:
-        if self._closed:
+        if self.is_closed:
             raise ClosedError(f"the client of {self.info.node} for {self.info.name} is closed")
 
 

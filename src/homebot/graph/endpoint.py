@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal, NamedTuple, Protocol, TypeAlias, TypeVar, final
+from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar, final
 
 from homebot.graph.qos import QoSProfile
 
@@ -73,38 +73,39 @@ class GraphChange(NamedTuple):
 Entities: TypeAlias = dict[int, EndpointInfo]
 
 
-class GraphEntity(Protocol):
-    """An entity that a node creates and closes."""
+class GraphEntity:
+    """An entity that a node creates and closes.
 
-    @property
-    def info(self) -> EndpointInfo:
-        """The entity as the graph shows it."""
-        ...
+    Args:
+        info: The entity as the graph shows it.
+        on_close: Called once, with the entity, when it leaves the graph.
+    """
+
+    def __init__(self, info: EndpointInfo, on_close: Callable[[Any], None]) -> None:
+        self.info = info
+        self.is_closed = False
+        self._on_close: Callable[[Any], None] | None = on_close
 
     def close(self) -> None:
         """Leave the graph. Idempotent."""
-        ...
+        self.is_closed = True
+        on_close, self._on_close = self._on_close, None  # breaks a reference cycle
+        if on_close is not None:
+            on_close(self)
 
 
 @final
-class OfferedEntity:
+class OfferedEntity(GraphEntity):
     """Shows an action or a service in place of its server, which costs memory and time that most runs do not need.
 
     Attributes:
         start: Creates the server; called once, by the graph.
     """
 
-    def __init__(
-        self, info: EndpointInfo, start: Callable[[], object], on_close: Callable[[OfferedEntity], None]
-    ) -> None:
+    def __init__(self, info: EndpointInfo, start: Callable[[], object], on_close: Callable[[Any], None]) -> None:
         """Use :meth:`homebot.graph.Node.offer_service` instead."""
-        self.info = info
+        super().__init__(info, on_close)
         self.start = start
-        self._on_close = on_close
-
-    def close(self) -> None:
-        """Leave the graph. Idempotent."""
-        self._on_close(self)
 
 
 @final

@@ -1,4 +1,4 @@
-"""Unhandled exceptions in callbacks, each of which costs only its message, and late answers of services."""
+"""Unhandled exceptions in callbacks, each of which costs only its message, and answers and calls that were lost."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from homebot.log import LogLimit, more_like_this
 from homebot.support.isolation import error_text
 from homebot.support.logger import get_logger
 
-__all__ = ["CallbackFailure", "Failures", "ServiceCounts", "ServiceReports"]
+__all__ = ["CallbackFailure", "Failures"]
 
 CALLBACK_FAILED = "graph.callback_failed"
 ANSWER_LATE = "graph.answer_late"
@@ -42,9 +42,16 @@ class Failures:
     """The failed callbacks of all nodes of a graph; iterate over them.
 
     The first 1,000 callbacks have entries of their own; all others share one.
+
+    Attributes:
+        late_answers: Number of responses and errors that were dropped because their caller had left, and
+            of results of goals that were not asked for in time.
+        refused_calls: Number of calls and goals refused because too many were waiting.
     """
 
     def __init__(self, clock: Clock) -> None:
+        self.late_answers = 0
+        self.refused_calls = 0
         self._clock = clock
         self._limit = LogLimit(clock)
         self._failures: dict[tuple[str, str], CallbackFailure] = {}
@@ -75,22 +82,6 @@ class Failures:
             key = ("", _OTHERS)
         return self._failures.setdefault(key, CallbackFailure(*key))
 
-
-@final
-class ServiceCounts:
-    """Counters of all services of a graph.
-
-    Attributes:
-        late_answers: Number of responses and errors that were dropped because their caller had left, and
-            of results of goals that were not asked for in time.
-        refused_calls: Number of calls and goals refused because too many were waiting.
-    """
-
-    def __init__(self, clock: Clock) -> None:
-        self.late_answers = 0
-        self.refused_calls = 0
-        self._limit = LogLimit(clock)
-
     def count_late(self, node: str, service: str, error: HomebotError | None) -> None:
         """Count a late answer and log an *error*, at most one line in 10 s for each service."""
         self.late_answers += 1
@@ -102,27 +93,3 @@ class ServiceCounts:
             message=f"{service} failed when its caller had left ({error_text(error)}){more_like_this(held_back)}",
             service=service,
         )
-
-
-@final
-@dataclass(frozen=True, slots=True, eq=False)
-class ServiceReports:
-    """Records the failures and late answers of one service."""
-
-    node: str
-    service: str
-    failures: Failures
-    counts: ServiceCounts
-
-    def report_failure(self, error: Exception, *, has_caller: bool) -> None:
-        """Record an unexpected *error* of the handler; *has_caller* if a caller receives it."""
-        cost = "its caller gets the error" if has_caller else "its caller had left"
-        self.failures.record(self.node, f"handler of {self.service}", error, cost)
-
-    def report_late(self, error: HomebotError | None) -> None:
-        """Record a late answer: an *error*, or None for a response."""
-        self.counts.count_late(self.node, self.service, error)
-
-    def report_refusal(self) -> None:
-        """Record a call refused because the line was full."""
-        self.counts.refused_calls += 1

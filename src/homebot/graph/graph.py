@@ -14,7 +14,7 @@ from homebot import messages
 from homebot.clock import Clock, LoopClock
 from homebot.errors import DuplicateNameError, TypeMismatchError
 from homebot.graph.endpoint import ActionInfo, EndpointIndex, EndpointInfo, EntityKind, GraphChange, OfferedEntity
-from homebot.graph.failures import Failures, ServiceCounts
+from homebot.graph.failures import Failures
 from homebot.graph.mailbox import Mailbox
 from homebot.graph.service import ServiceSlot
 from homebot.graph.topic import Topic
@@ -49,7 +49,6 @@ class Graph:
         self._watchers: list[Mailbox[GraphChange]] = []
         self._limit = LogLimit(self.clock)
         self.failures = Failures(self.clock)
-        self.service_counts = ServiceCounts(self.clock)
         self._epoch = self.clock.now() - self.clock.monotonic()
 
     @cached_property

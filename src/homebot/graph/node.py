@@ -24,23 +24,23 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from functools import partial
 from types import TracebackType
-from typing import Literal, Self, TypeVar
+from typing import Any, Literal, Self, TypeVar
 
 from structlog.typing import FilteringBoundLogger
 
 from homebot.errors import ClosedError, DuplicateNameError
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity, OfferedEntity
-from homebot.graph.failures import ServiceReports
 from homebot.graph.graph import Graph
 from homebot.graph.mailbox import BoundedQueue
 from homebot.graph.node_tasks import NodeTasks
 from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet, Value
 from homebot.graph.publisher import History, Publisher
 from homebot.graph.qos import QoSLike, qos_profile_parameter_events, to_qos_profile
-from homebot.graph.service import Handler, Service
+from homebot.graph.service import Handler, Service, ServiceSlot
 from homebot.graph.subscription import Callback, Expiring, Subscription
 from homebot.graph.timer import Timer
+from homebot.graph.topic import Topic
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.rcl_interfaces import ParameterEvent
@@ -111,14 +111,8 @@ class Node:
         qos = to_qos_profile(qos_profile)
         channel = self.graph.topic(self.resolve_name(topic), msg_type, self.full_name)
 
-        def on_close() -> None:
-            channel.remove_publisher(publisher)
-            self.graph.release_topic(channel)
-            self.remove_entity(publisher)
-
-        def on_failure(error: BaseException) -> None:
-            self._record_failure(f"event handler of {channel.name}", error, "its event is lost")
-
+        on_close = partial(self._leave_topic, channel)
+        on_failure = partial(self._record_failure, f"event handler of {channel.name}", "its event is lost")
         publisher = Publisher(
             channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, history
         )
@@ -156,15 +150,8 @@ class Node:
         self._check_open()
         qos = to_qos_profile(qos_profile)
         channel = self.graph.topic(self.resolve_name(topic), msg_type, self.full_name)
-
-        def on_close() -> None:
-            channel.remove_subscription(subscription)
-            self.graph.release_topic(channel)
-            self.remove_entity(subscription)
-
-        def on_failure(error: BaseException) -> None:
-            self._record_failure(f"handler of {channel.name}", error, "its message is lost")
-
+        on_close = partial(self._leave_topic, channel)
+        on_failure = partial(self._record_failure, f"handler of {channel.name}", "its message is lost")
         subscription = Subscription(
             channel.name, msg_type, self.full_name, qos, self.graph.clock, on_close, on_failure, from_node, queue
         )
@@ -205,12 +192,6 @@ class Node:
         if slot.server is not None:
             self.graph.release_service_slot(slot)
             raise DuplicateNameError(f"{name} is already served by {slot.server.info.node}")
-
-        def on_close() -> None:
-            slot.set_server(None)
-            self.graph.release_service_slot(slot)
-            self.remove_entity(service)
-
         service = Service(
             name,
             srv_type,
@@ -219,8 +200,8 @@ class Node:
             concurrent=concurrent,
             cancel_with_caller=cancel_with_caller,
             start=self._tasks.start_handler,
-            on_close=on_close,
-            reports=ServiceReports(self.full_name, name, self.graph.failures, self.graph.service_counts),
+            on_close=partial(self._leave_service, slot),
+            failures=self.graph.failures,
         )
         slot.set_server(service)
         self.add_entity(service)
@@ -235,12 +216,7 @@ class Node:
         """
         self._check_open()
         slot = self.graph.service_slot(self.resolve_name(srv_name, "service name"), srv_type, self.full_name)
-
-        def on_close() -> None:
-            self.graph.release_service_slot(slot)
-            self.remove_entity(client)
-
-        client = Client(slot, srv_type, self.full_name, on_close)
+        client = Client(slot, srv_type, self.full_name, partial(self._leave_service, slot))
         self.add_entity(client)
         return client
 
@@ -264,12 +240,7 @@ class Node:
 
     def _offer(self, kind: EntityKind, ros_type: str, name: str, start: Callable[[], object]) -> None:
         self._check_open()
-
-        def on_close(offered: OfferedEntity) -> None:
-            self.graph.withdraw(offered)
-            self.remove_entity(offered)
-
-        offered = OfferedEntity(EndpointInfo(kind, self.full_name, name, ros_type), start, on_close)
+        offered = OfferedEntity(EndpointInfo(kind, self.full_name, name, ros_type), start, self._withdraw)
         self.graph.offer(offered)
         self.add_entity(offered)
 
@@ -280,10 +251,7 @@ class Node:
             UsageError: The period is not above 0.
         """
         self._check_open()
-
-        def on_failure(error: BaseException) -> None:
-            self._record_failure(f"timer of {timer.period:g} s", error, "it continues")
-
+        on_failure = partial(self._record_failure, f"timer of {timer_period_sec:g} s", "it continues")
         timer = Timer(timer_period_sec, callback, self.graph.clock, on_failure)
         self._tasks.start(timer.run)
         return timer
@@ -357,6 +325,21 @@ class Node:
         finally:
             self.close()
 
+    def _leave_topic(self, channel: Topic, end: Publisher[Any] | Subscription[Any]) -> None:
+        channel.remove(end)
+        self.graph.release_topic(channel)
+        self.remove_entity(end)
+
+    def _leave_service(self, slot: ServiceSlot, end: Service[Any, Any] | Client[Any, Any]) -> None:
+        if end is slot.server:
+            slot.set_server(None)
+        self.graph.release_service_slot(slot)
+        self.remove_entity(end)
+
+    def _withdraw(self, offered: OfferedEntity) -> None:
+        self.graph.withdraw(offered)
+        self.remove_entity(offered)
+
     def _cancel_handlers(self) -> None:
         entities = self.entities
         for entity in entities:
@@ -366,7 +349,7 @@ class Node:
             if isinstance(entity, Service) and not entity.is_closed:
                 entity.cancel_handlers()
 
-    def _record_failure(self, callback: str, error: BaseException, cost: str) -> None:
+    def _record_failure(self, callback: str, cost: str, error: BaseException) -> None:
         """Record the failure of a callback."""
         if isinstance(error, asyncio.CancelledError):
             uncancel()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Generic, NoReturn, Protocol, TypeVar
 
 from homebot.clock import Clock
 from homebot.errors import ClosedError, TypeMismatchError
-from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.mailbox import KeyedQueue, Mailbox, keyed_queue
 from homebot.graph.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from homebot.graph.subscription import Expiring, Subscription
@@ -42,7 +42,7 @@ class History(Protocol[MessageT]):
     def __iter__(self) -> Iterator[MessageT | Expiring[MessageT]]: ...
 
 
-class Publisher(Generic[MessageT]):
+class Publisher(GraphEntity, Generic[MessageT]):
     """Publishes messages of one type on one topic, in order, without blocking.
 
     Attributes:
@@ -56,17 +56,16 @@ class Publisher(Generic[MessageT]):
         node: str,
         qos: QoSProfile,
         clock: Clock,
-        on_close: Callable[[], None],
+        on_close: Callable[[Any], None],
         on_failure: Callable[[BaseException], None],
         history: History[MessageT] | None = None,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_publisher` instead."""
-        self.info = EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos)
+        super().__init__(EndpointInfo(EntityKind.PUBLISHER, node, topic, message_type.ros_type, qos), on_close)
         self.qos = qos
         self.subscription_count = 0
         self.incompatible_qos_count = 0
         self.published = 0
-        self._on_close: Callable[[], None] | None = on_close
         self._message_type = message_type
         self._clock = clock
         self._subscriptions: tuple[Subscription[MessageT], ...] = ()
@@ -77,7 +76,6 @@ class Publisher(Generic[MessageT]):
         self.watchers: tuple[EventWatcher[Any], ...] = ()
         self._asserted_at = -math.inf
         self._is_keyed = message_type.key_field is not None
-        self._closed = False
 
     @property
     def topic_name(self) -> str:
@@ -159,16 +157,13 @@ class Publisher(Generic[MessageT]):
 
     def close(self) -> None:
         """Leave the topic and drop the history. Idempotent."""
-        if not self._closed:
-            self._closed = True
+        if not self.is_closed:
             self._is_plain = False
             self._history = None
             mailboxes = self._mailboxes
             for watcher in self.watchers:
                 watcher.close()
-            on_close, self._on_close = self._on_close, None  # breaks a reference cycle
-            if on_close is not None:
-                on_close()
+            super().close()
             for mailbox in mailboxes:
                 mailbox.admit_senders()
 
@@ -239,7 +234,7 @@ class Publisher(Generic[MessageT]):
                 watcher.on_activity(self, is_message=is_message)
 
     def _check_open(self) -> None:
-        if self._closed:
+        if self.is_closed:
             raise ClosedError(f"the publisher of {self.info.node} on {self.info.name} is closed")
 
     def _kept(self) -> Iterator[MessageT | Expiring[MessageT]]:

@@ -24,8 +24,8 @@ from homebot.errors import (
     ServiceUnavailableError,
     UsageError,
 )
-from homebot.graph.endpoint import EndpointInfo, EntityKind
-from homebot.graph.failures import ServiceReports
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
+from homebot.graph.failures import Failures
 from homebot.messages.message import Message, ServiceType
 from homebot.support.isolation import crash_of, error_text, is_end_of, uncancel
 
@@ -74,7 +74,7 @@ class ServiceSlot:
             self._waiters.pop(waiter, None)
 
 
-class Service(Generic[RequestT, ResponseT]):
+class Service(GraphEntity, Generic[RequestT, ResponseT]):
     """Serves the calls of one service name.
 
     Attributes:
@@ -91,20 +91,18 @@ class Service(Generic[RequestT, ResponseT]):
         concurrent: bool,
         cancel_with_caller: bool,
         start: StartHandler,
-        on_close: Callable[[], None],
-        reports: ServiceReports,
+        on_close: Callable[[Any], None],
+        failures: Failures,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_service` instead."""
-        self.info = EndpointInfo(EntityKind.SERVICE, node, name, service_type.ros_type)
+        super().__init__(EndpointInfo(EntityKind.SERVICE, node, name, service_type.ros_type), on_close)
         self.callback = callback
         self.cancel_with_caller = cancel_with_caller
         self.start = start
         self.room = MAX_AT_WORK if concurrent else 1
         self.is_exclusive = not concurrent
-        self.is_closed = False
         self.line: deque[asyncio.Future[None]] = deque()
-        self._reports = reports
-        self._on_close: Callable[[], None] | None = on_close
+        self._failures = failures
         self._runs: dict[HandlerRun, None] = {}  # in order of start, for reproducible runs
 
     @property
@@ -123,7 +121,7 @@ class Service(Generic[RequestT, ResponseT]):
         if self.is_exclusive and any(run.server is self for run in calling_runs()):
             raise UsageError(f"the handler of {self.service_name} calls itself; create it with concurrent=True")
         if len(self.line) >= MAX_WAITING:
-            self._reports.report_refusal()
+            self._failures.refused_calls += 1
             raise ServiceUnavailableError(self.service_name, f"has {MAX_WAITING:,} calls waiting already")
         turn: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self.line.append(turn)
@@ -165,7 +163,8 @@ class Service(Generic[RequestT, ResponseT]):
         reason = str(error)
         if not isinstance(error, HomebotError):
             crash = crash_of(self.info.node, error)
-            self._reports.report_failure(crash, has_caller=has_caller)
+            cost = "its caller gets the error" if has_caller else "its caller had left"
+            self._failures.record(self.info.node, f"handler of {self.service_name}", crash, cost)
             was_cancelled = isinstance(error, asyncio.CancelledError)
             reason = "something that its handler awaited was cancelled" if was_cancelled else error_text(crash)
         failure = ServiceFailedError(self.service_name, reason)
@@ -177,7 +176,8 @@ class Service(Generic[RequestT, ResponseT]):
         if isinstance(outcome, ServiceGoneError):
             return
         cause = outcome.__cause__ if isinstance(outcome, ServiceFailedError) else None
-        self._reports.report_late(cause if isinstance(cause, HomebotError) else None)
+        error = cause if isinstance(cause, HomebotError) else None
+        self._failures.count_late(self.info.node, self.service_name, error)
 
     def seconds_without_caller(self) -> float:
         """Return the age in seconds of the oldest handler without a caller, or 0."""
@@ -196,10 +196,7 @@ class Service(Generic[RequestT, ResponseT]):
         """
         if self.is_closed:
             return
-        self.is_closed = True
-        on_close, self._on_close = self._on_close, None  # breaks a reference cycle
-        if on_close is not None:
-            on_close()
+        super().close()
         own = next(calling_runs(), None)
         for run in () if finish else tuple(self._runs):
             if run is not own:

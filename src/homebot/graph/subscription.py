@@ -15,7 +15,7 @@ import anyio.lowlevel
 
 from homebot.clock import Clock
 from homebot.errors import ClosedError
-from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.mailbox import TURN, BoundedQueue, Mailbox
 from homebot.graph.qos import QoSProfile
 from homebot.messages.message import Message
@@ -56,7 +56,7 @@ OTHERS: Final = "others"
 """As `from_node`: every node but the subscribing one (ROS: ``ignore_local_publications``)."""
 
 
-class Subscription(Generic[MessageT]):
+class Subscription(GraphEntity, Generic[MessageT]):
     """Reads messages of one type from one topic: ``async for message in subscription``, or a callback.
 
     Attributes:
@@ -75,13 +75,13 @@ class Subscription(Generic[MessageT]):
         node: str,
         qos: QoSProfile,
         clock: Clock,
-        on_close: Callable[[], None],
+        on_close: Callable[[Any], None],
         on_failure: Callable[[BaseException], None],
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> None:
         """Use :meth:`homebot.graph.Node.create_subscription` instead."""
-        self.info = EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos)
+        super().__init__(EndpointInfo(EntityKind.SUBSCRIPTION, node, topic, message_type.ros_type, qos), on_close)
         self.qos = qos
         self.from_node = from_node
         self.incompatible_qos_count = 0
@@ -89,11 +89,9 @@ class Subscription(Generic[MessageT]):
         self.unbegun = 0
         self.slowest: float | None = None
         self._is_keyed = message_type.key_field is not None
-        self._on_close: Callable[[], None] | None = on_close
         self.on_failure = on_failure
         self.watchers: tuple[EventWatcher[Any], ...] = ()
         self.find_publishers: Callable[[], Sequence[TopicEnd]] = tuple  # set by the topic while it is connected
-        self._closed = False
         self._is_abandoned = False  # the callback loop has ended and unread messages are useless
         self._clock = clock
         self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(
@@ -157,14 +155,11 @@ class Subscription(Generic[MessageT]):
 
     def close(self) -> None:
         """Leave the topic and end the iteration after the last queued message. Idempotent."""
-        if not self._closed:
-            self._closed = True
+        if not self.is_closed:
             # The callback refers to the subscription: without this the cycle keeps all unread messages in memory.
             for watcher in self.watchers:
                 watcher.close()
-            on_close, self._on_close = self._on_close, None
-            if on_close is not None:
-                on_close()
+            super().close()
             self.mailbox.close()
             if self._is_abandoned:
                 self.mailbox.clear()
@@ -283,7 +278,7 @@ class Subscription(Generic[MessageT]):
     def _abandon(self) -> None:
         """Mark the callback loop as ended; a closed subscription drops its unread messages."""
         self._is_abandoned = True
-        if self._closed:
+        if self.is_closed:
             self.mailbox.clear()
 
     def _unexpired(self, item: Expiring[MessageT]) -> MessageT | None:

@@ -69,19 +69,16 @@ class Topic:
                 publisher.replay(subscription)
             self._connect(publisher)
 
-    def remove_publisher(self, publisher: Publisher[Any]) -> None:
-        """Disconnect *publisher* if it is connected."""
-        if publisher in self.publishers:
-            self.publishers.remove(publisher)
-        publisher.connect(())
-
-    def remove_subscription(self, subscription: Subscription[Any]) -> None:
-        """Disconnect *subscription* if it is connected."""
-        if subscription in self.subscriptions:
-            self.subscriptions.remove(subscription)
-            subscription.find_publishers = tuple
-            for publisher in self.publishers:
-                self._connect(publisher)
+    def remove(self, end: Publisher[Any] | Subscription[Any]) -> None:
+        """Disconnect one of its ends."""
+        if isinstance(end, Publisher):
+            self.publishers.remove(end)
+            end.connect(())
+            return
+        self.subscriptions.remove(end)
+        end.find_publishers = tuple
+        for publisher in self.publishers:
+            self._connect(publisher)
 
     def _connect(self, publisher: Publisher[Any]) -> None:
         publisher.connect(tuple(one for one in self.subscriptions if _fit(publisher, one)))

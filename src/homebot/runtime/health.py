@@ -53,8 +53,8 @@ class RuntimeHealth:
             "task_exits": 0 if self._watch is None else self._watch.exits,
             "log_lines_lost": self._lost_lines(),
             "messages_lost": sum(count for _, _, count in self._losses()),
-            "answers_late": self._graph.service_counts.late_answers,
-            "calls_refused": self._graph.service_counts.refused_calls,
+            "answers_late": self._graph.failures.late_answers,
+            "calls_refused": self._graph.failures.refused_calls,
             **self._apps.counts(),
         }
         return HealthResponse(

@@ -123,7 +123,7 @@ async def test_a_client_that_never_answers_owes_nothing_for_callers_that_gave_up
         for _ in range(2):
             with pytest.raises(ServiceTimeoutError):
                 await client.call(TriggerRequest(), timeout=0.05)
-        assert node.graph.service_counts.late_answers == 0
+        assert node.graph.failures.late_answers == 0
 
 
 async def test_a_client_provides_a_service(house: House, peer: Peer) -> None:

@@ -385,7 +385,7 @@ async def test_goals_at_once_are_bounded_and_refusals_counted(node: Node, other:
         await client.send_goal(Goal(order=1))
     with pytest.raises(GoalRejectedError):
         await client.send_goal(Goal(order=1))
-    assert graph.service_counts.refused_calls == 1
+    assert graph.failures.refused_calls == 1
 
 
 async def test_unread_results_are_bounded_and_losses_counted(node: Node, other: Node, graph: Graph) -> None:
@@ -395,7 +395,7 @@ async def test_unread_results_are_bounded_and_losses_counted(node: Node, other: 
     for _ in range(256):
         await client.send_goal(Goal(order=1))
         await anyio.sleep(0.01)
-    assert graph.service_counts.late_answers == 1
+    assert graph.failures.late_answers == 1
     assert (await first.result())[0] is GoalState.UNKNOWN
 
 

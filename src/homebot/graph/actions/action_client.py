@@ -82,7 +82,7 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
         self._cancels.send(self._cancel_request)
 
 
-class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
+class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
     """Sends goals of one action. Its goals are cancelled when it closes, or its node.
 
     Feedback and changes of state arrive while *node* runs.
@@ -99,9 +99,9 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         self._node = node
         self._type = action_type
         self._goals: dict[bytes, ClientGoal[ResultT, FeedbackT]] = {}
-        self._closed = False
         name = node.resolve_name(name, "action name")
-        self.info = EndpointInfo(EntityKind.ACTION_CLIENT, node.full_name, name, action_type.ros_type)
+        info = EndpointInfo(EntityKind.ACTION_CLIENT, node.full_name, name, action_type.ros_type)
+        super().__init__(info, node.remove_entity)
         self._endpoint = partial(endpoint_name, name)
         self._sending = node.create_client(action_type.SendGoal, self._endpoint("send_goal"))
         self._canceling = node.create_client(CancelGoal, self._endpoint("cancel_goal"))
@@ -164,7 +164,7 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
             TypeMismatchError: *goal* is not of the action's goal type.
             ClosedError: The client was closed.
         """
-        if self._closed:
+        if self.is_closed:
             raise ClosedError(f"the action client of {self.info.node} for {self.action_name} is closed")
         self._subscribe()
         goal_id = goal_id or UUID(uuid=uuid.uuid4().bytes)
@@ -188,9 +188,8 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
 
     def close(self) -> None:
         """Leave the graph and cancel the goals that have not ended. Idempotent."""
-        if self._closed:
+        if self.is_closed:
             return
-        self._closed = True
         for goal in self._goals.values():
             if not goal.status.is_terminal:
                 goal.request_cancel()
@@ -198,7 +197,7 @@ class ActionClient(Generic[GoalT, ResultT, FeedbackT]):
         ends: tuple[GraphEntity, ...] = (self._sending, self._canceling, self._results, *self._subscriptions)
         for end in ends:
             end.close()
-        self._node.remove_entity(self)
+        super().close()
 
     def _subscribe(self) -> None:
         if self._subscriptions:

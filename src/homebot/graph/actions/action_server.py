@@ -16,7 +16,7 @@ import anyio
 
 from homebot.graph.actions.goal_state import GoalState, endpoint_name
 from homebot.graph.actions.server_goal import ServerGoal, check_type
-from homebot.graph.endpoint import EndpointInfo, EntityKind
+from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.node import Node
 from homebot.graph.qos import qos_profile_latched
 from homebot.messages.action import ActionType, FeedbackT, GoalT, ResultT
@@ -53,7 +53,7 @@ class Preemption(StrEnum):
     QUEUE = "queue"
 
 
-class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
+class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
     """Executes the goals of one action; at most 256 are active at once, and those refused are counted as calls.
 
     *execute* ends its goal by ``succeed``, ``abort`` or ``canceled`` and returns the result. Without one of these the
@@ -97,9 +97,9 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
         self._goals: dict[bytes, ServerGoal[GoalT, ResultT, FeedbackT]] = {}  # in order of acceptance
         self._expiries = TimeLimits()
         self._turn: AbstractAsyncContextManager[None] = nullcontext() if preemption is None else anyio.Lock()
-        self._closed = False
         name = node.resolve_name(name, "action name")
-        self.info = EndpointInfo(EntityKind.ACTION_SERVER, node.full_name, name, action_type.ros_type)
+        info = EndpointInfo(EntityKind.ACTION_SERVER, node.full_name, name, action_type.ros_type)
+        super().__init__(info, node.remove_entity)
         endpoint = partial(endpoint_name, name)
         self._sending = node.create_service(action_type.SendGoal, endpoint("send_goal"), self._accept, concurrent=True)
         self._canceling = node.create_service(CancelGoal, endpoint("cancel_goal"), self._cancel, concurrent=True)
@@ -122,15 +122,14 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     def close(self) -> None:
         """Leave the graph: active goals are ABORTED, and whoever waits for their results is answered. Idempotent."""
-        if self._closed:
+        if self.is_closed:
             return
         for goal in self.goals:
             goal.revoke()
-        self._closed = True
+        super().close()
         self._results.close(finish=True)
         for end in (self._sending, self._canceling, self._feedback, self._status):
             end.close()
-        self._node.remove_entity(self)
 
     def _accept(self, request: Any) -> Message:  # the types of the request and the response are made by the action type
         stamp = Time.from_seconds(self._node.graph.clock.now())
@@ -150,7 +149,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
     def _is_acceptable(self, goal_id: bytes) -> bool:
         active = len(self.goals)
         if active >= MAX_ACTIVE:
-            self._node.graph.service_counts.refused_calls += 1
+            self._node.graph.failures.refused_calls += 1
             return False
         return goal_id not in self._goals and not (active and self._preemption is Preemption.REJECT)
 
@@ -234,12 +233,12 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
 
     def _retain(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
         """Keep the result of an ended *goal* for a while."""
-        if self._closed:
+        if self.is_closed:
             return
         self._expiries.set(self._result_timeout, partial(self._forget, goal))
         ended = [one for one in self._goals.values() if not one.is_active]
         if len(ended) > MAX_ENDED:
-            self._node.graph.service_counts.late_answers += 1
+            self._node.graph.failures.late_answers += 1
             self._forget(ended[0])
 
     def _forget(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
@@ -248,7 +247,7 @@ class ActionServer(Generic[GoalT, ResultT, FeedbackT]):
             self._publish_states()
 
     def _publish_states(self) -> None:
-        if self._closed:
+        if self.is_closed:
             return
         states = tuple(GoalStatus(goal_info=goal.info, status=int(goal.state)) for goal in self._goals.values())
         self._status.publish(GoalStatusArray(status_list=states))
