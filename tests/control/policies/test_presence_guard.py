@@ -173,6 +173,27 @@ async def test_what_a_command_did_is_no_hand(home: Home) -> None:
     assert isinstance(await lamp.turn_off(), Confirmed)
 
 
+async def test_a_lamp_that_is_off_has_no_colour_and_that_is_no_hand(home: Home) -> None:
+    """Home Assistant lists each attribute of a light that is off without a value."""
+    home.put("lamp", "light", "on_off", "level", "color_temperature", area="Hall")
+    home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
+    await report_all(home, is_on=True)
+    await leave(home)
+    home.behaviours["lamp"] = lambda its, command: report_all(its, is_on=command.value.plain() is True)
+    lamp = await home.handle(Light, "lamp")
+    assert isinstance(await lamp.turn_off(), Confirmed)
+    await anyio.sleep(10)
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    await anyio.sleep(10)
+    assert isinstance(await lamp.turn_off(), Confirmed)
+
+
+async def report_all(home: Home, *, is_on: bool) -> None:
+    await home.report("lamp", "on_off", is_on)
+    await home.report("lamp", "level", 70.0 if is_on else 0.0)
+    await home.report("lamp", "color_temperature", 2700.0 if is_on else None)
+
+
 async def report_both(home: Home, command: Command) -> None:
     """Report what is commanded, and the brightness that comes with it."""
     await home.report(command.key, "on_off", command.value.plain())

@@ -87,5 +87,5 @@ class Reported:
 
     @property
     def is_change(self) -> bool:
-        """True if the value is known to have been another one before."""
-        return not self.is_first and self.value != self.previous
+        """True if the value is known to have been another one before: a lamp that is off has no colour."""
+        return None not in (self.value, self.previous) and self.value != self.previous
