@@ -19,16 +19,7 @@ from typing import final
 
 from homebot.devices.part import Part
 from homebot.discovery.source_record import SourceKey, SourceRecord
-from homebot.discovery.topics.tree import (
-    TopicNode,
-    all_uses,
-    has_use,
-    is_undisputed,
-    used_below,
-    verdicts_of,
-    with_use,
-    without_use,
-)
+from homebot.discovery.topics.tree import TopicNode, has_use, is_undisputed, used_below, verdicts_of, without_use
 from homebot.discovery.topics.use import TopicUse
 
 __all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "TopicOwnership"]
@@ -112,9 +103,9 @@ class TopicOwnership:
         if use is None or not use.commands:
             return ()
         node = self._find(key[0], use.writes[0])
-        if node is None or not isinstance(node.users, dict):
+        if node is None or len(node.users) == 1:
             return ()
-        return tuple([one.key for one in node.users.values() if one.key != key and use.repeats(one)])
+        return tuple([one.key for one in node.users if one.key != key and use.repeats(one)])
 
     def conflict(self, source: SourceRecord, part: Part) -> str:
         """Return in words the other announcement that has a topic that *part* of *source* would use; empty for none."""
@@ -136,16 +127,16 @@ class TopicOwnership:
         return f"{wants} which belongs to {owner}"
 
     def _enter(self, use: TopicUse, touched: dict[TopicNode, None]) -> None:
-        for prefix in use.owns:
+        for prefix in dict.fromkeys(use.owns):
             node = self._at(use, prefix)
-            node.owners = with_use(node.owners, use)
+            node.owners = (*node.owners, use)
             touched.update(dict.fromkeys(used_below(node)))
         self._enter_commands(use, touched)
         for topic in use.reads[:MAX_TOPICS]:
             if "+" in topic or "#" in topic or (use.owns and use.has(topic)):
                 continue
             node = self._at(use, topic)
-            node.speakers = use if node.speakers is None else with_use(node.speakers, use)
+            node.speakers = (*node.speakers, use)
             if node.users:
                 touched[node] = None
 
@@ -156,10 +147,10 @@ class TopicOwnership:
             if use.owns and use.has(topic):
                 continue
             node = self._at(use, topic)
-            if isinstance(node.users, dict) and len(node.users) >= MAX_USERS:
+            if len(node.users) >= MAX_USERS:
                 self._over_limit.add(use.key)
                 continue
-            node.users = use if node.users is None else with_use(node.users, use)
+            node.users = (*node.users, use)
             touched[node] = None
             if node.children and use.rank(topic):
                 touched.update(dict.fromkeys(used_below(node, MAX_BELOW)))
@@ -188,8 +179,8 @@ class TopicOwnership:
             if before or node.verdicts:
                 known, now = before or {}, node.verdicts or {}
                 self._count(known, now)
-                concerned.update(use.device for use in all_uses(node.users) if known.get(use.key) != now.get(use.key))
-            if node.users is None and node.is_unused:
+                concerned.update(use.device for use in node.users if known.get(use.key) != now.get(use.key))
+            if not node.users and node.is_unused:
                 self._tidy(node)
         concerned.discard(device)
         return frozenset(concerned) if concerned else _NO_DEVICES

@@ -2,31 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TypeAlias
 
 from homebot.discovery.source_record import SourceKey
 from homebot.discovery.topics.use import TopicUse, aliases_of, is_called
 
-__all__ = [
-    "TopicNode",
-    "Uses",
-    "all_uses",
-    "has_use",
-    "is_undisputed",
-    "used_below",
-    "verdicts_of",
-    "with_use",
-    "without_use",
-]
+__all__ = ["TopicNode", "has_use", "is_undisputed", "used_below", "verdicts_of", "without_use"]
 
 _COMMON = 3
 _IS_NATIVE, _ASKS = attrgetter("is_native"), attrgetter("asks")
-
-Uses: TypeAlias = TopicUse | dict[SourceKey, TopicUse]
-"""Uses of a topic by announcements; most topics have one, which takes no dict."""
 
 
 @dataclass(slots=True, eq=False)
@@ -40,9 +26,9 @@ class TopicNode:
     parent: TopicNode | None = None
     level: str = ""
     children: dict[str, TopicNode] | None = None
-    users: Uses | None = None
-    speakers: Uses | None = None
-    owners: Uses | None = None
+    users: tuple[TopicUse, ...] = ()
+    speakers: tuple[TopicUse, ...] = ()
+    owners: tuple[TopicUse, ...] = ()
     verdicts: dict[SourceKey, str] | None = None
 
     @property
@@ -61,34 +47,14 @@ class TopicNode:
         return not (self.children or self.users or self.speakers or self.owners)
 
 
-def with_use(uses: Uses | None, use: TopicUse) -> Uses:
-    """Return *uses* with *use*, in place of the one of the same announcement."""
-    if isinstance(uses, dict):
-        uses[use.key] = use
-        return uses
-    return use if uses is None or uses.key == use.key else {uses.key: uses, use.key: use}
-
-
-def all_uses(uses: Uses | None) -> Collection[TopicUse]:
-    """Return each of *uses*."""
-    if uses is None:
-        return ()
-    return uses.values() if isinstance(uses, dict) else (uses,)
-
-
-def has_use(uses: Uses | None, key: SourceKey) -> bool:
+def has_use(uses: Iterable[TopicUse], key: SourceKey) -> bool:
     """Return whether one of *uses* is that of the announcement *key*."""
-    if uses is None:
-        return False
-    return key in uses if isinstance(uses, dict) else uses.key == key
+    return any(one.key == key for one in uses)
 
 
-def without_use(uses: Uses | None, key: SourceKey) -> Uses | None:
+def without_use(uses: Iterable[TopicUse], key: SourceKey) -> tuple[TopicUse, ...]:
     """Return *uses* without the one of the announcement *key*."""
-    if isinstance(uses, dict):
-        uses.pop(key, None)
-        return uses or None
-    return None if has_use(uses, key) else uses
+    return tuple(one for one in uses if one.key != key)
 
 
 def used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]:
@@ -106,16 +72,14 @@ def used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]:
 
 def is_undisputed(node: TopicNode) -> bool:
     """Return whether one device alone names the topic or one above it; most topics are such."""
-    use, speakers = node.users, node.speakers
-    if use is None:
+    users, speakers = node.users, node.speakers
+    if not users:
         return True
-    if isinstance(use, dict) or node.owners is not None:
-        return False
-    if speakers is not None and (isinstance(speakers, dict) or speakers.device != use.device):
+    if len(users) > 1 or node.owners or len(speakers) > 1 or (speakers and speakers[0].device != users[0].device):
         return False
     above = node.parent
     while above is not None:
-        if above.users is not None or above.owners is not None:
+        if above.users or above.owners:
             return False
         above = above.parent
     return True
@@ -123,11 +87,10 @@ def is_undisputed(node: TopicNode) -> bool:
 
 def verdicts_of(node: TopicNode) -> dict[SourceKey, str]:
     """Return which announcements may not use a topic, each with the device that has it."""
-    users = tuple(all_uses(node.users))
+    users = node.users
     if not users:
         return {}
-    owners = _owners(node)
-    if owners:
+    if owners := _owners(node):
         return _not_of(owners, users)
     holders = _holders(node)
     if len(users) == 1 and all(one.device == users[0].device for one, _ in holders):
@@ -168,18 +131,18 @@ def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
     """Return the owners of the topic; of those that are above each other the nearest."""
     while node is not None:
         if node.owners:
-            return tuple(all_uses(node.owners))
+            return node.owners
         node = node.parent
     return ()
 
 
 def _holders(node: TopicNode) -> list[tuple[TopicUse, str]]:
     """Return those that publish on the topic, and those that take commands on one above it, with that topic."""
-    found = [(one, node.topic) for one in all_uses(node.speakers)]
+    found = [(one, node.topic) for one in node.speakers]
     above = node.parent
     while above is not None:
         if above.users:
-            found += [(one, above.topic) for one in all_uses(above.users)]
+            found += [(one, above.topic) for one in above.users]
         above = above.parent
     return found
 
