@@ -9,6 +9,7 @@ from tests.discovery.announcements import announce, part_of
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import always_asks, is_approved, waits_for_approval
+from homebot.devices.command_description import CommandDescription
 from homebot.devices.part import Capability
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.approvals import MAX_APPROVALS
@@ -210,7 +211,7 @@ def test_an_approval_returns_to_its_own_after_a_merge_and_a_split(index: DeviceI
 
 def test_approvals_are_bounded(lock: Sighting) -> None:
     owner = OwnerFacts("Home", NO_PLACES, 5.0)
-    some = ("", (), (), (), "")
+    some = CommandDescription("", (), (), (), "")
     owner.approvals.restore([("mqtt", f"other{number}", "", some, 1.0) for number in range(MAX_APPROVALS - 1)])
     index = DeviceIndex(forget_after=1000.0, owner=owner)
     index.observe(lock)

@@ -358,7 +358,7 @@ async def test_the_directory_follows_gateways_only_on_their_own_topics_in_their_
     ):
         house.gateway.sees("lights/lamp")
         assert await house.heard() == [("appeared", "lights/lamp")]
-        forged = house.directory.index._table.sources["fake", "lights/lamp"].sighting.model_copy(
+        forged = house.directory.index.table.sources["fake", "lights/lamp"].sighting.model_copy(
             update={"key": "lights/forged"}
         )
         for topic in ("/gateway/fake/received_topics", "sightings", "/gateway/forged/received_topics"):

@@ -118,8 +118,8 @@ def check(index: DeviceIndex, there: set[str]) -> None:
     devices = index.devices()
     assert {one.id for one in devices} == there == index.find(And(()))
     groups = {frozenset(entry.sources) for one in devices if (entry := index.entry(one.id)) is not None}
-    assert groups == set(index._merger.identities.groups(index._table.sources))
-    assert sum(len(one) for one in groups) == len(index._table.sources) == len(index._table.owners)
+    assert groups == set(index._merger.identities.groups(index.table.sources))
+    assert sum(len(one) for one in groups) == len(index.table.sources) == len(index.table.owners)
     for device in devices:
         assert device.endpoints
         assert len({one.id for one in device.parts}) == len(device.parts)
@@ -145,5 +145,5 @@ def test_the_order_of_announcements_makes_no_difference_to_who_is_who(
         index = DeviceIndex(forget_after=200.0)
         for step in order:
             index.observe(sighting(step, 0.0))
-        made.append({frozenset(entry.sources) for entry in index._table.entries.values()})
+        made.append({frozenset(entry.sources) for entry in index.table.entries.values()})
     assert made[0] == made[1]

@@ -58,7 +58,7 @@ async def test_what_the_owner_decided_on_merging_outlives_a_restart(path: Path) 
             directory.index.observe(sighting)
         assert len(directory.index) == 1
         directory.index.split("radio", None, 0.0)
-        directory.index.unsaved.clear()
+        directory.index.table.unsaved.clear()
     path_is_of = sqlite3.connect(path)
     assert path_is_of.execute("SELECT name FROM owner").fetchall() == [("merging",)]
     path_is_of.close()
@@ -200,7 +200,7 @@ async def test_what_could_not_be_written_is_written_when_it_can_be(path: Path) -
     with capture_logs() as lines:
         async with directory_with(path) as directory:
             directory.index.observe(announce("l", part_of(id="l"), ids=("id:lamp",), name="Lamp"))
-            assert "lamp" in directory.index.unsaved
+            assert "lamp" in directory.index.table.unsaved
             path.rmdir()
     assert [line["event"] for line in lines if line["event"].startswith("file.")] == [
         "file.not_written",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sqlite3
 import sys
 from pathlib import Path
@@ -248,22 +247,6 @@ def test_a_device_of_the_file_is_as_it_was_but_unconfirmed() -> None:
     assert device.evidence == index.devices()[0].evidence
     after.observe(announce("l", lamp.parts[0], ids=("mac:aabbccddeeff",), name="Renamed", at=9001))
     assert after.pop_changes() == ()
-
-
-def test_a_device_that_a_newer_homebot_wrote_is_read_without_what_is_new() -> None:
-    index = DeviceIndex(forget_after=1000.0)
-    index.observe(announce("l", part_of("light", "on_off", id="l"), name="Lamp", at=5))
-    entry = index.entry("lamp")
-    assert entry is not None
-    text = entry_record(entry)
-    newer = json.loads(text)
-    (claim,) = newer["claims"]
-    for place in (newer, claim, claim["sighting"], claim["sighting"]["parts"][0]):
-        place["newer"] = {"a": 1}
-    assert entry_record(read_entry("lamp", json.dumps(newer))) == text
-    claim["sighting"]["parts"][0]["reads"] = 5
-    with pytest.raises(WireError, match="no record"):
-        read_entry("lamp", json.dumps(newer))
 
 
 def test_a_tombstone_of_the_file_is_as_it_was() -> None:

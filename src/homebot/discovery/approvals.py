@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Iterator
+from itertools import islice
 from typing import NamedTuple, final
 
 from homebot.devices.command_description import CommandDescription, payload_digest
@@ -70,18 +71,14 @@ class ApprovalRegistry:
                     description = CommandDescription.of(part, source.sighting.identifiers)
                     yield place, approval, description.changes(approval.description)
 
-    def records(self) -> list[object]:
-        """Return all as plain values, for the index file."""
-        return [[*place, list(approval.description), approval.said_at] for place, approval in self._by_place.items()]
+    def records(self) -> Iterator[tuple[str, str, str, CommandDescription, float]]:
+        """Yield gateway, key, part, description and time of each, for the index file."""
+        return ((*place, *approval) for place, approval in self._by_place.items())
 
-    def restore(self, records: Iterable[ApprovalRecord]) -> None:
+    def restore(self, records: Iterable[tuple[str, str, str, CommandDescription, float]]) -> None:
         """Restore the records that :meth:`records` returned."""
-        for gateway, key, part, description, said_at in records:
-            if len(self._by_place) < MAX_APPROVALS:
-                self._by_place[gateway, key, part] = Approval(CommandDescription(*description), said_at)
-
-
-ApprovalRecord = tuple[str, str, str, tuple[str, tuple[str, ...], tuple[str, ...], tuple[str, ...], str], float]
+        for gateway, key, part, description, said_at in islice(records, MAX_APPROVALS):
+            self._by_place[gateway, key, part] = Approval(description, said_at)
 
 
 def approval_digest(sources: Iterable[SourceRecord]) -> str:

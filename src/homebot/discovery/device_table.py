@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import final
 
@@ -15,10 +14,10 @@ from homebot.discovery.search.postings import Postings
 from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 
-__all__ = ["DeviceTable", "IndexCounters", "UnsavedDevices"]
-
+__all__ = ["DeviceTable", "IndexCounters"]
 
 _MAX_UNSAVED = 200_000
+"""Ids that wait for an index file that cannot be written; those that are known now then take their place."""
 
 
 @dataclass(slots=True)
@@ -44,13 +43,15 @@ class DeviceTable:
         entries: Devices by id.
         lost: The loss of the link of each gateway that has none.
         outdated: Ids of the devices with outdated postings.
-        unsaved: Ids of the devices with an outdated record in the index file.
+        unsaved: Ids to be written to the index file, those of devices that went as well, oldest first.
+        is_saved: Whether there is an index file; without one nothing is unsaved.
     """
 
     __slots__ = (
         "changes",
         "counters",
         "entries",
+        "is_saved",
         "lost",
         "outdated",
         "owner",
@@ -73,7 +74,8 @@ class DeviceTable:
         self.changes = ChangeQueue(self.entries, self.topics, first_sequence)
         self.postings = Postings()
         self.outdated: dict[str, None] = {}
-        self.unsaved = UnsavedDevices(self.entries, self.tombstones)
+        self.unsaved: dict[str, None] = {}
+        self.is_saved = False
         self.counters = IndexCounters()
 
     def record_change(
@@ -89,40 +91,17 @@ class DeviceTable:
         del self.entries[entry.id]
         self.outdated.pop(entry.id, None)
         self.postings.discard(entry.id)
-        self.unsaved.add(entry.id)
+        self.mark_unsaved(entry.id)
 
-
-@final
-class UnsavedDevices:
-    """Ids to be written to the index file, those of devices that went as well.
-
-    If nothing is written for so long that 200,000 wait, those that are known now take their place.
-
-    Args:
-        known: Ids of the devices that are known.
-
-    Attributes:
-        is_enabled: Whether there is an index file; without one nothing is noted.
-        ids: Those that wait, oldest first.
-    """
-
-    __slots__ = ("_known", "_tombstones", "ids", "is_enabled")
-
-    def __init__(self, known: Iterable[str], tombstones: Tombstones) -> None:
-        self.is_enabled = False
-        self.ids: dict[str, None] = {}
-        self._known = known
-        self._tombstones = tombstones
-
-    def add(self, device_id: str) -> None:
+    def mark_unsaved(self, device_id: str) -> None:
         """Note that the record of the device is out of date."""
-        if self.is_enabled:
-            self.ids[device_id] = None
-            if len(self.ids) > _MAX_UNSAVED:
-                self.ids.clear()
-                self.add_all()
+        if self.is_saved:
+            self.unsaved[device_id] = None
+            if len(self.unsaved) > _MAX_UNSAVED:
+                self.unsaved.clear()
+                self.mark_all_unsaved()
 
-    def add_all(self) -> None:
+    def mark_all_unsaved(self) -> None:
         """Note that no record is up to date."""
-        self.ids.update(dict.fromkeys(self._known))
-        self.ids.update((tombstone.id, None) for tombstone in self._tombstones)
+        self.unsaved.update(dict.fromkeys(self.entries))
+        self.unsaved.update((tombstone.id, None) for tombstone in self.tombstones)

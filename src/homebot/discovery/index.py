@@ -7,7 +7,7 @@ messages is published once.
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
+from collections.abc import Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
@@ -17,13 +17,12 @@ from homebot.devices.query import Query, facets_of, type_is
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
-from homebot.discovery.merging.decisions import MergeDecisions
 from homebot.discovery.merging.intake import SightingIntake
 from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
-from homebot.discovery.search.postings import PostedValue, Postings
-from homebot.discovery.source_record import LostLink, SourceKey, SourceRecord
+from homebot.discovery.search.postings import PostedValue
+from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.states import SettingChanges, StateRecorder
 from homebot.errors import RefusedError
 
@@ -46,12 +45,15 @@ class DeviceIndex:
         owner: The owner's statements on devices; by default none.
 
     Attributes:
+        table: The tables that it consists of.
         changes: The changes to be published, and the last ones that were.
         pop_states: Its :meth:`ChangeQueue.pop_states`; to be called after *pop_changes*.
-        outdated: The ids of devices that are not findable as they are now.
+        postings: Postings by which devices are found; up to date after :meth:`sort`.
         deadlines: The times at which :meth:`expire` has something to do, in seconds of its clock.
         next_deadline: Returns the first of them; None for never.
+        decisions: Decisions of the owner on which announcements are one device, for the index file.
         settings: Settings that changed and were not taken yet.
+        record_link: Its :meth:`StateRecorder.record_link`.
     """
 
     def __init__(
@@ -62,27 +64,23 @@ class DeviceIndex:
         max_devices: int = MAX_DEVICES,
         owner: OwnerFacts | None = None,
     ) -> None:
-        table = DeviceTable(first_sequence, owner or OwnerFacts())
-        self.counters = table.counters
-        self.tombstones = table.tombstones
-        self.changes = table.changes
-        self.pop_changes = table.changes.pop
-        self.pop_states = table.changes.pop_states
-        self.outdated = table.outdated
-        self.owner = table.owner
-        self._table = table
-        self._sources = table.sources
+        table = self.table = DeviceTable(first_sequence, owner or OwnerFacts())
+        self.counters, self.tombstones, self.owner = table.counters, table.tombstones, table.owner
+        self.changes, self.postings = table.changes, table.postings
+        self.pop_changes, self.pop_states = table.changes.pop, table.changes.pop_states
         self._pending = PendingReports()
         self._liveness = Liveness(table, forget_after)
         self.deadlines = self._liveness.deadlines
         self.next_deadline = self.deadlines.next
         self._merger = DeviceMerger(table, self._liveness, self._pending)
+        self.decisions = self._merger.decisions
         self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
         self.settings = SettingChanges(table)
         self._states = StateRecorder(table, self._liveness, self._merger.trust, self.settings)
+        self.record_link = self._states.record_link
 
     def __len__(self) -> int:
-        return len(self._table.entries)
+        return len(self.table.entries)
 
     def counts(self) -> dict[str, int]:
         """Return the numbers of refused and dropped inputs, by name."""
@@ -96,7 +94,7 @@ class DeviceIndex:
     @property
     def ids(self) -> tuple[str, ...]:
         """The ids of all devices, and of those that went."""
-        return tuple(dict.fromkeys((*self._table.entries, *(one.id for one in self.tombstones))))
+        return tuple(dict.fromkeys((*self.table.entries, *(one.id for one in self.tombstones))))
 
     @property
     def sequence(self) -> int:
@@ -112,7 +110,7 @@ class DeviceIndex:
         """
         self._liveness.now = sighting.seen_at.to_seconds() if now is None else now
         key = (sighting.gateway, sighting.key)
-        source = self._sources.get(key)
+        source = self.table.sources.get(key)
         if sighting.kind == "removed":
             if source is not None:
                 self._intake.withdraw(key, sighting.why)
@@ -129,24 +127,16 @@ class DeviceIndex:
         """
         self._liveness.now = report.received_at.to_seconds() if now is None else now
         key = (report.gateway, report.key)
-        source = self._sources.get(key) or self._revived(key, report)
+        source = self.table.sources.get(key) or self._revived(key, report)
         if source is None:
             self._pending.put(key, report, self._liveness.now)
         else:
-            self._states.record(self._table.owners[key], source, report)
-
-    def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
-        """Record that *gateway* lost its link to all of its devices, or has it again; pauses after each device.
-
-        Returns:
-            How many devices cannot be reached any more, or can again.
-        """
-        return self._states.record_link(gateway, lost)
+            self._states.record(self.table.owners[key], source, report)
 
     def _add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in a new announcement, and the reports that waited for it."""
         self._intake.add(key, sighting)
-        if key in self._pending.reports and key in self._sources:
+        if key in self._pending.reports and key in self.table.sources:
             now = self._liveness.now
             for report in self._pending.pop(key, now):
                 self.report(report, now)
@@ -156,7 +146,7 @@ class DeviceIndex:
         sighting = self._pending.revive(report)
         if sighting is not None:
             self._add(key, sighting)
-        return self._sources.get(key)
+        return self.table.sources.get(key)
 
     def expire(self, now: float, at_most: int | None = None) -> int:
         """Mark devices as stale that are silent for too long at *now*, and forget those that are stale for too long.
@@ -181,36 +171,31 @@ class DeviceIndex:
     @property
     def is_behind(self) -> bool:
         """True if changes wait to be taken, or devices to be made findable."""
-        return bool(self.changes.pending or self.changes.states or self.outdated)
+        return bool(self.changes.pending or self.changes.states or self.table.outdated)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
         """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
-        entries = self._table.entries
+        entries = self.table.entries
         ids = self.find(type_is(service_type)) if service_type else entries
-        return tuple(entries[device_id].to_device(self._table.topics) for device_id in sorted(ids))
+        return tuple(entries[device_id].to_device(self.table.topics) for device_id in sorted(ids))
 
     def get(self, device_id: str) -> Device | None:
         """Return the device *device_id*, or None."""
-        entry = self._table.entries.get(device_id)
-        return entry.to_device(self._table.topics) if entry is not None else None
+        entry = self.table.entries.get(device_id)
+        return entry.to_device(self.table.topics) if entry is not None else None
 
     def find(self, query: Query) -> frozenset[str] | set[str]:
         """Return the ids of the devices that fit *query*; not to be changed."""
-        if self._table.outdated:
+        if self.table.outdated:
             self.sort()
-        return self._table.postings.find(query)
-
-    @property
-    def postings(self) -> Postings:
-        """Postings by which devices are found; up to date after :meth:`sort`."""
-        return self._table.postings
+        return self.table.postings.find(query)
 
     def sort(self, at_most: int | None = None) -> bool:
         """Make devices that changed findable, at most so many; return whether some are left.
 
         :meth:`find` does it by itself; done before, the answer comes sooner.
         """
-        table = self._table
+        table = self.table
         outdated, topics = table.outdated, table.topics
         done = 0
         while outdated and (at_most is None or done < at_most):
@@ -236,7 +221,7 @@ class DeviceIndex:
         Returns:
             Gateway and place of its announcements; None if there is no such device.
         """
-        entry = self._table.entries.get(device_id)
+        entry = self.table.entries.get(device_id)
         if entry is None:
             return None
         sightings = [source.sighting for source in entry.sources.values()]
@@ -244,23 +229,18 @@ class DeviceIndex:
         return tuple((sighting.gateway, sighting.announced_on) for sighting in sightings if sighting.announced_on)
 
     @property
-    def decisions(self) -> MergeDecisions:
-        """Decisions of the owner on which announcements are one device, for the index file."""
-        return self._merger.decisions
-
-    @property
     def places(self) -> PlacesEditor:
         """Editor of the rooms, aliases and tags that the owner states."""
         from homebot.discovery.places_editor import PlacesEditor  # noqa: PLC0415 - with the first statement
 
-        return PlacesEditor(self._table)
+        return PlacesEditor(self.table)
 
     @property
     def places_exchange(self) -> PlacesExchange:
         """Export and import of the owner's statements."""
         from homebot.discovery.places_exchange import PlacesExchange  # noqa: PLC0415 - with the first file
 
-        return PlacesExchange(self._table, self.places)
+        return PlacesExchange(self.table, self.places)
 
     def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
         """Make several devices of one, because the owner says so; return their ids, that of the one first.
@@ -299,35 +279,17 @@ class DeviceIndex:
         return self._merger.merge(entries).id
 
     def _entry(self, device_id: str) -> Entry:
-        entry = self._table.entries.get(device_id)
+        entry = self.table.entries.get(device_id)
         if entry is None:
             raise RefusedError(f"a change of {device_id!r}", "there is no device of that id")
         return entry
 
-    @property
-    def is_saved(self) -> bool:
-        """True if there is an index file, so that changes since its last writing are recorded."""
-        return self._table.unsaved.is_enabled
-
-    @is_saved.setter
-    def is_saved(self, is_saved: bool) -> None:
-        self._table.unsaved.is_enabled = is_saved
-
-    @property
-    def unsaved(self) -> dict[str, None]:
-        """Ids with records that are not in the index file as they are; those of devices that went as well."""
-        return self._table.unsaved.ids
-
     def entry(self, device_id: str) -> Entry | None:
         """Return the entry of the device, for the index file."""
-        entry = self._table.entries.get(device_id)
+        entry = self.table.entries.get(device_id)
         if entry is not None:
-            entry.parts(self._table.topics)  # so that those that are new have their ids
+            entry.parts(self.table.topics)  # so that those that are new have their ids
         return entry
-
-    def save_all(self) -> None:
-        """Note that nothing is in the index file."""
-        self._table.unsaved.add_all()
 
     def restore(self, entry: Entry, now: float, wall: float | None = None) -> None:
         """Take in a device of the index file, unconfirmed, before anything else is taken in.

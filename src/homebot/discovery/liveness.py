@@ -63,7 +63,7 @@ class Liveness:
         now = self.now
         if (period := now // SAVE_LIFE) != entry.saved_period:
             entry.saved_period = period
-            self._table.unsaved.add(entry.id)
+            self._table.mark_unsaved(entry.id)
         source.confirmed = True
         source.seen_at, source.heard_at = stamp, now
         online_for = _ONLINE_FOR if source.is_online else 0.0

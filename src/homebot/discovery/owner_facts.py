@@ -12,6 +12,7 @@ Of two statements on one fact a command outranks an import, an import the config
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TypeAlias, final, get_args
@@ -19,7 +20,7 @@ from typing import TypeAlias, final, get_args
 from homebot.config import UNNAMED
 from homebot.discovery.approvals import ApprovalRegistry
 from homebot.discovery.house_rooms import HouseRooms
-from homebot.discovery.owner_records import places_record, read_places_record
+from homebot.discovery.owner_records import PlacesRecord, StatementRecord, read_places_record
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import ConfigError, RefusedError, WireError
 from homebot.places import FactName, HouseDoor, HousePlan, HouseRoom, OwnerFact, Places
@@ -306,13 +307,17 @@ class OwnerFacts:
 
     def record(self) -> str:
         """Return all but the configuration as text, for the index file."""
-        return places_record(
-            [(one.facts, one.keys, one.names) for one in self._statements()],
-            self.rooms.imported,
-            self.rooms.imported_doors,
-            self._known_as,
-            self.approvals,
+        record = PlacesRecord.model_construct(
+            statements=tuple(
+                StatementRecord.model_construct(facts=one.facts, announcements=tuple(one.keys), names=tuple(one.names))
+                for one in self._statements()
+            ),
+            rooms=self.rooms.imported,
+            doors=self.rooms.imported_doors,
+            known_as=tuple((*key, name) for key, name in self._known_as.items()),
+            approvals=tuple(self.approvals.records()),
         )
+        return json.dumps(record.model_dump())  # not as pydantic does, which takes no half of a surrogate pair
 
     def restore(self, record: str) -> None:
         """Restore the records that :meth:`record` returned.

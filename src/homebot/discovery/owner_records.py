@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Mapping
-
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from homebot.config import value_errors
-from homebot.discovery.approvals import ApprovalRecord, ApprovalRegistry
-from homebot.discovery.source_record import SourceKey
+from homebot.devices.command_description import CommandDescription
 from homebot.errors import WireError
 from homebot.places import HouseDoor, HouseRoom, OwnerFact, read_position
 
-__all__ = ["PlacesRecord", "places_record", "read_places_record"]
+__all__ = ["PlacesRecord", "StatementRecord", "read_places_record"]
 
 
-class _StatementRecord(BaseModel):
+class StatementRecord(BaseModel):
+    """Facts, with the announcements and the names that they are stated of."""
+
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
     facts: tuple[OwnerFact, ...]
@@ -34,41 +32,20 @@ class _StatementRecord(BaseModel):
 
 
 class PlacesRecord(BaseModel):
-    """The statements, imported rooms and approvals in the index file."""
+    """The statements, imported rooms and approvals in the index file.
+
+    Attributes:
+        known_as: Gateway and key of announcements, each with its name in the configuration.
+        approvals: Gateway, key, part, description and time of each.
+    """
 
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
-    statements: tuple[_StatementRecord, ...] = ()
+    statements: tuple[StatementRecord, ...] = ()
     rooms: tuple[HouseRoom, ...] = ()
     doors: tuple[HouseDoor, ...] = ()
     known_as: tuple[tuple[str, str, str], ...] = ()
-    approvals: tuple[ApprovalRecord, ...] = ()
-
-
-def places_record(
-    statements: Iterable[tuple[tuple[OwnerFact, ...], Iterable[SourceKey], Iterable[str]]],
-    rooms: Iterable[HouseRoom],
-    doors: Iterable[HouseDoor],
-    known_as: Mapping[SourceKey, str],
-    approvals: ApprovalRegistry,
-) -> str:
-    """Return a :class:`PlacesRecord` as text.
-
-    Args:
-        statements: Facts, with the announcements and the names that they are stated of.
-        known_as: The name of each announcement in the configuration.
-    """
-    record = {
-        "statements": [
-            {"facts": [fact._asdict() for fact in facts], "announcements": list(keys), "names": list(names)}
-            for facts, keys, names in statements
-        ],
-        "rooms": [one._asdict() for one in rooms],
-        "doors": [one._asdict() for one in doors],
-        "known_as": [[*key, name] for key, name in known_as.items()],
-        "approvals": approvals.records(),
-    }
-    return json.dumps(record)
+    approvals: tuple[tuple[str, str, str, CommandDescription, float], ...] = ()
 
 
 def read_places_record(text: str) -> PlacesRecord:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 import anyio
 from anyio import to_thread
@@ -19,6 +19,8 @@ from homebot.devices.services import IndexRow, IndexTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.ids import Tombstone
 from homebot.discovery.index import DeviceIndex
+from homebot.discovery.merging.decisions import MergeDecisions
+from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone, tombstone_record
 from homebot.errors import LinkError, WireError
 from homebot.graph import Node
@@ -49,28 +51,6 @@ _BATCH = 200
 _LAST_CHANCE = 5.0
 
 
-class OwnerRecord(Protocol):
-    """A record in the index file of the owner's decisions.
-
-    Attributes:
-        is_unsaved: Whether it is not in the index file as it is.
-    """
-
-    is_unsaved: bool
-
-    def record(self) -> str:
-        """Return it as text."""
-        ...
-
-    def restore(self, record: str) -> None:
-        """Restore the records that :meth:`record` returned.
-
-        Raises:
-            WireError: It is no such text.
-        """
-        ...
-
-
 class IndexPersistence:
     """Keeps the index file.
 
@@ -91,8 +71,8 @@ class IndexPersistence:
         self._rejected = 0
         self.file = str(path or "")
         self._kept = None if path is None else self._kept_file(path)
-        self._owner: Mapping[str, OwnerRecord] = {DECISIONS: index.decisions, PLACES: index.owner}
-        index.is_saved = path is not None
+        self._owner: dict[str, MergeDecisions | OwnerFacts] = {DECISIONS: index.decisions, PLACES: index.owner}
+        index.table.is_saved = path is not None
 
     @property
     def problem(self) -> str:
@@ -138,7 +118,7 @@ class IndexPersistence:
             self._index.restore(entry, now, wall)
             if work.is_over:
                 await work.pause()
-        self._index.unsaved.clear()
+        self._index.table.unsaved.clear()
         if rejected:
             self._node.log.warning(BAD_RECORD, message=f"{rejected} records of {self.file} could not be read")
         if known.entries:
@@ -160,7 +140,7 @@ class IndexPersistence:
 
     def _save_all(self) -> None:
         """Note that nothing of what is known is in the index file."""
-        self._index.save_all()
+        self._index.table.mark_all_unsaved()
         for owner in self._owner.values():
             owner.is_unsaved = True
 
@@ -196,9 +176,9 @@ class IndexPersistence:
 
     async def _save_batch(self, file: IndexFile) -> None:
         """Write some unsaved devices, and the unsaved records of the owner."""
-        batch = tuple(islice(self._index.unsaved, _BATCH))
+        batch = tuple(islice(self._index.table.unsaved, _BATCH))
         for device_id in batch:
-            del self._index.unsaved[device_id]
+            del self._index.table.unsaved[device_id]
         unsaved = [name for name, owner in self._owner.items() if owner.is_unsaved]
         for name in unsaved:
             self._owner[name].is_unsaved = False
@@ -207,14 +187,14 @@ class IndexPersistence:
             records = records._replace(owner=tuple((name, self._owner[name].record()) for name in unsaved))
             await to_thread.run_sync(file.write, records, batch)
         except BaseException:
-            self._index.unsaved.update(dict.fromkeys(batch))
+            self._index.table.unsaved.update(dict.fromkeys(batch))
             for name in unsaved:
                 self._owner[name].is_unsaved = True
             raise
 
     @property
     def _is_unsaved(self) -> bool:
-        return bool(self._index.unsaved) or any(owner.is_unsaved for owner in self._owner.values())
+        return bool(self._index.table.unsaved) or any(owner.is_unsaved for owner in self._owner.values())
 
     async def _records(self, batch: tuple[str, ...]) -> Records:
         """Make the records; a device that changes during a pause is unsaved again, and in the next batch."""
@@ -256,7 +236,7 @@ class IndexPersistence:
         )
 
     def _end(self) -> None:
-        self._index.is_saved = False
+        self._index.table.is_saved = False
 
 
 class _SavedState(NamedTuple):

@@ -136,7 +136,7 @@ class ChangePublisher:
         queue = self._queue
         if queue.states and not queue.pending:
             self._publish_states(FEW)
-        if self._is_idle and (queue.pending or queue.states or self._index.outdated):
+        if self._is_idle and (queue.pending or queue.states or self._index.table.outdated):
             self._is_idle = False
             self._happened.set()
         if queue.growing:
@@ -152,7 +152,7 @@ class ChangePublisher:
                 self._happened.clear()
                 self._is_idle = True
                 is_busy = True
-                while is_busy and (self._queue.pending or self._queue.states or self._index.outdated):
+                while is_busy and (self._queue.pending or self._queue.states or self._index.table.outdated):
                     await self._burst.wait(self._has_many_states)
                     is_busy = await self._publish_waiting()
 
@@ -207,7 +207,7 @@ class ChangePublisher:
 
         A query meanwhile makes all findable first; see :meth:`DeviceIndex.find`.
         """
-        if not self._index.outdated:  # as after most reports: a new value is found where the one before was
+        if not self._index.table.outdated:  # as after most reports: a new value is found where the one before was
             return False
         await anyio.lowlevel.checkpoint()  # messages that the gateway is handling now come first
         return not self._happened.is_set() and self._index.sort(FEW)

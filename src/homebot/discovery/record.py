@@ -17,7 +17,6 @@ from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.errors import InvalidNameError, WireError
 from homebot.messages import Time
-from homebot.messages.json import known_fields
 from homebot.names import validate_node_name
 
 __all__ = ["MAX_RECORD", "Records", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
@@ -174,19 +173,4 @@ def _read(kind: type[_RecordT], text: str) -> _RecordT:
     try:
         return kind.model_validate_json(text)
     except ValidationError as exc:
-        error = exc
-    if error.errors()[0]["type"] == "extra_forbidden":
-        try:
-            return kind.model_validate_json(_without_unknown_fields(text))
-        except ValidationError as exc:
-            error = exc
-    raise WireError(f"no record: {error.errors()[0]['msg']}", text[:100].encode(errors="replace")) from error
-
-
-def _without_unknown_fields(text: str) -> str:
-    """Return the record of a device without fields that only a newer homebot has in its sightings."""
-    record = json.loads(text)
-    for claim in record["claims"]:
-        if isinstance(claim, dict) and isinstance(sighting := claim.get("sighting"), dict):
-            claim["sighting"] = known_fields(Sighting, sighting)
-    return json.dumps(record)
+        raise WireError(f"no record: {exc.errors()[0]['msg']}", text[:100].encode(errors="replace")) from exc

@@ -139,7 +139,7 @@ class DeviceMerger:
             self._refresh_conflicts(table.topics.discard(key))
         forgotten = table.tombstones.put(tombstone)
         if forgotten is not None:
-            table.unsaved.add(forgotten.id)
+            table.mark_unsaved(forgotten.id)
         if affected := affected - entry.sources.keys():
             self.regroup(affected, f"{entry.id} is gone: {why}")
 
@@ -274,7 +274,7 @@ class DeviceMerger:
         if concerned:
             self._refresh_conflicts(concerned)
         table.outdated[entry.id] = None
-        table.unsaved.add(entry.id)
+        table.mark_unsaved(entry.id)
         if table.topics.denied or entry.topic_owner:
             self._refresh_topic_owner(entry, sources, is_whole=new is None)
 
