@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Coroutine, Mapping
-from typing import Literal, Protocol, TypeAlias
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Any, Literal, Protocol, TypeAlias
 
 import anyio.lowlevel
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
+from homebot.devices.approval_messages import DescribeCommands
 from homebot.devices.command_description import CommandDescription
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
+from homebot.devices.health import GetHealth, HealthResponse
 from homebot.devices.names import TEXT_SCHEME, read_text_address
 from homebot.devices.services import SubscribeToTopicRequest, SubscribeToTopicResponse
 from homebot.devices.text.commands import decode_command
 from homebot.devices.value import Value
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError
-from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
-from homebot.gateways.announced.counters import GatewayCounters
-from homebot.gateways.base import Gateway
-from homebot.gateways.raw_delivery import RawDelivery, begin_of
+from homebot.gateways.announced.announcement import AnnouncedPart
+from homebot.gateways.announced.engine import GatewayEngine
+from homebot.gateways.raw_delivery import begin_of
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
 __all__ = ["CommandServer", "Perform", "RawMessages"]
@@ -37,10 +38,6 @@ It raises :class:`UnableError` where the part cannot do that as it is described 
 :class:`LinkError` where the device or its network cannot be reached now, and :class:`RefusedError` where one of them
 says no. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
 """
-
-
-FindPart: TypeAlias = Callable[[str, str], AnnouncedPart]
-"""Returns the part of a device, by the device's key and its own id; raises :class:`UnableError` for none."""
 
 
 class RawMessages(Protocol):
@@ -69,40 +66,40 @@ class RawMessages(Protocol):
 
 
 class CommandServer:
-    """The services ``send_command`` and ``subscribe_to_topic`` of a gateway, and the topic ``out``.
+    """The services that gateways of all protocols share, and the topic ``out``.
+
+    They are the graph names of :mod:`homebot.gateways.base` but ``state`` and those of offers.
 
     Args:
-        find_part: Finds the part that a text is for.
-        log: Warns of a text that cannot be sent: by an event, in words, about an address.
-        keeps_states: See :meth:`homebot.gateways.announced.engine.GatewayEngine.serve`.
+        health: Returns the health report beside that of the engine.
+        keeps_states: Whether a new listener to the texts of a part gets its last state as a retained one;
+            no if the network itself retains states and sends them.
     """
 
     def __init__(
         self,
-        gateway: Gateway,
+        engine: GatewayEngine[Any],
         perform: Perform,
-        find_part: FindPart,
-        devices: Mapping[str, StoredAnnouncement],
-        listeners: RawDelivery,
-        counters: GatewayCounters,
         raw: RawMessages,
-        log: Callable[[str, str, str], None],
+        health: Callable[[], HealthResponse],
         *,
         keeps_states: bool,
     ) -> None:
-        self._gateway = gateway
+        self._gateway = engine.gateway
         self._perform = perform
-        self._find_part = find_part
-        self._devices = devices
-        self._listeners = listeners
-        self._counters = counters
+        self._find_part = engine.find_part
+        self._devices = engine.devices
+        self._listeners = engine.listeners
+        self._counters = engine.counters
         self._raw = raw
-        self._log = log
+        self._log = engine.quarantine.log_limited
         self._keeps_states = keeps_states
-        node, names = gateway.node, gateway.names
+        node, names = self._gateway.node, self._gateway.names
         self._clock = node.graph.clock
         node.create_service(SendCommand, names.send_command, self.serve, concurrent=True)
         node.create_service(SubscribeToTopic, names.subscribe, self.subscribe)
+        node.create_service(GetHealth, names.health, lambda _: engine.health(health()))
+        node.create_service(DescribeCommands, names.describe_commands, engine.describe_commands, concurrent=True)
         self._out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:

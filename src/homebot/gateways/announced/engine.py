@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Generic, TypeVar
 
 import anyio.lowlevel
 
-from homebot.devices.approval_messages import (
-    DescribeCommands,
-    DescribeCommandsRequest,
-    DescribeCommandsResponse,
-)
-from homebot.devices.health import Count, GetHealth, HealthResponse
+from homebot.devices.approval_messages import DescribeCommandsRequest, DescribeCommandsResponse
+from homebot.devices.health import Count, HealthResponse
 from homebot.errors import RefusedError, UnableError
 from homebot.gateways.announced.announcement import AnnouncedPart, StoredAnnouncement
-from homebot.gateways.announced.command_server import CommandServer, Perform, RawMessages
 from homebot.gateways.announced.counters import GatewayCounters
 from homebot.gateways.announced.quarantine import PeerQuarantine
 from homebot.gateways.announced.reporter import DeviceReporter
@@ -44,7 +39,8 @@ _NOT_DESCRIBED = "it has not said what it can do since this gateway started; it 
 class GatewayEngine(Generic[MessageT]):
     """The mechanisms of one gateway, over the *devices* that it keeps.
 
-    They need no task of the gateway: waiting and timing are done by tasks of its node.
+    They need no task of the gateway: waiting and timing are done by tasks of its node. The services are those of
+    :class:`homebot.gateways.announced.command_server.CommandServer`.
 
     Args:
         stale_after: Seconds of silence after which a device without its own limit counts as stale.
@@ -63,8 +59,8 @@ class GatewayEngine(Generic[MessageT]):
         log_key: str = "source",
     ) -> None:
         node = gateway.node
-        self._gateway = gateway
-        self._devices = devices
+        self.gateway = gateway
+        self.devices = devices
         self.counters = GatewayCounters()
         self.reporter = DeviceReporter(gateway, stale_after)
         self.scheduler = Scheduler(node.graph.clock)
@@ -80,34 +76,8 @@ class GatewayEngine(Generic[MessageT]):
             self.counters,
             self.quarantine.record_plugin_failure,
         )
-
-    def serve(
-        self, perform: Perform, raw: RawMessages, health: Callable[[], HealthResponse], *, keeps_states: bool
-    ) -> CommandServer:
-        """Serve the graph names of :mod:`homebot.gateways.base` but ``state`` and those of offers.
-
-        Args:
-            health: Returns the health report beside the counters here, and the quarantined sources.
-            keeps_states: Whether a new listener to the texts of a part gets its last state as a retained one;
-                no if the network itself retains states and sends them.
-        """
-        node, names = self._gateway.node, self._gateway.names
-        server = CommandServer(
-            self._gateway,
-            perform,
-            self.find_part,
-            self._devices,
-            self.listeners,
-            self.counters,
-            raw,
-            self.quarantine.log_limited,
-            keeps_states=keeps_states,
-        )
-        node.create_service(GetHealth, names.health, lambda _: self._health(health()))
-        node.create_service(DescribeCommands, names.describe_commands, self._describe_commands, concurrent=True)
         node.create_task(self.listeners.watch_nodes)
         node.create_task(self.scheduler.run)
-        return server
 
     def find_part(self, key: str, part_id: str) -> AnnouncedPart:
         """Return a part that is described.
@@ -115,7 +85,7 @@ class GatewayEngine(Generic[MessageT]):
         Raises:
             UnableError: No device has that key and part.
         """
-        stored = self._devices.get(key)
+        stored = self.devices.get(key)
         if stored is None:
             why = _NOT_ANNOUNCED
         elif (part := stored.parts.get(part_id)) is not None:
@@ -128,15 +98,17 @@ class GatewayEngine(Generic[MessageT]):
         refused = RefusedError(f"a command to {key[:100]}", why)
         raise UnableError(str(refused)) from refused
 
-    async def _describe_commands(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
-        stored, lines = self._devices.get(request.key), list[str]()
+    async def describe_commands(self, request: DescribeCommandsRequest) -> DescribeCommandsResponse:
+        """Return the messages that commands to a device would send, as text."""
+        stored, lines = self.devices.get(request.key), list[str]()
         for part in () if stored is None else stored.described.parts:
             for line in sent_commands(part):
                 lines.append(line)
                 await anyio.lowlevel.checkpoint()  # the template of a stranger may take milliseconds
         return DescribeCommandsResponse(commands=tuple(lines))
 
-    def _health(self, own: HealthResponse) -> HealthResponse:
+    def health(self, own: HealthResponse) -> HealthResponse:
+        """Return the health report *own* with the counters here, and the quarantined sources."""
         counts = {
             **asdict(self.counters),
             "announcements_ignored": self.quarantine.waiting.dropped,

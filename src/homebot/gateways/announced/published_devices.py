@@ -17,7 +17,7 @@ from homebot.devices.health import HealthResponse
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
-from homebot.gateways.announced.command_server import Perform
+from homebot.gateways.announced.command_server import CommandServer, Perform
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.registry import DeviceRegistry, RegistryLimits
@@ -88,7 +88,8 @@ class PublishedDevices:
         )
         self.counters = self.engine.counters
         self._reporter = self.engine.reporter
-        self.engine.serve(
+        CommandServer(
+            self.engine,
             self._checked,
             self._raw,
             lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems()), notes=tuple(find_notes())),

@@ -22,6 +22,7 @@ from homebot.devices.health import Count, HealthResponse
 from homebot.devices.names import ROBOTS_NODE
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader
+from homebot.gateways.announced.command_server import CommandServer
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.announced.last_messages import LastMessageCache
 from homebot.gateways.announced.registry import Readers, RegistryLimits
@@ -103,7 +104,7 @@ class AnnouncedDevices:
         self.secrets = SentSecrets()
         self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)
         publisher = CommandPublisher(engine, connection, self.secrets, responses)
-        self.texts = engine.serve(publisher.perform, self, self._health, keeps_states=False)
+        self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of all announcements."""
