@@ -3,7 +3,7 @@ from dataclasses import dataclass
 import pytest
 
 from homebot.conventions.description import Availability, AvailabilityMode
-from homebot.gateways.announced.reachability import ReachabilityReader
+from homebot.gateways.announced.announcement import SharedReachability
 
 
 @dataclass(frozen=True)
@@ -14,8 +14,8 @@ class Word:
         return bool(payload)
 
 
-def reachability(mode: AvailabilityMode) -> ReachabilityReader:
-    return ReachabilityReader(Availability((Word("a"), Word("b")), mode))
+def reachability(mode: AvailabilityMode) -> SharedReachability:
+    return SharedReachability(Availability((Word("a"), Word("b")), mode))
 
 
 @pytest.mark.parametrize(

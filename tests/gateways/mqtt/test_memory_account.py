@@ -23,7 +23,6 @@ from homebot.gateways.announced.registry import (
     MAX_EXCESS,
     MAX_EXCESS_EACH,
     MAX_MEMORY,
-    MemoryAccount,
     RegistryLimits,
     excess_of,
 )
@@ -92,10 +91,10 @@ def test_registered_announcements_take_room_and_give_it_back(
 
 
 def test_the_refusal_says_what_to_do() -> None:
-    account = MemoryAccount(MOST)
-    account.put(described("one", 20))
+    registry = AnnouncementRegistry("mqtt", (), StateTopics(()), RegistryLimits(memory=MOST))
+    registry.put(described("one", 20))
     with pytest.raises(WireError, match=re.escape("'two' does not fit: announcements take 74,752 bytes")) as no:
-        account.check(described("two", 20), None)
+        registry.put(described("two", 20))
     assert "raise max_memory of the gateway" in str(no.value)
 
 
@@ -119,22 +118,20 @@ def announced_by_real_devices() -> Iterator[DeviceAnnounced]:
 
 
 def test_all_real_models_fit_by_both_of_their_ways() -> None:
-    account = MemoryAccount()
+    registry = AnnouncementRegistry("mqtt", (), StateTopics(()))
     for one in announced_by_real_devices():
-        account.put(one)
+        registry.put(one)
     models = len(REAL.read_text(encoding="utf-8").splitlines())
     assert models > 100
-    assert account.total / models * ALL_MODELS < MAX_MEMORY
+    assert registry.memory / models * ALL_MODELS < MAX_MEMORY
 
 
 @pytest.mark.parametrize(("devices", "parts"), [(500, 30), (10_000, 1), (10_000, 3)])
 def test_large_houses_fit_with_room(devices: int, parts: int) -> None:
-    account = MemoryAccount()
+    registry = AnnouncementRegistry("mqtt", (), StateTopics(()))
     for number in range(devices):
-        one = described(str(number), parts, f"mac:{number}")
-        account.check(one, None)
-        account.put(one)
-    assert account.total < MAX_MEMORY / 2
+        registry.put(described(str(number), parts, f"mac:{number}"))
+    assert registry.memory < MAX_MEMORY / 2
 
 
 @pytest.mark.virtual_time

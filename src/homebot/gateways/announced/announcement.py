@@ -18,7 +18,6 @@ from homebot.devices.part import Part
 from homebot.devices.text.commands import accepts_text, main_part
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.errors import WireError
-from homebot.gateways.announced.reachability import ReachabilityReader
 from homebot.gateways.raw_delivery import PartTexts
 from homebot.messages import Time
 
@@ -30,7 +29,7 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 """The shared empty mapping: a dict of its own would be 64 bytes of each device, and most devices need none."""
 
 # Looked up once: pydantic's metaclass makes each look-up on a message type cost as much as a call.
-_reading_of, _value_of = Reading.of_checked, Value.of
+_reading_of, _sighting_of, _value_of = Reading.of_checked, Sighting.of_checked, Value.of
 
 _PLAIN = frozenset({bool, float})
 _MAX_STREAMS = 100
@@ -91,22 +90,55 @@ class AnnouncedPart(PartTexts):
         return found
 
 
-class SharedReachability(ReachabilityReader):
-    """The reachability that equal availabilities of one device share: its announcements mostly have the same.
+class SharedReachability:
+    """The last reports of whether a device can be reached, and their combined meaning.
+
+    Equal availabilities of one device share it: its announcements mostly have the same.
 
     Attributes:
+        value: True if the device can be reached; None for unknown.
         members: The announcements with it, each with a part; an empty one is the whole.
         subscriptions: The filters that it is read on, each with its reader.
         address: Where it was reported last.
     """
 
-    __slots__ = ("address", "members", "subscriptions")
+    __slots__ = ("_latest", "_reports", "address", "availability", "members", "subscriptions", "value")
 
     def __init__(self, availability: Availability) -> None:
-        super().__init__(availability)
+        self.availability = availability
+        self.value: bool | None = None
         self.members: list[tuple[StoredAnnouncement, str]] = []
         self.subscriptions: list[tuple[str, AvailabilityReader]] = []
         self.address = ""
+        self._reports: list[tuple[bool, bool] | None] = [None] * len(availability.sources)
+        self._latest: tuple[bool, bool] | None = None
+
+    def update(self, index: int, is_reachable: bool, *, retained: bool) -> None:  # noqa: FBT001 - the report of the source
+        """Record the report of source *index*: whether the device can be reached."""
+        self._reports[index] = self._latest = is_reachable, retained
+        self.value = self._combined()
+
+    def discard_retained_offline(self) -> None:
+        """Forget each "offline" that the broker had kept from before the device's message: it is often never cleared.
+
+        An "offline" that was heard live stays, and so does every "online".
+        """
+        if self._latest == _RETAINED_OFFLINE:
+            self._latest = None
+        self._reports = [None if report == _RETAINED_OFFLINE else report for report in self._reports]
+        self.value = self._combined()
+
+    def _combined(self) -> bool | None:
+        if self.availability.mode == "latest":
+            return self._latest[0] if self._latest is not None else None
+        known = [report[0] for report in self._reports if report is not None]
+        decisive = self.availability.mode == "any"
+        if decisive in known:
+            return decisive
+        return not decisive if len(known) == len(self._reports) else None
+
+
+_RETAINED_OFFLINE = (False, True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -223,8 +255,8 @@ class StoredAnnouncement:
         One that says text by itself has the addresses, and the service type, of that.
 
         Raises:
-            WireError: An address is no text.
-            pydantic.ValidationError: Another value is none that a sighting can have.
+            WireError: A name or an address is no text.
+            pydantic.ValidationError: A fact is none that a sighting can have.
         """
         described = self.described
         endpoint = text = described.text
@@ -233,71 +265,35 @@ class StoredAnnouncement:
             endpoint = TextEndpoint(main.service_type, address, address if accepts_text(main) else "")
         endpoint = endpoint or _NO_ENDPOINT
         announced_on = described.topic if text is None else ""
-        if not _ONLY_TEXTS.issuperset(map(type, (self.key, *endpoint, announced_on, *described.owns))):
-            raise WireError(f"{self.key!r} has topics that are no texts: {(*endpoint, announced_on)!r}")
-        return _sighting_of_device(
-            self.gateway,
-            described.name,
-            described.area,
-            described.identifiers,
-            described.convention if text is None else "",
-            described.native or text is not None,
-            described.whole_device,
-        ).model_copy(
-            update={
-                "key": self.key,
-                "service_type": endpoint.service_type,
-                "address": endpoint.address,
-                "command_address": endpoint.command_address,
-                "parts": parts,
-                "metadata": _metadata(tuple(described.facts.items())),
-                "owns": described.owns,
-                "announced_on": announced_on,
-            }
+        texts = (self.key, described.name, described.area, *endpoint, announced_on)
+        if not _ONLY_TEXTS.issuperset(map(type, (*texts, *described.identifiers, *described.owns))):
+            raise WireError(f"{self.key!r} has names or topics that are no texts: {texts!r}")
+        return _sighting_of(
+            gateway=self.gateway,
+            key=self.key,
+            kind="updated",
+            why="",
+            name=described.name,
+            service_type=endpoint.service_type,
+            address=endpoint.address,
+            command_address=endpoint.command_address,
+            metadata=tuple(starmap(_fact, described.facts.items())),
+            convention=described.convention if text is None else "",
+            native=described.native or text is not None,
+            whole_device=described.whole_device,
+            identifiers=described.identifiers,
+            authenticated=False,
+            area=described.area,
+            parts=parts,
+            owns=described.owns,
+            announced_on=announced_on,
+            seen_at=_NEVER,
+            expires_at=_NEVER,
+            confirmed=False,
+            heard_at=0.0,
         )
 
 
-@lru_cache(maxsize=5000)  # a device is announced in dozens of messages, mixed with those of others
-def _sighting_of_device(
-    gateway: str,
-    name: str,
-    area: str,
-    identifiers: tuple[str, ...],
-    convention: str,
-    native: bool,  # noqa: FBT001 - only called above
-    whole_device: bool,  # noqa: FBT001 - likewise
-) -> Sighting:
-    """Return a sighting with the fields that all announcements of a device have in common.
-
-    Raises:
-        pydantic.ValidationError: A value is none that a sighting can have.
-    """
-    return Sighting(
-        gateway=gateway,
-        key="",
-        kind="updated",
-        why="",
-        name=name,
-        service_type="",
-        address="",
-        command_address="",
-        metadata=(),
-        convention=convention,
-        native=native,
-        whole_device=whole_device,
-        identifiers=identifiers,
-        area=area,
-        seen_at=_NEVER,
-        expires_at=_NEVER,
-        confirmed=False,
-    ).slimmed()
-
-
-@lru_cache(maxsize=5000)  # likewise: one tuple for all of a device
-def _metadata(facts: tuple[tuple[str, str], ...]) -> tuple[KeyValue, ...]:
-    return tuple(starmap(_fact, facts))
-
-
-@lru_cache(maxsize=10_000)
+@lru_cache(maxsize=10_000)  # devices have many facts in common
 def _fact(key: str, value: str) -> KeyValue:
     return KeyValue(key=key, value=value)

@@ -22,8 +22,6 @@ __all__ = [
     "MAX_EXCESS_EACH",
     "MAX_MEMORY",
     "DeviceRegistry",
-    "Excess",
-    "MemoryAccount",
     "Readers",
     "RegistryChange",
     "RegistryLimits",
@@ -98,6 +96,7 @@ class DeviceRegistry:
     Attributes:
         by_key: The registered announcements, by key, in the order of arrival.
         derived: Those of them that name their program.
+        excess: Bytes of all of them beyond the length that their offers explain.
     """
 
     def __init__(self, gateway: str, limits: RegistryLimits = _LIMITS) -> None:
@@ -106,18 +105,13 @@ class DeviceRegistry:
         self.derived = DerivedAnnouncements()
         self._limits = limits
         self._parts = 0
-        self._excess = Excess(limits.excess, limits.excess_each)
-        self._memory = MemoryAccount(limits.memory)
-
-    @property
-    def excess(self) -> int:
-        """Bytes of all registered announcements beyond the length that their offers explain."""
-        return self._excess.total
+        self._devices: dict[tuple[str, ...], int] = {}  # by identifiers; an announcement without any is one
+        self.excess = 0
 
     @property
     def memory(self) -> int:
         """Bytes that all that stand take, about."""
-        return self._memory.total
+        return _ANNOUNCEMENT * len(self.by_key) + _PART * self._parts + _DEVICE * len(self._devices)
 
     def get(self, key: str) -> StoredAnnouncement | None:
         """Return the announcement registered under *key*."""
@@ -142,16 +136,14 @@ class DeviceRegistry:
         self._check_room(described, before)
         excess = excess_of(described, length)
         if excess:
-            self._excess.check(described.key, excess, 0 if before is None else before.excess)
+            self._check_excess(described.key, excess, 0 if before is None else before.excess)
         stored = StoredAnnouncement(self.gateway, key, described, excess)
         refused, readers = self._enter(stored, before)
         if before is not None:
             stored.copy_state(before)
             self._forget(before)
         self.by_key[key] = stored
-        self._parts += len(described.parts)
-        self._excess.total += excess
-        self._memory.put(described)
+        self._count(stored, 1)
         if "origin" in described.facts:
             self.derived.put(described)
         return RegistryChange(stored, before, refused, readers)
@@ -191,9 +183,7 @@ class DeviceRegistry:
 
     def _forget(self, stored: StoredAnnouncement) -> None:
         self._leave(stored)
-        self._parts -= len(stored.described.parts)
-        self._excess.total -= stored.excess
-        self._memory.drop(stored.described)
+        self._count(stored, -1)
         if "origin" in stored.described.facts:
             self.derived.remove(stored.described)
 
@@ -208,7 +198,45 @@ class DeviceRegistry:
             raise WireError(f"{described.key!r} exceeds the limit of {limits.announcements:,} announcements")
         if self._parts + count - (0 if before is None else len(before.described.parts)) > limits.parts:
             raise WireError(f"{described.key!r} exceeds the limit of {limits.parts:,} parts in all")
-        self._memory.check(described, None if before is None else before.described)
+        self._check_memory(described, before)
+
+    def _check_memory(self, described: DeviceAnnounced, before: StoredAnnouncement | None) -> None:
+        more = _PART * (len(described.parts) - (0 if before is None else len(before.described.parts)))
+        if before is None:
+            more += _ANNOUNCEMENT
+        if (described.identifiers or (described.convention, described.key)) not in self._devices:
+            more += _DEVICE
+        if more > 0 and self.memory + more > self._limits.memory:
+            raise WireError(
+                f"{described.key!r} does not fit: announcements take {self.memory:,} bytes already, and "
+                f"{self._limits.memory:,} is the limit; withdraw some, or raise max_memory of the gateway"
+            )
+
+    def _check_excess(self, name: str, size: int, before: int) -> None:
+        """Check that an excess of *size* may replace one of the size *before*; a shorter one always may."""
+        if size <= before:
+            return
+        if size > self._limits.excess_each:
+            raise WireError(
+                f"{name!r} is {size:,} bytes too long for its parts; at most {self._limits.excess_each:,} are allowed"
+            )
+        if self.excess + size - before > self._limits.excess:
+            raise WireError(
+                f"{name!r} is {size:,} bytes too long for its parts, and there are long announcements of "
+                f"{self.excess:,} bytes already; withdraw some of them or shorten it"
+            )
+
+    def _count(self, stored: StoredAnnouncement, sign: int) -> None:
+        """Count *stored*; with -1, count it no more."""
+        described = stored.described
+        self._parts += sign * len(described.parts)
+        self.excess += sign * stored.excess
+        device = described.identifiers or (described.convention, described.key)
+        count = self._devices.get(device, 0) + sign
+        if count:
+            self._devices[device] = count
+        else:
+            del self._devices[device]
 
 
 def excess_of(described: DeviceAnnounced, length: int) -> int:
@@ -222,77 +250,3 @@ def excess_of(described: DeviceAnnounced, length: int) -> int:
     for one in described.parts:
         texts += texts_of(one.part)
     return max(0, max(length, size_of_texts(texts)) - _FREE - _FREE_PART * len(described.parts))
-
-
-class Excess:
-    """The account of the registered announcements."""
-
-    def __init__(self, most: int = MAX_EXCESS, most_each: int = MAX_EXCESS_EACH) -> None:
-        self.total = 0
-        self._most = most
-        self._most_each = most_each
-
-    def check(self, name: str, size: int, before: int) -> None:
-        """Check that one of *size* may replace one of the size *before*; a shorter one always may.
-
-        Raises:
-            WireError: It is too long by itself, or one too many of the long ones.
-        """
-        if size <= before:
-            return
-        if size > self._most_each:
-            raise WireError(
-                f"{name!r} is {size:,} bytes too long for its parts; at most {self._most_each:,} are allowed"
-            )
-        if self.total + size - before > self._most:
-            raise WireError(
-                f"{name!r} is {size:,} bytes too long for its parts, and there are long announcements of "
-                f"{self.total:,} bytes already; withdraw some of them or shorten it"
-            )
-
-
-class MemoryAccount:
-    """The account of the registered announcements."""
-
-    def __init__(self, most: int = MAX_MEMORY) -> None:
-        self.total = 0
-        self._most = most
-        self._devices: dict[tuple[str, ...], int] = {}
-
-    def check(self, described: DeviceAnnounced, before: DeviceAnnounced | None) -> None:
-        """Check that *described* may replace *before*; one that takes no more memory always may.
-
-        Raises:
-            WireError: There is no more room for it.
-        """
-        who, size = _account_of(described)
-        more = size - (0 if before is None else _account_of(before)[1])
-        if who not in self._devices:
-            more += _DEVICE
-        if more > 0 and self.total + more > self._most:
-            raise WireError(
-                f"{described.key!r} does not fit: announcements take {self.total:,} bytes already, and "
-                f"{self._most:,} is the limit; withdraw some, or raise max_memory of the gateway"
-            )
-
-    def put(self, described: DeviceAnnounced) -> None:
-        """Count an announcement that is registered now."""
-        who, size = _account_of(described)
-        count = self._devices.get(who, 0)
-        self._devices[who] = count + 1
-        self.total += size + (0 if count else _DEVICE)
-
-    def drop(self, described: DeviceAnnounced) -> None:
-        """Count an announcement no more."""
-        who, size = _account_of(described)
-        self._devices[who] -= 1
-        self.total -= size
-        if not self._devices[who]:
-            del self._devices[who]
-            self.total -= _DEVICE
-
-
-def _account_of(described: DeviceAnnounced) -> tuple[tuple[str, ...], int]:
-    """Return the identity of the device, and the bytes of this announcement; one without identifiers is a device."""
-    who = described.identifiers or (described.convention, described.key)
-    return who, _ANNOUNCEMENT + _PART * len(described.parts)
