@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 from homebot.errors import UsageError
@@ -19,6 +21,8 @@ from homebot.mqtt.packets.properties import (
 from homebot.mqtt.packets.reason import FAILURES, PacketError, ProtocolVersion, ReasonCode, by_number
 
 __all__ = [
+    "DECODERS",
+    "ENCODERS",
     "Auth",
     "Connack",
     "Connect",
@@ -26,14 +30,6 @@ __all__ = [
     "Pingreq",
     "Pingresp",
     "Will",
-    "decode_auth",
-    "decode_connack",
-    "decode_connect",
-    "decode_disconnect",
-    "encode_auth",
-    "encode_connack",
-    "encode_connect",
-    "encode_disconnect",
 ]
 
 
@@ -87,13 +83,31 @@ class Connack(NamedTuple):
     properties: Properties = NO_PROPERTIES
 
 
-def decode_connect(body: bytes) -> Connect:
-    """Decode the body of a CONNECT of any version.
+@dataclass(frozen=True, slots=True)
+class Pingreq:
+    """The client's ping."""
 
-    Raises:
-        PacketError: 0x84 for another protocol or version, 0x81 malformed, 0x82 something forbidden, 0x90 a
-            will topic that is not a topic name.
-    """
+
+@dataclass(frozen=True, slots=True)
+class Pingresp:
+    """The broker's answer to a ping."""
+
+
+class Disconnect(NamedTuple):
+    """The last packet of a connection; before MQTT 5 only clients send it, without reason and properties."""
+
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+class Auth(NamedTuple):
+    """A step of an extended authentication; MQTT 5 only."""
+
+    reason: ReasonCode = ReasonCode.SUCCESS
+    properties: Properties = NO_PROPERTIES
+
+
+def _decode_connect(body: bytes, _version: ProtocolVersion) -> Connect:
     cursor = Cursor(body)
     version, is_bridge = _decode_protocol(cursor)
     flags = cursor.uint8()
@@ -110,13 +124,7 @@ def decode_connect(body: bytes) -> Connect:
     return Connect(client_id, version, clean, keep_alive, username, password, will, properties, is_bridge)
 
 
-def encode_connect(packet: Connect) -> bytes:
-    """Encode the whole packet.
-
-    Raises:
-        UsageError: A field does not fit its type, there is a password without a user before MQTT 5, or a bridge speaks
-            MQTT 5.
-    """
+def _encode_connect(packet: Connect, _version: ProtocolVersion) -> bytes:
     is_v5 = packet.version is ProtocolVersion.V5
     _check_version(packet, is_v5=is_v5)
     body = encode_text(_NAMES[packet.version]) + (packet.version | packet.is_bridge * _BRIDGE).to_bytes(1, "big")
@@ -152,12 +160,7 @@ def _flags_of(packet: Connect) -> int:
     return flags
 
 
-def decode_connack(body: bytes, version: ProtocolVersion) -> Connack:
-    """Decode the body of a CONNACK.
-
-    Raises:
-        PacketError: 0x81 malformed, 0x82 an unknown reason.
-    """
+def _decode_connack(body: bytes, version: ProtocolVersion) -> Connack:
     cursor = Cursor(body)
     flags = cursor.uint8()
     if flags & 0xFE:
@@ -173,7 +176,7 @@ def decode_connack(body: bytes, version: ProtocolVersion) -> Connack:
     return Connack(bool(flags), reason, properties)
 
 
-def encode_connack(packet: Connack, version: ProtocolVersion) -> bytes:
+def _encode_connack(packet: Connack, version: ProtocolVersion) -> bytes:
     """Encode the whole packet; before MQTT 5 the reason becomes the nearest of that version's five refusals."""
     if version != ProtocolVersion.V5:
         number = _TO_V3.get(packet.reason, _V3_UNAVAILABLE) if packet.reason else 0
@@ -243,42 +246,19 @@ def _decode_will(cursor: Cursor, flags: int, *, is_v5: bool) -> Will:
     return Will(topic, cursor.binary(), flags >> 3 & 3, bool(flags & _WILL_RETAIN), properties)
 
 
-@dataclass(frozen=True, slots=True)
-class Pingreq:
-    """The client's ping."""
+def _decode_ping(packet_type: PacketType, body: bytes, _version: ProtocolVersion) -> Pingreq | Pingresp:
+    if body:
+        raise PacketError(f"{packet_type.name} has a body", body)
+    return Pingreq() if packet_type is PacketType.PINGREQ else Pingresp()
 
 
-@dataclass(frozen=True, slots=True)
-class Pingresp:
-    """The broker's answer to a ping."""
-
-
-class Disconnect(NamedTuple):
-    """The last packet of a connection; before MQTT 5 only clients send it, without reason and properties."""
-
-    reason: ReasonCode = ReasonCode.SUCCESS
-    properties: Properties = NO_PROPERTIES
-
-
-class Auth(NamedTuple):
-    """A step of an extended authentication; MQTT 5 only."""
-
-    reason: ReasonCode = ReasonCode.SUCCESS
-    properties: Properties = NO_PROPERTIES
-
-
-def decode_disconnect(body: bytes, version: ProtocolVersion) -> Disconnect:
-    """Decode the body of a DISCONNECT.
-
-    Raises:
-        PacketError: 0x81 malformed, 0x82 an unknown reason.
-    """
+def _decode_disconnect(body: bytes, version: ProtocolVersion) -> Disconnect:
     if version != ProtocolVersion.V5 and body:
         raise PacketError("DISCONNECT has a body", body)
     return Disconnect(*decode_reason(body, 0, PacketType.DISCONNECT, _DISCONNECT_REASONS))
 
 
-def encode_disconnect(packet: Disconnect, version: ProtocolVersion) -> bytes:
+def _encode_disconnect(packet: Disconnect, version: ProtocolVersion) -> bytes:
     """Encode the whole packet; before MQTT 5 reason and properties are left out."""
     if version != ProtocolVersion.V5:
         return b"\xe0\x00"
@@ -286,23 +266,13 @@ def encode_disconnect(packet: Disconnect, version: ProtocolVersion) -> bytes:
     return b"\xe0" + encode_varint(len(body)) + body
 
 
-def decode_auth(body: bytes, version: ProtocolVersion) -> Auth:
-    """Decode the body of an AUTH.
-
-    Raises:
-        PacketError: 0x81 malformed, or before MQTT 5; 0x82 an unknown reason.
-    """
+def _decode_auth(body: bytes, version: ProtocolVersion) -> Auth:
     if version != ProtocolVersion.V5:
         raise PacketError("AUTH came on a connection older than MQTT 5", body)
     return Auth(*decode_reason(body, 0, PacketType.AUTH, _AUTH_REASONS))
 
 
-def encode_auth(packet: Auth, version: ProtocolVersion) -> bytes:
-    """Encode the whole packet.
-
-    Raises:
-        UsageError: The connection is older than MQTT 5.
-    """
+def _encode_auth(packet: Auth, version: ProtocolVersion) -> bytes:
     if version != ProtocolVersion.V5:
         raise UsageError("AUTH needs MQTT 5")
     body = encode_reason(packet.reason, packet.properties, PacketType.AUTH)
@@ -311,3 +281,22 @@ def encode_auth(packet: Auth, version: ProtocolVersion) -> bytes:
 
 _DISCONNECT_REASONS = by_number(ReasonCode.SUCCESS, ReasonCode.DISCONNECT_WITH_WILL, *FAILURES)
 _AUTH_REASONS = by_number(ReasonCode.SUCCESS, ReasonCode.CONTINUE_AUTHENTICATION, ReasonCode.REAUTHENTICATE)
+
+DECODERS: dict[
+    PacketType, Callable[[bytes, ProtocolVersion], Connect | Connack | Pingreq | Pingresp | Disconnect | Auth]
+] = {
+    PacketType.CONNECT: _decode_connect,
+    PacketType.CONNACK: _decode_connack,
+    PacketType.PINGREQ: partial(_decode_ping, PacketType.PINGREQ),
+    PacketType.PINGRESP: partial(_decode_ping, PacketType.PINGRESP),
+    PacketType.DISCONNECT: _decode_disconnect,
+    PacketType.AUTH: _decode_auth,
+}
+ENCODERS: dict[type, Callable[..., bytes]] = {
+    Connect: _encode_connect,
+    Connack: _encode_connack,
+    Pingreq: lambda _packet, _version: b"\xc0\x00",
+    Pingresp: lambda _packet, _version: b"\xd0\x00",
+    Disconnect: _encode_disconnect,
+    Auth: _encode_auth,
+}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple, NoReturn
 
 from homebot.errors import UsageError
@@ -18,16 +20,15 @@ from homebot.mqtt.packets.properties import (
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 
 __all__ = [
+    "DECODERS",
+    "ENCODERS",
     "Acknowledgement",
     "Puback",
     "Pubcomp",
     "Publish",
     "Pubrec",
     "Pubrel",
-    "decode_acknowledgement",
     "decode_publish",
-    "encode_acknowledgement",
-    "encode_publish",
     "encode_publish_parts",
 ]
 
@@ -52,39 +53,36 @@ class Publish(NamedTuple):
     properties: Properties = NO_PROPERTIES
 
 
-class Puback(NamedTuple):
-    """The answer to a PUBLISH at QoS 1; a tuple, as :class:`Publish`, because it comes as often."""
+class Acknowledgement(NamedTuple):
+    """An answer about one message; a tuple, as :class:`Publish`, because it comes as often."""
 
     packet_id: int
     reason: ReasonCode = ReasonCode.SUCCESS
     properties: Properties = NO_PROPERTIES
 
 
-class Pubrec(NamedTuple):
+class Puback(Acknowledgement):
+    """The answer to a PUBLISH at QoS 1."""
+
+    __slots__ = ()
+
+
+class Pubrec(Acknowledgement):
     """The first answer to a PUBLISH at QoS 2."""
 
-    packet_id: int
-    reason: ReasonCode = ReasonCode.SUCCESS
-    properties: Properties = NO_PROPERTIES
+    __slots__ = ()
 
 
-class Pubrel(NamedTuple):
+class Pubrel(Acknowledgement):
     """The sender's answer to PUBREC: the packet id may be forgotten."""
 
-    packet_id: int
-    reason: ReasonCode = ReasonCode.SUCCESS
-    properties: Properties = NO_PROPERTIES
+    __slots__ = ()
 
 
-class Pubcomp(NamedTuple):
+class Pubcomp(Acknowledgement):
     """The end of a QoS 2 exchange."""
 
-    packet_id: int
-    reason: ReasonCode = ReasonCode.SUCCESS
-    properties: Properties = NO_PROPERTIES
-
-
-Acknowledgement = Puback | Pubrec | Pubrel | Pubcomp
+    __slots__ = ()
 
 
 def decode_publish(flags: int, data: bytes, start: int, end: int, version: ProtocolVersion) -> Publish:
@@ -124,12 +122,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
     return Publish(topic, data[position:end], qos, flags & 1 == 1, flags & 8 == 8, packet_id, properties)
 
 
-def encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
-    """Encode the whole packet.
-
-    Raises:
-        UsageError: QoS and packet id do not fit together, or a field does not fit its type.
-    """
+def _encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
     topic, payload, qos, retain, dup, packet_id, properties = packet
     encoded = encode_properties(properties, PacketType.PUBLISH) if version is ProtocolVersion.V5 else b""
     head, tail = encode_publish_parts(topic, payload, qos, retain, encoded, dup=dup)
@@ -172,13 +165,8 @@ def encode_publish_parts(
     return first.to_bytes(1, "big") + encode_varint(size) + name, payload
 
 
-def decode_acknowledgement(packet_type: PacketType, body: bytes, version: ProtocolVersion) -> Acknowledgement:
-    """Decode PUBACK, PUBREC, PUBREL or PUBCOMP.
-
-    Raises:
-        PacketError: 0x81 malformed, 0x82 packet id 0 or a reason that this packet must not carry.
-    """
-    kind, reasons = _KINDS[packet_type]
+def _decode_acknowledgement(packet_type: PacketType, body: bytes, version: ProtocolVersion) -> Acknowledgement:
+    _, kind, reasons = _ACKNOWLEDGEMENTS[packet_type]
     packet_id = _read_packet_id(packet_type.name, body, 0, len(body))
     if len(body) == 2:
         return kind(packet_id)
@@ -187,9 +175,8 @@ def decode_acknowledgement(packet_type: PacketType, body: bytes, version: Protoc
     return kind(packet_id, *decode_reason(body, 2, packet_type, reasons))
 
 
-def encode_acknowledgement(packet: Acknowledgement, version: ProtocolVersion) -> bytes:
-    """Encode the whole packet; before MQTT 5 reason and properties are left out."""
-    first, packet_type = _FIRST_BYTES[type(packet)]
+def _encode_acknowledgement(packet_type: PacketType, packet: Acknowledgement, version: ProtocolVersion) -> bytes:
+    first = _ACKNOWLEDGEMENTS[packet_type][0]
     if version != ProtocolVersion.V5 or (packet.properties is NO_PROPERTIES and packet.reason is ReasonCode.SUCCESS):
         return first + b"\x02" + packet.packet_id.to_bytes(2, "big")
     body = encode_uint16(packet.packet_id) + encode_reason(packet.reason, packet.properties, packet_type)
@@ -209,17 +196,17 @@ _PUBLISH_REASONS = by_number(
 )
 _RELEASE_REASONS = by_number(ReasonCode.SUCCESS, ReasonCode.PACKET_IDENTIFIER_NOT_FOUND)
 
-_KINDS: dict[PacketType, tuple[type[Acknowledgement], dict[int, ReasonCode]]] = {
-    PacketType.PUBACK: (Puback, _PUBLISH_REASONS),
-    PacketType.PUBREC: (Pubrec, _PUBLISH_REASONS),
-    PacketType.PUBREL: (Pubrel, _RELEASE_REASONS),
-    PacketType.PUBCOMP: (Pubcomp, _RELEASE_REASONS),
+_ACKNOWLEDGEMENTS: dict[PacketType, tuple[bytes, type[Acknowledgement], dict[int, ReasonCode]]] = {
+    PacketType.PUBACK: (b"\x40", Puback, _PUBLISH_REASONS),
+    PacketType.PUBREC: (b"\x50", Pubrec, _PUBLISH_REASONS),
+    PacketType.PUBREL: (b"\x62", Pubrel, _RELEASE_REASONS),
+    PacketType.PUBCOMP: (b"\x70", Pubcomp, _RELEASE_REASONS),
 }
-_FIRST_BYTES: dict[type[Acknowledgement], tuple[bytes, PacketType]] = {
-    Puback: (b"\x40", PacketType.PUBACK),
-    Pubrec: (b"\x50", PacketType.PUBREC),
-    Pubrel: (b"\x62", PacketType.PUBREL),
-    Pubcomp: (b"\x70", PacketType.PUBCOMP),
+DECODERS: dict[PacketType, Callable[[bytes, ProtocolVersion], Acknowledgement]] = {
+    packet_type: partial(_decode_acknowledgement, packet_type) for packet_type in _ACKNOWLEDGEMENTS
+}
+ENCODERS: dict[type, Callable[..., bytes]] = {Publish: _encode_publish} | {
+    kind: partial(_encode_acknowledgement, packet_type) for packet_type, (_, kind, _) in _ACKNOWLEDGEMENTS.items()
 }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 
 from homebot.errors import InvalidNameError, UsageError
@@ -17,21 +17,7 @@ from homebot.mqtt.packets.properties import (
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 from homebot.mqtt.topics import validate_filter
 
-__all__ = [
-    "FilterRequest",
-    "Suback",
-    "Subscribe",
-    "Unsuback",
-    "Unsubscribe",
-    "decode_suback",
-    "decode_subscribe",
-    "decode_unsuback",
-    "decode_unsubscribe",
-    "encode_suback",
-    "encode_subscribe",
-    "encode_unsuback",
-    "encode_unsubscribe",
-]
+__all__ = ["DECODERS", "ENCODERS", "FilterRequest", "Suback", "Subscribe", "Unsuback", "Unsubscribe"]
 
 
 class FilterRequest(NamedTuple):
@@ -82,13 +68,7 @@ class Unsuback(NamedTuple):
     properties: Properties = NO_PROPERTIES
 
 
-def decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
-    """Decode the body of a SUBSCRIBE.
-
-    Raises:
-        PacketError: 0x81 malformed, 0x82 packet id 0, no filter or forbidden options, 0x8F a filter that
-            breaks the rules for filters, 0x97 more than 5,000 filters.
-    """
+def _decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
     cursor, packet_id, properties = _open(body, PacketType.SUBSCRIBE, version)
     filters: list[FilterRequest] = []
     while cursor.left:
@@ -100,38 +80,27 @@ def decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
     return Subscribe(packet_id, tuple(filters), properties)
 
 
-def encode_subscribe(packet: Subscribe, version: ProtocolVersion) -> bytes:
-    """Encode the whole packet; before MQTT 5 all options but the QoS are left out."""
+def _encode_subscribe(packet: Subscribe, version: ProtocolVersion) -> bytes:
     if not packet.filters:
         raise UsageError("SUBSCRIBE needs at least one filter")
     body = b"".join([encode_text(each.filter) + _encode_options(each, version) for each in packet.filters])
-    return _close(b"\x82", packet.packet_id, packet.properties, PacketType.SUBSCRIBE, version, body)
+    return _close(b"\x82", packet, PacketType.SUBSCRIBE, version, body)
 
 
-def decode_suback(body: bytes, version: ProtocolVersion) -> Suback:
-    """Decode the body of a SUBACK.
-
-    Raises:
-        PacketError: 0x81 malformed, 0x82 an unknown reason or none.
-    """
+def _decode_suback(body: bytes, version: ProtocolVersion) -> Suback:
     cursor, packet_id, properties = _open(body, PacketType.SUBACK, version)
     return Suback(packet_id, _reasons(cursor, _SUBACK_REASONS), properties)
 
 
-def encode_suback(packet: Suback, version: ProtocolVersion) -> bytes:
+def _encode_suback(packet: Suback, version: ProtocolVersion) -> bytes:
     """Encode the whole packet; before MQTT 5 every failure becomes 0x80."""
     reasons: Sequence[int] = packet.reasons
     if version != ProtocolVersion.V5:
         reasons = [min(reason, 0x80) for reason in reasons]
-    return _close(b"\x90", packet.packet_id, packet.properties, PacketType.SUBACK, version, bytes(reasons))
+    return _close(b"\x90", packet, PacketType.SUBACK, version, bytes(reasons))
 
 
-def decode_unsubscribe(body: bytes, version: ProtocolVersion) -> Unsubscribe:
-    """Decode the body of an UNSUBSCRIBE.
-
-    Raises:
-        PacketError: As :func:`decode_subscribe`.
-    """
+def _decode_unsubscribe(body: bytes, version: ProtocolVersion) -> Unsubscribe:
     cursor, packet_id, properties = _open(body, PacketType.UNSUBSCRIBE, version)
     filters: list[str] = []
     while cursor.left:
@@ -142,20 +111,13 @@ def decode_unsubscribe(body: bytes, version: ProtocolVersion) -> Unsubscribe:
     return Unsubscribe(packet_id, tuple(filters), properties)
 
 
-def encode_unsubscribe(packet: Unsubscribe, version: ProtocolVersion) -> bytes:
-    """Encode the whole packet."""
+def _encode_unsubscribe(packet: Unsubscribe, version: ProtocolVersion) -> bytes:
     if not packet.filters:
         raise UsageError("UNSUBSCRIBE needs at least one filter")
-    body = b"".join(encode_text(each) for each in packet.filters)
-    return _close(b"\xa2", packet.packet_id, packet.properties, PacketType.UNSUBSCRIBE, version, body)
+    return _close(b"\xa2", packet, PacketType.UNSUBSCRIBE, version, b"".join(map(encode_text, packet.filters)))
 
 
-def decode_unsuback(body: bytes, version: ProtocolVersion) -> Unsuback:
-    """Decode the body of an UNSUBACK.
-
-    Raises:
-        PacketError: 0x81 malformed, 0x82 an unknown reason or, in MQTT 5, none.
-    """
+def _decode_unsuback(body: bytes, version: ProtocolVersion) -> Unsuback:
     cursor, packet_id, properties = _open(body, PacketType.UNSUBACK, version)
     if version != ProtocolVersion.V5:
         cursor.finish()
@@ -163,11 +125,24 @@ def decode_unsuback(body: bytes, version: ProtocolVersion) -> Unsuback:
     return Unsuback(packet_id, _reasons(cursor, _UNSUBACK_REASONS), properties)
 
 
-def encode_unsuback(packet: Unsuback, version: ProtocolVersion) -> bytes:
+def _encode_unsuback(packet: Unsuback, version: ProtocolVersion) -> bytes:
     """Encode the whole packet; before MQTT 5 the reasons are left out."""
     body = bytes(packet.reasons) if version == ProtocolVersion.V5 else b""
-    return _close(b"\xb0", packet.packet_id, packet.properties, PacketType.UNSUBACK, version, body)
+    return _close(b"\xb0", packet, PacketType.UNSUBACK, version, body)
 
+
+DECODERS: dict[PacketType, Callable[[bytes, ProtocolVersion], Subscribe | Suback | Unsubscribe | Unsuback]] = {
+    PacketType.SUBSCRIBE: _decode_subscribe,
+    PacketType.SUBACK: _decode_suback,
+    PacketType.UNSUBSCRIBE: _decode_unsubscribe,
+    PacketType.UNSUBACK: _decode_unsuback,
+}
+ENCODERS: dict[type, Callable[..., bytes]] = {
+    Subscribe: _encode_subscribe,
+    Suback: _encode_suback,
+    Unsubscribe: _encode_unsubscribe,
+    Unsuback: _encode_unsuback,
+}
 
 _MOST_FILTERS: Final = 5000  # of one packet, which is read in one piece
 
@@ -203,15 +178,14 @@ def _open(body: bytes, packet: PacketType, version: ProtocolVersion) -> tuple[Cu
 
 def _close(
     first: bytes,
-    packet_id: int,
-    properties: Properties,
-    packet: PacketType,
+    packet: Subscribe | Suback | Unsubscribe | Unsuback,
+    packet_type: PacketType,
     version: ProtocolVersion,
     body: bytes,
 ) -> bytes:
-    head = encode_uint16(packet_id)
+    head = encode_uint16(packet.packet_id)
     if version == ProtocolVersion.V5:
-        head += b"\0" if properties is NO_PROPERTIES else encode_properties(properties, packet)
+        head += encode_properties(packet.properties, packet_type)
     return first + encode_varint(len(head) + len(body)) + head + body
 
 
