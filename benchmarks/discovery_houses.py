@@ -27,7 +27,8 @@ from homebot.log import LogLimit
 from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.options import MqttOptions, MqttWill
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import Will
 from homebot.runtime import Runtime
 
 __all__ = ["HOUSES", "House", "HouseSpec", "Joined", "house_of"]
@@ -148,7 +149,7 @@ class _MqttHouse(House):
             self._url,
             client_id=name,
             keep_alive=KEEP_ALIVE,
-            will=None if will is None else MqttWill(will.topic, will.payload, will.qos, will.retain),
+            will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
         )
         connection = MqttConnection(options, NativeClient, status_topic=None, clock=clock)
         device = MqttDevice(info, dialect, connection, lambda _command: None, HouseCounters(), LogLimit(clock))

@@ -23,7 +23,7 @@ from homebot.mqtt.broker import Broker
 from homebot.mqtt.packets import (
     Connack,
     Connect,
-    FilterRequest,
+    MqttSubscription,
     Packet,
     PacketReader,
     ProtocolVersion,
@@ -153,7 +153,7 @@ def test_a_signal_ends_it_in_order_even_with_a_client_connected(run: Run, number
 
 def test_keep_alive_and_refused_filters_are_those_of_the_options(run: Run) -> None:
     broker = run("--keep-alive", "1m", "--refuse-filter", "test/nosubscribe", "--refuse-filter", "b")
-    filters = tuple(FilterRequest(each, 1) for each in ("test/nosubscribe", "a", "b"))
+    filters = tuple(MqttSubscription(each, 1) for each in ("test/nosubscribe", "a", "b"))
     connack, suback = broker.call(Connect("a", ProtocolVersion.V5, keep_alive=120), Subscribe(1, filters))
     assert isinstance(connack, Connack)
     assert connack.properties.server_keep_alive == 60

@@ -13,10 +13,12 @@ from anyio import wait_all_tasks_blocked
 from structlog.testing import capture_logs
 
 from homebot.errors import ClosedError, InvalidNameError, LinkError, RefusedError, UsageError
-from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, SessionGrant
+from homebot.mqtt.client.link import ClientLink
 from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.support.backoff import Backoff
 
 pytestmark = pytest.mark.virtual_time
@@ -29,24 +31,24 @@ EXACT = Backoff(first=1.0, factor=2.0, cap=4.0, late_cap=60.0, late_after=1000.0
 SLOW = Backoff(first=100.0, factor=2.0, cap=1000.0, late_cap=1000.0, late_after=1000.0, jitter=0.0)
 
 
-class FakeClient:
-    """Fills the port; each try to connect meets the next of `answers`, and the last one again and again."""
+class FakeClient(MqttClient):
+    """Each try to connect meets the next of `answers`, and the last one again and again."""
 
     def __init__(self, *answers: SessionGrant | LinkError | RefusedError) -> None:
         self.options: MqttOptions | None = None
         self.answers = deque(answers)
         self.tries: list[float] = []
         self.said: list[str] = []
-        self.published: list[tuple[int, MessageProperties]] = []
+        self.published: list[tuple[int, Properties]] = []
         self.refused_filters: set[str] = set()
         self.refuses_publish = False
         self.unanswered = 0
         self.burst = 0
         self.acked: list[MqttMessage] = []
         self.counters = MqttCounters()
-        self.limits: tuple[str, ...] = ()
         self.inbox: list[MqttMessage] = []
         self._up = False
+        self.receive = self._receive
         self._gone = anyio.Event()
         self._news = anyio.Event()
         self._reason: LinkError | RefusedError = ABSENT
@@ -83,14 +85,14 @@ class FakeClient:
         *,
         qos: int = 0,
         retain: bool = False,
-        properties: MessageProperties = NO_PROPERTIES,
-    ) -> PublishResult:
+        properties: Properties = NO_PROPERTIES,
+    ) -> int:
         self._check()
         if self.refuses_publish:
             raise RefusedError("the publish", "not authorized", 0x87)
         self.published.append((qos, properties))
         self.said.append(f"{topic} {payload.decode()}{' retained' if retain else ''}")
-        return PublishResult()
+        return 0
 
     async def receive_burst(self) -> None:
         """A hundred messages each 10 ms, so many times."""
@@ -115,7 +117,10 @@ class FakeClient:
         self._check()
         self.said.extend(f"unsubscribe {name}" for name in filters)
 
-    async def receive(self) -> list[MqttMessage]:
+    async def _open(self, *_: object) -> ClientLink:
+        raise NotImplementedError
+
+    async def _receive(self) -> list[MqttMessage]:
         while not self.inbox:
             self._check()
             await self._news.wait()
@@ -128,6 +133,7 @@ class FakeClient:
     def lose(self, reason: LinkError | RefusedError = ABSENT) -> None:
         self._reason = reason
         self._up = False
+        self.receive = self._receive
         self._gone.set()
         self.tell()
 

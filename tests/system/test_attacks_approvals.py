@@ -23,7 +23,7 @@ from tests.system.test_attacks_announcements import MOST_BUSY, Hostile, finds
 from tests.turns import slowness
 
 from homebot.cli import main
-from homebot.mqtt.packets import Connect, FilterRequest, ProtocolVersion, Publish, Subscribe
+from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
 
 pytestmark = [
     pytest.mark.no_cover,
@@ -50,7 +50,7 @@ class Listener:
         self.seen: list[tuple[str, bytes]] = []
         opened = socket.create_connection(("127.0.0.1", port), timeout=PATIENCE)
         self._client = Client(opened, Connect("listener", ProtocolVersion.V5))
-        self._client.send(Subscribe(1, tuple(FilterRequest(topic) for topic in topics)))
+        self._client.send(Subscribe(1, tuple(MqttSubscription(topic) for topic in topics)))
         self._client.take()
         opened.settimeout(None)
         self._thread = threading.Thread(target=self._listen, daemon=True)

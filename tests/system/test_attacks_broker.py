@@ -19,7 +19,7 @@ from tests.turns import slowness
 
 from homebot.mqtt.packets import (
     Connect,
-    FilterRequest,
+    MqttSubscription,
     Pingreq,
     Pingresp,
     Properties,
@@ -153,7 +153,7 @@ def test_no_subscribe_stops_the_others(broker: AttackedBroker, topics: list[str]
     keeper.close()
     before = broker.toll()
     client = broker.client("subscriber")
-    client.send(Subscribe(1, tuple(FilterRequest(each) for each in filters)))
+    client.send(Subscribe(1, tuple(MqttSubscription(each) for each in filters)))
     withstood(
         broker, before, f"a SUBSCRIBE with {len(filters)} filters over {len(topics)} retained messages", memory=32
     )
@@ -173,7 +173,7 @@ def test_a_flood_of_small_messages_to_many_stops_nobody(broker: AttackedBroker) 
     before = broker.toll()
     listeners = [broker.client(f"l{number}") for number in range(200)]
     for listener in listeners:
-        listener.send(Subscribe(1, (FilterRequest("t", 0),)))
+        listener.send(Subscribe(1, (MqttSubscription("t", 0),)))
         listener.take()
     publisher = broker.client("publisher")
     with closing([each.socket for each in (*listeners, publisher)]):
@@ -213,7 +213,7 @@ def test_twenty_replays_of_many_retained_messages_share_one_turn(broker: Attacke
     clients = [broker.client(f"c{number}") for number in range(20)]
     with closing([each.socket for each in clients]):
         for each in clients:
-            each.send(Subscribe(1, (FilterRequest("#"),)))
+            each.send(Subscribe(1, (MqttSubscription("#"),)))
         toll = withstood(broker, before, f"20 subscriptions to {count:,} retained messages")
         for each in clients:
             assert isinstance(each.take(), Suback)
@@ -246,7 +246,7 @@ def test_passwords_are_guessed_slowly_and_a_known_client_comes_in_at_once() -> N
 
 def subscribed(broker: AttackedBroker, name: str, topic: str, qos: int, **more: Any) -> Client:
     client = broker.client(name, **more)
-    client.send(Subscribe(1, (FilterRequest(topic, qos),)))
+    client.send(Subscribe(1, (MqttSubscription(topic, qos),)))
     assert isinstance(client.take(), Suback)
     return client
 
@@ -348,7 +348,7 @@ def test_clients_that_come_and_go_leave_nothing(broker: AttackedBroker) -> None:
     began = time.monotonic()
     for number in range(size(400, 1500)):
         client = broker.client(f"c{number % 3}" if number % 3 else f"n{number}")
-        client.send(Subscribe(1, (FilterRequest(f"t/{number}/#", 1),)), Publish(f"t/{number}", bytes(1000)))
+        client.send(Subscribe(1, (MqttSubscription(f"t/{number}/#", 1),)), Publish(f"t/{number}", bytes(1000)))
         client.close()
     withstood(broker, before, f"logins in {time.monotonic() - began:.1f} s", memory=16)
     recovered(broker, before)

@@ -27,7 +27,7 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from homebot.devices.names import DEFINE_TYPE
-from homebot.mqtt.packets import Connect, FilterRequest, ProtocolVersion, Publish, Subscribe
+from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
 
 pytestmark = [pytest.mark.system, pytest.mark.no_cover]
 
@@ -412,7 +412,7 @@ def test_a_program_without_the_right_opens_no_lock_and_forges_nothing(tmp_path: 
         with opened, guest(homebot) as watcher:
             lock = Mqtt(opened, Connect("lock", ProtocolVersion.V5))
             config = json.dumps(LOCK).encode()
-            lock.send(Subscribe(1, (FilterRequest("front/set", 0),)))
+            lock.send(Subscribe(1, (MqttSubscription("front/set", 0),)))
             lock.send(
                 Publish("homeassistant/lock/front/config", config, 0, retain=True), Publish("front/state", b"LOCKED")
             )

@@ -19,7 +19,7 @@ from tests.system.test_attacks_door import MOST_BUSY, call, guest
 from tests.turns import slowness
 from websockets.sync.client import ClientConnection
 
-from homebot.mqtt.packets import Connect, FilterRequest, ProtocolVersion, Publish, Subscribe
+from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
 
 pytestmark = [pytest.mark.system, pytest.mark.no_cover]
 
@@ -36,7 +36,7 @@ def obey(opened: socket.socket) -> None:
     """Be the lamp until *opened* is closed."""
     lamp = Mqtt(opened, Connect("hall", ProtocolVersion.V5))
     config = json.dumps(LAMP).encode()
-    lamp.send(Subscribe(1, (FilterRequest("hall/set", 0),)))
+    lamp.send(Subscribe(1, (MqttSubscription("hall/set", 0),)))
     lamp.send(Publish("homeassistant/light/hall/config", config, 0, retain=True), Publish("hall/state", b"OFF"))
     try:
         while True:

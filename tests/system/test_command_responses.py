@@ -24,8 +24,9 @@ from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.message import MessageProperties, MqttMessage
+from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import Properties
 from homebot.runtime import Runtime
 
 CREDENTIALS = {"anna": "right"}
@@ -59,7 +60,7 @@ class Responder:
 
     async def answer(self, response: bytes, message: MqttMessage) -> None:
         assert message.properties.response_topic is not None
-        same = MessageProperties(correlation_data=message.properties.correlation_data)
+        same = Properties(correlation_data=message.properties.correlation_data)
         await self.connection.publish(message.properties.response_topic, response, qos=1, properties=same)
 
 
@@ -146,7 +147,7 @@ async def test_a_device_that_accepts_and_reports_nothing_is_acknowledged(broker:
         assert outcome.evidence is Evidence.ACKNOWLEDGED
         properties = home.responder.commands[0].properties
         assert properties.response_topic == f"homebot/responses/homebot {client}"
-        assert properties.expiry is not None
+        assert properties.message_expiry_interval is not None
         assert len({one.properties.correlation_data for one in home.responder.commands}) == len(home.responder.commands)
         assert await home.count("responses") == len(home.responder.commands)
 

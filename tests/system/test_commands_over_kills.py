@@ -70,7 +70,7 @@ class RealDevices:
                 batch = await connection.receive()
                 connection.ack(batch)
                 for message in batch:
-                    command_id = dict(message.properties.user)[COMMAND_ID]
+                    command_id = dict(message.properties.user_properties)[COMMAND_ID]
                     self.ids.append(command_id)
                     if message.topic == "button/set":
                         self.pressed.append(command_id)

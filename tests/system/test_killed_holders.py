@@ -19,7 +19,7 @@ from tests.system.broker_probe import Client as Mqtt
 from tests.system.test_attacks_door import call, guest, send
 from websockets.sync.client import ClientConnection
 
-from homebot.mqtt.packets import Connect, FilterRequest, ProtocolVersion, Publish, Subscribe
+from homebot.mqtt.packets import Connect, MqttSubscription, ProtocolVersion, Publish, Subscribe
 
 pytestmark = [pytest.mark.system, pytest.mark.no_cover]
 
@@ -51,7 +51,7 @@ class MqttDoor:
     def __init__(self, opened: socket.socket) -> None:
         self.heard: list[str] = []
         self._mqtt = Mqtt(opened, Connect("hall", ProtocolVersion.V5))
-        self._mqtt.send(Subscribe(1, (FilterRequest("hall/set", 0),)))
+        self._mqtt.send(Subscribe(1, (MqttSubscription("hall/set", 0),)))
         config = json.dumps(DOOR).encode()
         self._mqtt.send(Publish("homeassistant/cover/hall/config", config, 0, retain=True))
         self.report("closed")

@@ -29,7 +29,8 @@ from homebot.mqtt.client import MqttClient
 from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.options import MqttOptions, MqttWill
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import Will
 from homebot.mqtt.topics import validate_filter
 from homebot.support.isolation import run_as
 
@@ -244,7 +245,7 @@ class SimulatedHouse:
             client_id=f"{self._home}-{info.device_id}",
             # A client that publishes this often needs few pings in between.
             keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
-            will=None if will is None else MqttWill(will.topic, will.payload, will.qos, will.retain),
+            will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
         )
         connection = MqttConnection(
             options, self._make_client, status_topic=None, clock=self._clock, random=self._random

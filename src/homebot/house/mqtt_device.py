@@ -168,7 +168,7 @@ class MqttDevice(ConnectedDevice):
             except ClosedError:
                 return  # closed during the last message
             for message in messages:
-                command_id = dict(message.properties.user).get(_COMMAND_ID, "")
+                command_id = dict(message.properties.user_properties).get(_COMMAND_ID, "")
                 for command in self._dialect.parse_command(self._device, message.topic, message.payload):
                     self._counters.commands += 1
                     self._on_command(command, command_id)

@@ -24,7 +24,8 @@ from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, SessionGrant
 from homebot.mqtt.message import MqttMessage
-from homebot.mqtt.options import MqttOptions, MqttWill
+from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import Will
 from homebot.mqtt.status import OFFLINE, ONLINE, StatusPublisher
 from homebot.mqtt.subscriptions import SubscriptionSet
 from homebot.mqtt.topics import validate_filter
@@ -109,7 +110,7 @@ class MqttConnection:
         if status_topic == "":
             status_topic = f"homebot/{options.client_id.replace('+', '_').replace('#', '_')}/status"
         if status_topic is not None and options.will is None:
-            options = replace(options, will=MqttWill(status_topic, OFFLINE, qos=1, retain=True))
+            options = replace(options, will=Will(status_topic, OFFLINE, qos=1, retain=True))
         self._url = options.url
         self._client = make_client(options)
         self.ack = self._client.ack

@@ -5,34 +5,19 @@ from __future__ import annotations
 import secrets
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final, Literal, NamedTuple, cast
+from typing import Any, Final, Literal, cast
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from pydantic import SecretStr
 
 from homebot.errors import UsageError
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
+from homebot.mqtt.packets import Will
 
-__all__ = ["MqttOptions", "MqttProtocol", "MqttWill"]
+__all__ = ["MqttOptions", "MqttProtocol"]
 
 MqttProtocol = Literal["auto", "5", "3.1.1"]
 
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
-
-
-class MqttWill(NamedTuple):
-    """The message that the broker publishes for a client that vanished.
-
-    Attributes:
-        qos: 0, 1 or 2.
-        properties: MQTT 5 only.
-    """
-
-    topic: str
-    payload: bytes = b""
-    qos: int = 0
-    retain: bool = False
-    properties: MessageProperties = NO_PROPERTIES
 
 
 def _random_client_id() -> str:
@@ -90,7 +75,7 @@ class MqttOptions:
     receive_maximum: int = 256
     inbox_messages: int = 10_000
     inbox_bytes: int = 16 * 1024 * 1024
-    will: MqttWill | None = None
+    will: Will | None = None
     protocol: MqttProtocol = "auto"
 
     def __post_init__(self) -> None:

@@ -20,7 +20,7 @@ async def test_the_broker_keeps_a_command_that_will_be_sent_again_no_longer_than
     async with simple_house() as house:
         await announce_with_session(house)
         await house.command("simple:bell", "lamp", "on_off", True, expires_after=9.9, kept_for=1.9)
-        assert [one.properties.expiry for one in await house.heard()] == [1]
+        assert [one.properties.message_expiry_interval for one in await house.heard()] == [1]
 
 
 async def test_a_part_without_reports_gets_no_command_until_it_is_heard_after_the_broker_came_back() -> None:

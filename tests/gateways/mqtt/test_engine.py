@@ -304,7 +304,7 @@ async def test_a_command_expires_at_the_broker(seconds: float, expiry: int | Non
         await house.announce("lamp1")
         assert (await house.command(LAMP, "lamp", "on_off", True, seconds)).success
         (message,) = await house.heard()
-        assert (message.qos, message.properties.expiry) == (1, expiry)
+        assert (message.qos, message.properties.message_expiry_interval) == (1, expiry)
 
 
 async def test_a_thousand_devices_are_not_asked_within_a_second() -> None:

@@ -9,7 +9,8 @@ from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.devices.value import Value
 from homebot.gateways.mqtt.responses import MOST_AWAITED, Responses
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.packets import NO_PROPERTIES, Properties
 
 
 @pytest.mark.parametrize(
@@ -41,22 +42,22 @@ class Asked:
         self.clock = ManualClock()
         self.responses = Responses("mqtt", "homebot/responses/test", self.clock, self.answers.append)
 
-    def ask(self, command_id: str) -> MessageProperties:
+    def ask(self, command_id: str) -> Properties:
         command = Command(
             key="k", part="p", capability="on_off", value=Value.of(True), expires_after=9.5, id=command_id
         )
-        return self.responses.request(command, MessageProperties(expiry=10))
+        return self.responses.request(command, Properties(message_expiry_interval=10))
 
-    def answer(self, properties: MessageProperties, *, retain: bool = False) -> None:
-        same = MessageProperties(correlation_data=properties.correlation_data)
+    def answer(self, properties: Properties, *, retain: bool = False) -> None:
+        same = Properties(correlation_data=properties.correlation_data)
         self.responses.on_response(MqttMessage("homebot/responses/test", b"", 1, retain, same))
 
 
 def test_a_response_is_matched_with_its_command_once() -> None:
     asked = Asked()
     first, second = asked.ask("1"), asked.ask("2")
-    assert (first.response_topic, first.expiry) == ("homebot/responses/test", 10)
-    assert first.user == (("command", "1"),)  # its id in the journal
+    assert (first.response_topic, first.message_expiry_interval) == ("homebot/responses/test", 10)
+    assert first.user_properties == (("command", "1"),)  # its id in the journal
     assert first.correlation_data is not None
     assert first.correlation_data.isalnum()  # which a shell script can repeat
     asked.answer(second)

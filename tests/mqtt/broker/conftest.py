@@ -24,7 +24,7 @@ from homebot.mqtt.packets import (
     Connack,
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Packet,
     PacketReader,
     Properties,
@@ -153,10 +153,10 @@ class MemoryClient:
         self.peer.lost()
 
     def subscribe(
-        self, *requests: FilterRequest | str, qos: int = 2, identifier: int | None = None
+        self, *requests: MqttSubscription | str, qos: int = 2, identifier: int | None = None
     ) -> tuple[ReasonCode, ...]:
         """Subscribe and return the reasons; what else came stays out."""
-        filters = tuple(FilterRequest(each, qos) if isinstance(each, str) else each for each in requests)
+        filters = tuple(MqttSubscription(each, qos) if isinstance(each, str) else each for each in requests)
         properties = NO_PROPERTIES
         if identifier is not None:
             properties = Properties(subscription_identifiers=(identifier,))

@@ -9,7 +9,7 @@ import pytest
 
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
-    FilterRequest,
+    MqttSubscription,
     Properties,
     ProtocolVersion,
     Puback,
@@ -56,7 +56,7 @@ def test_an_expired_retained_message_is_not_sent_and_makes_room(new_state: NewSt
 
 def test_no_local_keeps_a_client_from_hearing_itself(join: Join) -> None:
     client, other = join("a"), join("b")
-    client.subscribe(FilterRequest("t", 1, no_local=True))
+    client.subscribe(MqttSubscription("t", 1, no_local=True))
     client.publish("t", b"own")
     other.publish("t", b"other")
     assert [message.payload for message in client.messages()] == [b"other"]
@@ -119,7 +119,7 @@ def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Jo
 def test_a_member_of_a_group_gets_the_retain_flag_as_it_asked_for_it(join: Join) -> None:
     plain, exact = join("plain"), join("exact")
     plain.subscribe("$share/plain/t")
-    exact.subscribe(FilterRequest("$share/exact/t", 0, retain_as_published=True))
+    exact.subscribe(MqttSubscription("$share/exact/t", 0, retain_as_published=True))
     for retain in (True, False):
         plain.publish("t", b"1", retain=retain)
     assert [message.retain for message in plain.messages()] == [False, False]
@@ -194,7 +194,7 @@ def test_subscribers_of_one_message_get_it_each_with_their_own_options(join: Joi
     options += options[::-1]
     subscribers = [join(str(number)) for number in range(len(options))]
     for subscriber, (identifier, keeps_flag, qos) in zip(subscribers, options, strict=True):
-        subscriber.subscribe(FilterRequest("t", qos, retain_as_published=keeps_flag), identifier=identifier)
+        subscriber.subscribe(MqttSubscription("t", qos, retain_as_published=keeps_flag), identifier=identifier)
     join("p").publish("t", b"x", sent, 1 if sent else None, retain=retain)
     for subscriber, (identifier, keeps_flag, granted) in zip(subscribers, options, strict=True):
         qos = min(granted, sent)

@@ -13,7 +13,7 @@ from homebot.mqtt.packets import (
     Connack,
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Properties,
     ProtocolVersion,
     Puback,
@@ -113,7 +113,7 @@ def test_what_is_counted_is_gone_when_the_sessions_are(new_state: NewState, join
             client.lose()
         elif act == 1:
             client.send(
-                Subscribe(1, (FilterRequest(random.choice(["t/#", "t/1", "$share/g/t/#"]), random.randrange(3)),))
+                Subscribe(1, (MqttSubscription(random.choice(["t/#", "t/1", "$share/g/t/#"]), random.randrange(3)),))
             )
         elif act == 2:
             client.link.write_blocked = not client.link.write_blocked

@@ -15,7 +15,7 @@ from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, WorkClock
 from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.packets import (
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Pingreq,
     Pingresp,
     Properties,
@@ -104,7 +104,7 @@ def test_no_subscribe_takes_long_at_once_and_all_retained_messages_come(
     retain(state, join, topics)
     client = join("client")
     clock.advance(1)
-    packet = Subscribe(7, tuple(FilterRequest(each) for each in filters))
+    packet = Subscribe(7, tuple(MqttSubscription(each) for each in filters))
     costs = [calls_of(lambda: client.send(packet)), *served(client, clock)]
     assert max(costs) < CALLS
     suback, *messages = client.take()
@@ -133,7 +133,9 @@ def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order
 ) -> None:
     retain(state, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
-    client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(2000))), Pingreq(), Publish("x/1"))
+    client.send(
+        Subscribe(1, tuple(MqttSubscription(f"x/{number}") for number in range(2000))), Pingreq(), Publish("x/1")
+    )
     assert client.take() == [Pingresp()]
     other.send(Pingreq())
     assert other.take() == [Pingresp()]
@@ -198,7 +200,7 @@ def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
     state: BrokerState, join: Join, clock: WorkClock
 ) -> None:
     client = join("client")
-    client.send(Subscribe(1, tuple(FilterRequest(f"x/{number}") for number in range(5000))), Publish("t"))
+    client.send(Subscribe(1, tuple(MqttSubscription(f"x/{number}") for number in range(5000))), Publish("t"))
     assert 0 < state.stats.subscriptions < 5000
     client.lose()
     clock.advance(1)
@@ -214,7 +216,7 @@ def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
     client = join("client", at=state)
     client.link.write_blocked = True
     for number in range(100):
-        client.send(Subscribe(number + 1, tuple(FilterRequest(f"{'+/' * deep}#") for deep in range(20))))
+        client.send(Subscribe(number + 1, tuple(MqttSubscription(f"{'+/' * deep}#") for deep in range(20))))
     finish(client, clock)
     assert state.stats.queued_messages == 100
     assert len(state.sessions._sessions["client"]._queue.messages) == 100
@@ -223,7 +225,7 @@ def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
 @pytest.mark.parametrize("kind", [Subscribe, Unsubscribe])
 def test_a_packet_with_too_many_filters_ends_its_connection_soon(join: Join, kind: type) -> None:
     client = join("client")
-    many = tuple(FilterRequest("a") if kind is Subscribe else "a" for _ in range(50_000))
+    many = tuple(MqttSubscription("a") if kind is Subscribe else "a" for _ in range(50_000))
     data = encode(kind(1, many))
     assert calls_of(lambda: client.send_bytes(data)) < CALLS
     assert client.link.closed
@@ -247,7 +249,7 @@ def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, 
 def test_five_thousand_filters_are_unsubscribed_in_slices(state: BrokerState, join: Join, clock: WorkClock) -> None:
     client = join("client")
     names = tuple("/".join(str(number).zfill(4)) + "/x" * 15 for number in range(5000))
-    client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
+    client.send(Subscribe(1, tuple(MqttSubscription(name) for name in names)))
     finish(client, clock)
     client.take()
     clock.advance(1)
@@ -266,7 +268,7 @@ def test_a_topic_that_meets_every_wildcard_is_published_soon(state: BrokerState,
     for number, client in enumerate(clients):
         start = "/".join("a+"[number >> bit & 1] for bit in range(4))
         names = [f"{start}/{'/'.join(levels)}" for levels in product("a+", repeat=12)]
-        client.send(Subscribe(1, tuple(FilterRequest(name) for name in names)))
+        client.send(Subscribe(1, tuple(MqttSubscription(name) for name in names)))
         finish(client, clock)
     assert state.stats.subscriptions > 30_000
     publisher = join("publisher")
@@ -326,7 +328,9 @@ def test_the_subscriptions_of_sessions_that_end_are_removed_a_few_at_a_time(
     rest = join("more")
     for client, count in ((session, state.limits.max_subscriptions), (rest, 10_000)):
         for first in range(0, count, 1000):
-            client.send(Subscribe(1, tuple(FilterRequest(f"s/{number}", 0) for number in range(first, first + 1000))))
+            client.send(
+                Subscribe(1, tuple(MqttSubscription(f"s/{number}", 0) for number in range(first, first + 1000)))
+            )
             finish(client, clock)
     keeper = join("keeper")
     keeper.publish("s/7", b"seen")

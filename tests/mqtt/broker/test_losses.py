@@ -8,7 +8,7 @@ from tests.mqtt.broker.conftest import Dial
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.broker.stats import Counters, LossReport, loss_text
-from homebot.mqtt.packets import FilterRequest, Publish, Subscribe
+from homebot.mqtt.packets import MqttSubscription, Publish, Subscribe
 
 
 def test_losses_are_told_by_their_reasons() -> None:
@@ -41,7 +41,7 @@ async def test_a_loss_is_logged_once_and_reported_by_the_broker(dial: Dial) -> N
         async with Broker(clock=clock, limits=BrokerLimits(max_retained_messages=1)) as broker:
             client = await dial(broker)
             await client.send(Publish("a", b"x", retain=True), Publish("b", b"x", retain=True))
-            await client.call(Subscribe(1, (FilterRequest("c"),)))
+            await client.call(Subscribe(1, (MqttSubscription("c"),)))
             for _ in range(2):
                 clock.advance(10)
                 broker.tick()

@@ -12,7 +12,7 @@ from homebot.mqtt.packets import (
     Connack,
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Packet,
     Pingreq,
     Pingresp,
@@ -189,7 +189,7 @@ def test_a_policy_refuses_publishes_subscriptions_and_wills(
 ) -> None:
     state = new_state(policy=Gatekeeper())
     client, older = join("a", at=state), join("b", at=state, version=V311)
-    assert client.subscribe(FilterRequest("secret/#"), "#") == (
+    assert client.subscribe(MqttSubscription("secret/#"), "#") == (
         ReasonCode.NOT_AUTHORIZED,
         ReasonCode.GRANTED_QOS_2,
     )
@@ -231,13 +231,13 @@ def test_a_bridge_may_say_that_it_is_connected(join: Join, stranger: Stranger) -
 def test_a_suback_comes_before_the_retained_messages(join: Join) -> None:
     client = join()
     client.publish("t", retain=True)
-    client.send(Subscribe(5, (FilterRequest("t"),)))
+    client.send(Subscribe(5, (MqttSubscription("t"),)))
     assert [type(packet) for packet in client.take()] == [Suback, Publish]
 
 
 def test_the_words_of_a_reason_are_short_however_long_the_culprit(join: Join) -> None:
     client = join()
-    client.send(Subscribe(1, (FilterRequest("a" * 65_000 + "#"),)))
+    client.send(Subscribe(1, (MqttSubscription("a" * 65_000 + "#"),)))
     (goodbye,) = client.take_only(Disconnect)
     assert goodbye.reason is ReasonCode.TOPIC_FILTER_INVALID
     assert len(goodbye.properties.reason_string or "") <= 200

@@ -20,7 +20,7 @@ from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Packet,
     Pingreq,
     Pingresp,
@@ -90,7 +90,7 @@ async def test_a_restart_keeps_port_sessions_and_retained_messages(dial: Dial, *
     async with Broker() as broker:
         port = broker.port
         client = await dial(broker, will=Will("gone", b"1", retain=True), properties=FOREVER)
-        await client.call(Subscribe(1, (FilterRequest("t/#", 1),)))
+        await client.call(Subscribe(1, (MqttSubscription("t/#", 1),)))
         publisher = await dial(broker, "p")
         await publisher.call(Publish("t/1", b"kept", 1, retain=True, packet_id=1))
         await broker.restart(keep_sessions=True, abrupt=abrupt)
@@ -146,7 +146,7 @@ async def test_one_bad_client_does_not_disturb_the_others(dial: Dial) -> None:
 async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
         slow, publisher = await dial(broker, "s"), await dial(broker, "p")
-        await slow.call(Subscribe(1, (FilterRequest("t", 1),)))
+        await slow.call(Subscribe(1, (MqttSubscription("t", 1),)))
         for _ in range(100):
             await publisher.send(Publish("t", bytes(200_000)))
         assert await publisher.call(Publish("t", b"last", 1, packet_id=1)) == Puback(1)
@@ -159,7 +159,7 @@ async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(d
 async def test_one_message_that_fills_the_socket_does_not_cost_those_behind_it(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
         slow, publisher = await dial(broker, "s"), await dial(broker, "p")
-        await slow.call(Subscribe(1, (FilterRequest("t", 0),)))
+        await slow.call(Subscribe(1, (MqttSubscription("t", 0),)))
         await publisher.send(Publish("t", bytes(12_000_000)))
         for _ in range(10):
             await publisher.send(Publish("t", bytes(5_000)))

@@ -9,7 +9,7 @@ import pytest
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits, BrokerState
-from homebot.mqtt.packets import FilterRequest, ProtocolVersion, Puback, Publish, ReasonCode, Subscribe
+from homebot.mqtt.packets import MqttSubscription, ProtocolVersion, Puback, Publish, ReasonCode, Subscribe
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Dial, Join, MemoryClient, NewState
@@ -104,7 +104,7 @@ async def test_all_of_it_over_sockets(dial: Dial) -> None:
     limits = BrokerLimits(max_queued_messages=500, max_held_packets=100)
     async with Broker(limits=limits) as broker:
         stalled, publisher = await dial(broker, "s", V311), await dial(broker, "p", V311)
-        await stalled.call(Subscribe(1, (FilterRequest("t", 1),)))
+        await stalled.call(Subscribe(1, (MqttSubscription("t", 1),)))
         for number in range(1, COUNT + 1):
             await publisher.send(Publish("t", b"%d" % number, 1, packet_id=number))
         assert broker.stats.queued_messages <= 500

@@ -14,7 +14,7 @@ from tests.mqtt.broker.conftest import Dial
 from tests.patience import PATIENCE
 
 from homebot.mqtt.broker import Broker, BrokerLimits
-from homebot.mqtt.packets import Connect, FilterRequest, Pingreq, Pingresp, Puback, Publish, Subscribe, encode
+from homebot.mqtt.packets import Connect, MqttSubscription, Pingreq, Pingresp, Puback, Publish, Subscribe, encode
 from homebot.testing.mqtt.settings import TestTls
 
 
@@ -100,7 +100,7 @@ async def test_a_hand_shake_in_single_bytes_succeeds(broker: Broker, trusting: s
 async def test_large_messages_go_both_ways(broker: Broker, dial: Dial, trusting: ssl.SSLContext) -> None:
     receiver = await dial(broker, "r", context=trusting)
     sender = await dial(broker, "s", context=trusting)
-    await receiver.call(Subscribe(1, (FilterRequest("t", 1),)))
+    await receiver.call(Subscribe(1, (MqttSubscription("t", 1),)))
     payload = bytes(range(256)) * 12_000
     with anyio.fail_after(PATIENCE):
         await sender.send(Publish("t", payload, 1, packet_id=1))
@@ -116,7 +116,7 @@ async def test_a_publisher_is_held_back_for_a_slow_reader(tls: TestTls, dial: Di
     async with Broker(tls=tls.context, limits=limits) as broker:
         slow = await dial(broker, "s", context=trusting)
         publisher = await dial(broker, "p", context=trusting)
-        await slow.call(Subscribe(1, (FilterRequest("t", 1),)))
+        await slow.call(Subscribe(1, (MqttSubscription("t", 1),)))
         await publisher.send(*(Publish("t", b"%d" % number, 1, packet_id=number) for number in range(1, 1001)))
         received: list[int] = []
         with anyio.fail_after(PATIENCE):

@@ -16,7 +16,7 @@ from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.requests import Requests
 from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.mqtt.message import MessageProperties, MqttMessage
+from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connect,
@@ -91,13 +91,13 @@ async def test_a_publish_of_qos_2_goes_on_on_the_next_link_until_it_expires(
         async with client.connected():
             broker.link_of("hub").freeze()
             with pytest.raises(LinkError):
-                await client.publish("lamp", b"on", qos=2, properties=MessageProperties(expiry=10))
+                await client.publish("lamp", b"on", qos=2, properties=Properties(message_expiry_interval=10))
             broker.link_of("hub").abort()
         await anyio.sleep(pause - now())
         async with client.connected():
             await client.publish("end", qos=2)
             received = await listener.receive()
-    assert [one.properties.expiry for one in received] == [*expiries, None]
+    assert [one.properties.message_expiry_interval for one in received] == [*expiries, None]
 
 
 async def test_a_request_that_left_is_told_from_one_that_did_not(broker: MemoryBroker, options: MqttOptions) -> None:
@@ -248,7 +248,7 @@ async def test_what_cannot_be_said_is_the_callers_mistake_and_harms_nobody(
     broker: MemoryBroker, options: MqttOptions, qos: int
 ) -> None:
     client = broker.make_client(options)
-    properties = MessageProperties(content_type="x" * 70_000)
+    properties = Properties(content_type="x" * 70_000)
     async with client.connected():
         for _ in range(200):  # more than may be open at once
             with pytest.raises(UsageError):

@@ -3,21 +3,82 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from structlog.testing import capture_logs
 
 from homebot.clock import ManualClock
 from homebot.mqtt.client import SessionGrant
 from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.login import MqttVersion
 from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import Properties
 
 BAD = Frame(0x32, b"\x00\x02\xc3\x28\x00\x07")
 
 
-def make(clock: ManualClock | None = None, *, inbox_messages: int = 10) -> Receiver:
+def make(clock: ManualClock | None = None, *, inbox_messages: int = 10, protocol: MqttVersion = "3.1.1") -> Receiver:
     receiver = Receiver(MqttOptions(host="broker", inbox_messages=inbox_messages), clock or ManualClock())
-    receiver.begin_link(SessionGrant(resumed=False, protocol="3.1.1"))
+    receiver.begin_link(SessionGrant(resumed=False, protocol=protocol))
     return receiver
+
+
+async def test_a_publish_becomes_a_message_that_can_be_acknowledged() -> None:
+    receiver = make()
+    assert receiver.publish(Frame(0x33, b"\x00\x03a/b\x12\x34x")) == b""
+    receiver.deliver()
+    messages = await receiver.receive()
+    assert messages == [MqttMessage("a/b", b"x", 1, retain=True)]
+    assert receiver.settle(messages) == b"\x40\x02\x12\x34"
+
+
+async def test_a_publish_of_mqtt_5_has_properties() -> None:
+    receiver = make(protocol="5")
+    receiver.publish(
+        Frame(
+            0x32,
+            bytes.fromhex(
+                "00 03 61 2f 62 00 07"  # topic a/b, identifier 7
+                "23 01 01 02 00 00 00 3c 03 00 02 74 70 08 00 01 72 09 00 02 ff 00"
+                "26 00 01 6b 00 01 76 26 00 01 6b 00 01 77"
+                "6869"
+            ),
+        )
+    )
+    receiver.deliver()
+    properties = Properties(
+        payload_format_indicator=1,
+        message_expiry_interval=60,
+        content_type="tp",
+        response_topic="r",
+        correlation_data=b"\xff\x00",
+        user_properties=(("k", "v"), ("k", "w")),
+    )
+    assert await receiver.receive() == [MqttMessage("a/b", b"hi", 1, properties=properties)]
+
+
+async def test_a_publish_of_qos_0_with_the_flag_of_a_repetition_is_taken() -> None:
+    receiver = make()
+    receiver.publish(Frame(0x38, b"\x00\x01tx"))
+    receiver.deliver()
+    assert await receiver.receive() == [MqttMessage("t", b"x")]
+
+
+@pytest.mark.parametrize("body", ["", "00 00 03 23 00 01", "00 01 61 02 7f 00"], ids=["no topic", "alias", "property"])
+def test_a_bad_publish_is_counted(body: str) -> None:
+    receiver = make(protocol="5")
+    assert receiver.publish(Frame(0x30, bytes.fromhex(body))) == b""
+    assert receiver.counters.dropped_malformed == 1
+
+
+@given(first=st.integers(0x30, 0x3F), body=st.binary(max_size=60), protocol=st.sampled_from(("5", "3.1.1")))
+def test_any_bytes_are_a_message_or_counted(first: int, body: bytes, protocol: MqttVersion) -> None:
+    receiver = make(protocol=protocol)
+    receiver.publish(Frame(first, body))
+    receiver.deliver()
+    assert receiver.counters.received + receiver.counters.dropped_malformed == 1
 
 
 def test_a_flood_of_bad_messages_is_counted_in_full_and_logged_now_and_then() -> None:

@@ -18,7 +18,7 @@ from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient
-from homebot.mqtt.options import MqttOptions, MqttProtocol, MqttWill
+from homebot.mqtt.options import MqttOptions, MqttProtocol
 from homebot.mqtt.packets import (
     Connack,
     Connect,
@@ -30,6 +30,7 @@ from homebot.mqtt.packets import (
     Pubrec,
     Pubrel,
     ReasonCode,
+    Will,
     encode,
 )
 
@@ -52,7 +53,7 @@ async def test_login_and_will_reach_the_broker(client_kind: ClientKind) -> None:
 
     async with broker(script) as port:
         options = MqttOptions.from_url(
-            f"mqtt://anna:pw@127.0.0.1:{port}", client_id="hub", will=MqttWill("w", b"gone", 1, retain=True)
+            f"mqtt://anna:pw@127.0.0.1:{port}", client_id="hub", will=Will("w", b"gone", 1, retain=True)
         )
         async with client_kind(options).connected() as session:
             assert session.protocol == "5"

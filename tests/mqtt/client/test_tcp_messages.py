@@ -13,12 +13,12 @@ from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client import MqttClient, MqttSubscription
-from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttProtocol
 from homebot.mqtt.packets import (
     Connack,
     Connect,
     Disconnect,
+    Properties,
     Puback,
     Pubcomp,
     Publish,
@@ -283,7 +283,7 @@ async def test_what_the_broker_cannot_take_is_refused_here(make: MakeClient) -> 
         with pytest.raises(RefusedError, match="packet too large"):
             await client.publish("t", bytes(100))
         with pytest.raises(RefusedError, match="packet too large"):
-            await client.publish("t", properties=MessageProperties(user=(("k", "v" * 100),)))
+            await client.publish("t", properties=Properties(user_properties=(("k", "v" * 100),)))
 
 
 async def test_a_publish_that_is_none_is_a_usage_error(make: MakeClient) -> None:
@@ -293,7 +293,7 @@ async def test_a_publish_that_is_none_is_a_usage_error(make: MakeClient) -> None
         with pytest.raises(UsageError):
             await client.publish("t", qos=3)
         with pytest.raises(UsageError, match=r"properties|do not fit into an MQTT field"):
-            await client.publish("t", properties=MessageProperties(correlation_data=bytes(70_000)))
+            await client.publish("t", properties=Properties(correlation_data=bytes(70_000)))
         with pytest.raises(UsageError):
             await client.subscribe(MqttSubscription("a/#/b"))
 

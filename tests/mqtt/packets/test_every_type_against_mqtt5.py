@@ -12,7 +12,7 @@ from homebot.mqtt.packets import (
     Connack,
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Packet,
     PacketReader,
     Pingreq,
@@ -116,7 +116,7 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
         Subscribe,
         IDS,
         st.lists(
-            st.builds(FilterRequest, TEXT, st.integers(0, 2), st.booleans(), st.booleans(), st.integers(0, 2)),
+            st.builds(MqttSubscription, TEXT, st.integers(0, 2), st.booleans(), st.booleans(), st.integers(0, 2)),
             min_size=1,
             max_size=3,
         ).map(tuple),

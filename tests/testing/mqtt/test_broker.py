@@ -13,7 +13,7 @@ from tests.testing.mqtt.conftest import Join
 from homebot.errors import InvalidNameError, UsageError
 from homebot.mqtt.packets import (
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Properties,
     ProtocolVersion,
     Publish,
@@ -22,7 +22,7 @@ from homebot.mqtt.packets import (
 )
 from homebot.testing.mqtt import BlockingTestBroker, ClientView, RecordedMessage, TestBroker
 
-LAMP = Subscribe(1, (FilterRequest("lamp/#", 1),))
+LAMP = Subscribe(1, (MqttSubscription("lamp/#", 1),))
 
 
 async def test_a_published_dict_reaches_subscribers_as_json_with_its_properties(

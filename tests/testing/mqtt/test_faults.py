@@ -13,7 +13,7 @@ from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.packets import (
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Pingreq,
     Pingresp,
     ProtocolVersion,
@@ -77,7 +77,7 @@ async def test_delayed_acknowledgements_are_overtaken(mqtt_broker: TestBroker, j
 
 async def test_a_refused_subscription_is_answered_with_the_reason(mqtt_broker: TestBroker, join: Join) -> None:
     lamp, door = await join("lamp"), await join("door")
-    request = Subscribe(1, (FilterRequest("a"), FilterRequest("b")))
+    request = Subscribe(1, (MqttSubscription("a"), MqttSubscription("b")))
     with mqtt_broker.faults.refuse_subscribe("a", "lamp", ReasonCode.QUOTA_EXCEEDED):
         assert await lamp.call(request) == Suback(1, (ReasonCode.QUOTA_EXCEEDED, ReasonCode.SUCCESS))
         assert await door.call(request) == Suback(1, (ReasonCode.SUCCESS, ReasonCode.SUCCESS))
@@ -97,7 +97,7 @@ async def test_a_refused_message_is_answered_and_not_forwarded(mqtt_broker: Test
 
 async def test_half_a_packet_comes_and_then_the_end(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.call(Subscribe(1, (FilterRequest("lamp"),)))
+    await lamp.call(Subscribe(1, (MqttSubscription("lamp"),)))
     fault = mqtt_broker.faults.half_packet("lamp")
     await mqtt_broker.publish("lamp", "0123456789")
     with pytest.raises(EOFError):
@@ -113,7 +113,7 @@ async def test_a_slow_reader_gets_everything_that_must_come_when_it_reads_again(
     mqtt_broker: TestBroker, join: Join
 ) -> None:
     lamp = await join("lamp")
-    await lamp.call(Subscribe(1, (FilterRequest("lamp", 1),)))
+    await lamp.call(Subscribe(1, (MqttSubscription("lamp", 1),)))
     with mqtt_broker.faults.slow_reader("lamp"):
         for number in range(100):
             await mqtt_broker.publish("lamp", str(number), qos=1)

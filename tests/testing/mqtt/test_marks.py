@@ -15,7 +15,7 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import (
     Connack,
     Connect,
-    FilterRequest,
+    MqttSubscription,
     Pingresp,
     ProtocolVersion,
     Publish,
@@ -62,7 +62,7 @@ async def test_without_tls_there_is_no_authority(mqtt_broker: TestBroker) -> Non
 @pytest.mark.mqtt_broker(keep_alive=7, refuse_filter="secret/#", limits=BrokerLimits(receive_maximum=3))
 async def test_keep_alive_filters_and_limits_are_those_of_the_mark(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    answer = await lamp.call(Subscribe(1, (FilterRequest("secret/#", 0), FilterRequest("t", 0))))
+    answer = await lamp.call(Subscribe(1, (MqttSubscription("secret/#", 0), MqttSubscription("t", 0))))
     assert answer == Suback(1, (ReasonCode.UNSPECIFIED_ERROR, ReasonCode.SUCCESS))
     welcome = next(each.what for each in mqtt_broker.packet_log.records if isinstance(each.what, Connack))
     assert (welcome.properties.server_keep_alive, welcome.properties.receive_maximum) == (7, 3)
@@ -72,8 +72,8 @@ async def test_keep_alive_filters_and_limits_are_those_of_the_mark(mqtt_broker: 
 async def test_a_fault_comes_before_the_filters_of_the_mark(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
     with mqtt_broker.faults.refuse_subscribe("a", reason=ReasonCode.QUOTA_EXCEEDED):
-        assert await lamp.call(Subscribe(1, (FilterRequest("a", 0),))) == Suback(1, (ReasonCode.QUOTA_EXCEEDED,))
-    assert await lamp.call(Subscribe(2, (FilterRequest("a", 0),))) == Suback(2, (ReasonCode.UNSPECIFIED_ERROR,))
+        assert await lamp.call(Subscribe(1, (MqttSubscription("a", 0),))) == Suback(1, (ReasonCode.QUOTA_EXCEEDED,))
+    assert await lamp.call(Subscribe(2, (MqttSubscription("a", 0),))) == Suback(2, (ReasonCode.UNSPECIFIED_ERROR,))
 
 
 @pytest.mark.mqtt_broker(allow_protocol_errors=True)

@@ -15,8 +15,8 @@ from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, W
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
-from homebot.mqtt.packets import ReasonCode
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.packets import NO_PROPERTIES, Properties, ReasonCode
 from homebot.mqtt.topics import validate_topic
 from homebot.support.bounded_map import BoundedMap
 
@@ -108,8 +108,8 @@ class CommandPublisher:
         publish, is_heard = self._connection.publish, False
         for one in publications:
             qos = 0 if is_unkept else max(one.qos, _LEAST_QOS)
-            published = await publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=properties)
-            is_heard = is_heard or published.reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or one.retain
+            reason = await publish(one.topic, one.payload, qos=qos, retain=one.retain, properties=properties)
+            is_heard = is_heard or reason != ReasonCode.NO_MATCHING_SUBSCRIBERS or one.retain
         return is_heard
 
     def _written(self, announced_part: AnnouncedPart, command: Command) -> tuple[Publication, ...]:
@@ -137,10 +137,10 @@ class CommandPublisher:
         return publications
 
 
-def _expiring(command: Command) -> MessageProperties:
+def _expiring(command: Command) -> Properties:
     """Return the properties of a message that expires with *command*, or before it is sent again.
 
     Brokers count whole seconds, and may deliver it in the last one.
     """
     seconds = command.kept_for or command.expires_after
-    return MessageProperties(expiry=max(1, math.floor(seconds))) if seconds else NO_PROPERTIES
+    return Properties(message_expiry_interval=max(1, math.floor(seconds))) if seconds else NO_PROPERTIES

@@ -38,7 +38,8 @@ from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
 from homebot.mqtt.connection import MqttConnection
-from homebot.mqtt.message import NO_PROPERTIES, MqttMessage
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.packets import NO_PROPERTIES
 from homebot.mqtt.topics import validate_topic
 from homebot.support.isolation import run_as
 

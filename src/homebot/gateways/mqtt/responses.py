@@ -11,13 +11,14 @@ from __future__ import annotations
 import math
 import secrets
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, final
 
 from homebot.clock import Clock
 from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
+from homebot.mqtt.message import MqttMessage
+from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["COMMAND_ID", "ResponseCounters", "Responses"]
@@ -61,19 +62,19 @@ class Responses:
         self._publish = publish
         self._awaited: BoundedMap[bytes, tuple[Command, float]] = BoundedMap(MOST_AWAITED)
 
-    def request(self, command: Command, properties: MessageProperties) -> MessageProperties:
+    def request(self, command: Command, properties: Properties) -> Properties:
         """Return *properties* of a message with *command*, which ask for a response if a caller waits for it."""
         if not command.id:
             return properties
         token = secrets.token_hex(_TOKEN).encode()
         until = self._clock.monotonic() + (command.expires_after or math.inf)
         self._awaited[token] = command, until
-        return self.named(command.id, properties)._replace(response_topic=self.topic, correlation_data=token)
+        return replace(self.named(command.id, properties), response_topic=self.topic, correlation_data=token)
 
     @staticmethod
-    def named(command_id: str, properties: MessageProperties = NO_PROPERTIES) -> MessageProperties:
+    def named(command_id: str, properties: Properties = NO_PROPERTIES) -> Properties:
         """Return *properties* of a message with the id of the command that it carries; the same where it has none."""
-        return properties._replace(user=((COMMAND_ID, command_id),)) if command_id else properties
+        return replace(properties, user_properties=((COMMAND_ID, command_id),)) if command_id else properties
 
     def on_response(self, message: MqttMessage) -> None:
         """Match a message on :attr:`topic` with its command, and publish the answer."""

@@ -15,7 +15,7 @@ from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.broker.subscriptions import ShareGroup, SubscriptionTree, Target
-from homebot.mqtt.packets import FilterRequest, ReasonCode
+from homebot.mqtt.packets import MqttSubscription, ReasonCode
 from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["MessageRouter", "Receipt"]
@@ -110,7 +110,9 @@ class MessageRouter:
         for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
             del self.crowded[session]
 
-    def subscribe(self, session: BrokerSession, request: FilterRequest, identifier: int, replay: Replay) -> ReasonCode:
+    def subscribe(
+        self, session: BrokerSession, request: MqttSubscription, identifier: int, replay: Replay
+    ) -> ReasonCode:
         """Add a subscription, or put it in place of the one with the same filter.
 
         Args:

@@ -10,7 +10,7 @@ from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.retained import Replay
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
-from homebot.mqtt.packets import FilterRequest, Suback, Subscribe, Unsuback, Unsubscribe
+from homebot.mqtt.packets import MqttSubscription, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = ["FilterRequests"]
 
@@ -120,6 +120,6 @@ class FilterRequests:
         return Unsuback(packet.packet_id, tuple(reasons))
 
 
-def _of_bridge(request: FilterRequest) -> FilterRequest:
+def _of_bridge(request: MqttSubscription) -> MqttSubscription:
     is_shared = request.filter.startswith("$share/")
     return request._replace(no_local=not is_shared, retain_as_published=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple, Self
 
-from homebot.mqtt.packets import FilterRequest
+from homebot.mqtt.packets import MqttSubscription
 from homebot.mqtt.topics import parse_shared_filter
 
 __all__ = ["SessionSubscription"]
@@ -28,7 +28,7 @@ class SessionSubscription(NamedTuple):
     share: tuple[str, str] | None = None
 
     @classmethod
-    def of(cls, request: FilterRequest, identifier: int = 0) -> Self:
+    def of(cls, request: MqttSubscription, identifier: int = 0) -> Self:
         """Make it from one filter of a SUBSCRIBE packet."""
         shared = parse_shared_filter(request.filter)
         return cls(

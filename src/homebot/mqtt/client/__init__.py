@@ -1,5 +1,8 @@
-"""MQTT clients: the port, the client on our own codec with its transports, and the adapter of aiomqtt."""
+"""MQTT clients: the contract, the client on our own codec with its transports, and the adapter of aiomqtt."""
 
-from homebot.mqtt.client.port import MqttClient, MqttCounters, MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.client.client import MqttClient
+from homebot.mqtt.client.login import SessionGrant
+from homebot.mqtt.client.receiver import MqttCounters
+from homebot.mqtt.packets import MqttSubscription
 
-__all__ = ["MqttClient", "MqttCounters", "MqttSubscription", "PublishResult", "SessionGrant"]
+__all__ = ["MqttClient", "MqttCounters", "MqttSubscription", "SessionGrant"]

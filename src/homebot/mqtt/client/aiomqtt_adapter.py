@@ -30,23 +30,22 @@ import anyio
 from paho.mqtt import client as paho
 from paho.mqtt.enums import MQTTErrorCode
 from paho.mqtt.packettypes import PacketTypes
-from paho.mqtt.properties import Properties
+from paho.mqtt.properties import Properties as PahoProperties
 from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 
 from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.mqtt.client import paho_values as values
-from homebot.mqtt.client.base import UNREADABLE, BaseClient, ClientLink
+from homebot.mqtt.client.client import MqttClient
 from homebot.mqtt.client.incoming import Frame
+from homebot.mqtt.client.link import UNREADABLE, ClientLink
 from homebot.mqtt.client.login import MqttVersion, disconnect_error, early_end, login_error
 from homebot.mqtt.client.native import answer_in
 from homebot.mqtt.client.paho_socket import PahoSocket
-from homebot.mqtt.client.port import MqttSubscription
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import PacketType, ReasonCode
+from homebot.mqtt.packets import NO_PROPERTIES, MqttSubscription, PacketType, Properties, ReasonCode
 
 __all__ = ["AiomqttClient"]
 
@@ -54,13 +53,10 @@ T = TypeVar("T")
 
 
 @final
-class AiomqttClient(BaseClient):
-    """The `MqttClient` port on aiomqtt 2; create it inside a running event loop, with the arguments of `BaseClient`."""
+class AiomqttClient(MqttClient):
+    """The client on aiomqtt 2."""
 
-    @property
-    def limits(self) -> tuple[str, ...]:
-        """Promises of the port that it does not keep; see `MqttClient.limits`."""
-        return ('aiomqtt publishes QoS 2 as QoS 1, so a message may arrive twice; client = "native" keeps QoS 2',)
+    limits = ('aiomqtt publishes QoS 2 as QoS 1, so a message may arrive twice; client = "native" keeps QoS 2',)
 
     async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:
         tls = await make_tls_context(options) if options.tls else None  # each time: certificates are renewed
@@ -118,9 +114,7 @@ class _AiomqttLink(ClientLink):
         if self.transport is not None:
             await self.transport.wait_closed()
 
-    async def publish(
-        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
-    ) -> int:
+    async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
         self._check_alive()
         extra = None if properties is NO_PROPERTIES or not self._is_v5 else values.publish_properties(properties)
         qos = min(qos, values.MOST_QOS)
@@ -150,7 +144,7 @@ class _AiomqttLink(ClientLink):
         return LinkError(f"no answer {within}")
 
     async def _publish_and_wait(
-        self, topic: str, payload: bytes, qos: int, extra: Properties | None, *, retain: bool
+        self, topic: str, payload: bytes, qos: int, extra: PahoProperties | None, *, retain: bool
     ) -> int:
         await self._window.acquire()
         try:

@@ -1,33 +1,22 @@
-"""The receiving half of a client, pure: a byte stream is cut into packets, and a PUBLISH becomes a message.
+"""The receiving half of a client, pure: a byte stream is cut into packets.
 
-It exists beside the client library because a bad packet must cost no more than itself: a packet over the size limit
-is skipped without being stored, and a malformed PUBLISH is told apart from a broken link, with its packet identifier
-where that can still be read, so that it can be acknowledged and does not come back for ever.
+A bad packet must cost no more than itself: one over the size limit is skipped without being stored, and the packet
+identifier of a malformed PUBLISH is read where it can be, so that it is acknowledged and does not come back for ever.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple, final
 
-from homebot.errors import InvalidNameError, WireError
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
-from homebot.mqtt.packets.primitives import Cursor
-from homebot.mqtt.packets.properties import PacketType, decode_properties
-from homebot.mqtt.topics import validate_topic
+from homebot.errors import WireError
 
-__all__ = ["Frame", "FrameReader", "PublishReader"]
+__all__ = ["Frame", "FrameReader"]
 
 _HEAD = 2 + 65_535 + 2
 """Longest topic and packet identifier at the start of a PUBLISH: the kept part of an oversized one."""
 
-_TOPIC_CACHE = 4096
-"""Topics with a remembered check; a house has fewer, and a flood of topics only loses the speed-up."""
-
-_LONGEST_CACHED = 256
-"""Longer topics are checked each time, so that the memory stays near one megabyte."""
-
 _new = tuple.__new__
-"""Makes a named tuple in half the time that its own call takes; there are two of each message."""
+"""Makes a named tuple in half the time that its own call takes."""
 
 
 class Frame(NamedTuple):
@@ -42,6 +31,14 @@ class Frame(NamedTuple):
     first: int
     body: bytes
     oversize: int = 0
+
+    def packet_id(self) -> int:
+        """Return the packet identifier of a PUBLISH, also of a cut or invalid one; 0 if it cannot be read."""
+        if not self.first & 0x06:
+            return 0
+        start = 2 + int.from_bytes(self.body[:2], "big")
+        raw = self.body[start : start + 2]
+        return int.from_bytes(raw, "big") if len(raw) == 2 else 0
 
 
 @final
@@ -116,66 +113,6 @@ class FrameReader:
         return data[skipped:]
 
 
-@final
-class PublishReader:
-    """Reads the PUBLISH packets of one link.
-
-    Args:
-        has_properties: True on a link that speaks MQTT 5.
-
-    Source: MQTT Version 5.0, section 3.3; MQTT Version 3.1.1, section 3.3.
-    """
-
-    def __init__(self, *, has_properties: bool) -> None:
-        self._has_properties = has_properties
-        self._topics: dict[bytes, str] = {}
-
-    def packet_id(self, packet: Frame) -> int:
-        """Return the packet identifier, also of a cut or invalid packet; 0 if it cannot be read."""
-        if not packet.first & 0x06:
-            return 0
-        start = 2 + int.from_bytes(packet.body[:2], "big")
-        raw = packet.body[start : start + 2]
-        return int.from_bytes(raw, "big") if len(raw) == 2 else 0
-
-    def read(self, packet: Frame, receipt: int) -> MqttMessage:
-        """Return the message in a whole packet.
-
-        Raises:
-            WireError: The packet does not follow the protocol.
-        """
-        first, body, _ = packet
-        qos = (first >> 1) & 3
-        if len(body) < 2 or qos == 3:
-            raise WireError("a PUBLISH with QoS 3 or without a topic", body)
-        end = 2 + (body[0] << 8) + body[1]
-        name = body[2:end]
-        topic = self._topics.get(name) or self._check_topic(name, body)
-        if qos:
-            end += 2
-        if end > len(body):
-            raise WireError("a PUBLISH ends too early", body)
-        properties = NO_PROPERTIES
-        if self._has_properties:
-            if end < len(body) and body[end] == 0:
-                end += 1
-            else:
-                properties, end = _read_properties(body, end)
-        return _new(MqttMessage, (topic, body[end:], qos, bool(first & 1), properties, receipt))
-
-    def _check_topic(self, name: bytes, body: bytes) -> str:
-        try:
-            topic = name.decode()
-            validate_topic(topic)
-        except (UnicodeDecodeError, InvalidNameError) as error:
-            raise WireError("a PUBLISH with an invalid topic", body) from error
-        if len(name) <= _LONGEST_CACHED:
-            if len(self._topics) >= _TOPIC_CACHE:
-                self._topics.clear()
-            self._topics[name] = topic
-        return topic
-
-
 def _read_length(buffer: bytes, position: int) -> tuple[int, int] | None:
     """Return value and end of a variable byte integer; None while it is incomplete."""
     value = 0
@@ -186,18 +123,3 @@ def _read_length(buffer: bytes, position: int) -> tuple[int, int] | None:
     if len(buffer) - position >= 4:
         raise WireError("a packet length of more than four bytes", buffer[position - 1 : position + 4])
     return None
-
-
-def _read_properties(body: bytes, start: int) -> tuple[MessageProperties, int]:
-    cursor = Cursor(body)
-    cursor.position = start
-    found = decode_properties(cursor, PacketType.PUBLISH)
-    properties = MessageProperties(
-        payload_is_text=found.payload_format_indicator == 1,
-        expiry=found.message_expiry_interval,
-        content_type=found.content_type,
-        response_topic=found.response_topic,
-        correlation_data=found.correlation_data,
-        user=found.user_properties,
-    )
-    return properties, cursor.position

@@ -1,9 +1,9 @@
-"""Login of a client: the MQTT version that it speaks, and the meaning of a refusal or an early end."""
+"""Login of a client: the MQTT version that it speaks, the session it is granted, and the meaning of a refusal."""
 
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from typing import Final, Literal, TypeAlias, TypeVar, final
+from typing import Final, Literal, NamedTuple, TypeAlias, TypeVar, final
 
 from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.mqtt.options import MqttOptions
@@ -13,6 +13,7 @@ from homebot.support.logger import get_logger
 __all__ = [
     "ClosedEarlyError",
     "MqttVersion",
+    "SessionGrant",
     "VersionChoice",
     "disconnect_error",
     "early_end",
@@ -23,6 +24,23 @@ __all__ = [
 MqttVersion: TypeAlias = Literal["5", "3.1.1"]
 T = TypeVar("T")
 _log = get_logger()
+
+
+class SessionGrant(NamedTuple):
+    """The session as the broker granted it when the link was made.
+
+    Attributes:
+        resumed: The broker still knew this client: its subscriptions stand, and unacknowledged messages follow.
+        receive_maximum: Most publishes of QoS 1 and 2 that the broker wants to have open.
+        maximum_packet_size: Largest packet that the broker takes, in bytes; None is without limit.
+    """
+
+    resumed: bool
+    protocol: MqttVersion
+    maximum_qos: int = 2
+    retain_available: bool = True
+    receive_maximum: int = 65535
+    maximum_packet_size: int | None = None
 
 
 class ClosedEarlyError(LinkError):

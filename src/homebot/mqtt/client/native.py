@@ -6,6 +6,7 @@ It keeps every promise of the port.
 from __future__ import annotations
 
 import asyncio
+from functools import lru_cache
 from random import Random
 from typing import Final, final
 
@@ -13,30 +14,24 @@ import anyio
 
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, UnansweredError, WireError
-from homebot.mqtt.client.base import BaseClient, ClientLink
+from homebot.mqtt.client.client import MqttClient
 from homebot.mqtt.client.incoming import Frame
-from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, disconnect_error, login_error
-from homebot.mqtt.client.packet_values import (
-    connect_packet,
-    disconnect_packet,
-    encoded_properties,
-    filter_request,
-    publish_properties,
-    session_of,
-)
-from homebot.mqtt.client.port import MqttSubscription
+from homebot.mqtt.client.link import ClientLink
+from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, SessionGrant, disconnect_error, login_error
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial
-from homebot.mqtt.message import MessageProperties
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import NO_PROPERTIES as NOTHING
 from homebot.mqtt.packets import (
+    NO_PROPERTIES,
     Connack,
+    Connect,
     Disconnect,
+    MqttSubscription,
     Packet,
     PacketType,
+    Properties,
     ProtocolVersion,
     Publish,
     Subscribe,
@@ -45,7 +40,7 @@ from homebot.mqtt.packets import (
     encode,
 )
 from homebot.mqtt.packets.primitives import Cursor
-from homebot.mqtt.packets.properties import decode_properties
+from homebot.mqtt.packets.properties import decode_properties, encode_properties
 from homebot.mqtt.packets.publish import encode_publish_parts
 from homebot.mqtt.packets.reason import PacketError
 
@@ -59,8 +54,8 @@ _V3_CONNACK: Final = 2  # bytes of its body
 
 
 @final
-class NativeClient(BaseClient):
-    """The `MqttClient` port on our own codec; make it inside a running event loop."""
+class NativeClient(MqttClient):
+    """The client on our own codec."""
 
     def __init__(
         self,
@@ -100,7 +95,7 @@ class ClientProtocol(ClientLink):
             UsageError: A certificate file cannot be used.
         """
         self.transport = await dial(self._options, self)
-        self._send(connect_packet(self._options, self._version))
+        self._send(_connect_packet(self._options, self._version))
         words = f"no answer to CONNECT within {self._options.timeout:g} s"
         try:
             with anyio.fail_after(self._options.timeout):
@@ -112,14 +107,11 @@ class ClientProtocol(ClientLink):
             self.cut(LinkError("the connection attempt was cancelled"))
             raise
 
-    async def publish(
-        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
-    ) -> int:
+    async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
         """Publish; see `ClientLink.publish`."""
         self._check_alive()
-        head, tail = encode_publish_parts(
-            topic, payload, qos, retain, encoded_properties(properties) if self._is_v5 else b""
-        )
+        encoded = _encoded(properties) if self._is_v5 else b""
+        head, tail = encode_publish_parts(topic, payload, qos, retain, encoded)
         self._check_granted(topic, len(tail), qos, retain=retain)
         if not qos:
             self._put(head + tail)
@@ -132,9 +124,8 @@ class ClientProtocol(ClientLink):
                 self._check_alive()
             packet_id = self._requests.new_id()
             if qos == 2:
-                extra = publish_properties(properties) if self._is_v5 else NOTHING
-                publish = Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra)
-                self._requests.hold(packet_id, publish, properties.expiry)
+                publish = Publish(topic, payload, qos, retain, packet_id=packet_id, properties=properties)
+                self._requests.hold(packet_id, publish)
             (reason,) = await self._answer(packet_id, "publish", head + packet_id.to_bytes(2, "big") + tail)
         finally:
             window.release()
@@ -144,8 +135,7 @@ class ClientProtocol(ClientLink):
         """Subscribe, and return the reason codes of the answer."""
         self._check_alive()
         packet_id = self._requests.new_id()
-        request = Subscribe(packet_id, tuple([filter_request(each) for each in subscriptions]))
-        return await self._answer(packet_id, "subscribe", encode(request, self._version))
+        return await self._answer(packet_id, "subscribe", encode(Subscribe(packet_id, subscriptions), self._version))
 
     async def unsubscribe(self, filters: tuple[str, ...]) -> None:
         """Take back subscriptions."""
@@ -157,7 +147,8 @@ class ClientProtocol(ClientLink):
         """Send DISCONNECT, if there is still a link, and drop it; MQTT 5 has a field for *ends_session*."""
         transport = self.transport
         if self._lost is None and transport is not None:
-            self._send(disconnect_packet(ends_session=ends_session and self._is_v5))
+            ends = ends_session and self._is_v5
+            self._send(Disconnect(properties=Properties(session_expiry_interval=0)) if ends else Disconnect())
             transport.close()
             self._lose(LinkError("closed"))
             await transport.wait_closed()
@@ -197,7 +188,7 @@ class ClientProtocol(ClientLink):
             self._greeting.set_exception(reason)
             self.cut(reason)
             return
-        session = session_of(packet, self._version)
+        session = _session_of(packet, self._version)
         seconds = packet.properties.server_keep_alive or self._options.keep_alive
         again = self._requests.begin_link(resumed=session.resumed)
         self._unfinished = {each.packet_id for each in again if each.packet_id is not None}
@@ -237,3 +228,42 @@ def answer_in(frame: Frame, *, is_v5: bool) -> tuple[int, Answer]:
         decode_properties(cursor, PacketType(kind))
         start = cursor.position
     return packet_id, tuple(body[start:])
+
+
+def _connect_packet(options: MqttOptions, version: ProtocolVersion) -> Connect:
+    is_v5 = version is ProtocolVersion.V5
+    properties = NO_PROPERTIES
+    if is_v5:
+        properties = Properties(
+            receive_maximum=options.receive_maximum,
+            maximum_packet_size=options.maximum_packet_size,
+            session_expiry_interval=options.session_expiry,
+        )
+    return Connect(
+        client_id=options.client_id,
+        version=version,
+        clean_start=options.session_expiry == 0,
+        keep_alive=options.keep_alive,
+        username=options.user,
+        password=None if options.password is None else options.password.get_secret_value().encode(),
+        will=options.will,
+        properties=properties,
+    )
+
+
+def _session_of(answer: Connack, version: ProtocolVersion) -> SessionGrant:
+    granted = answer.properties
+    return SessionGrant(
+        resumed=answer.session_present,
+        protocol="5" if version is ProtocolVersion.V5 else "3.1.1",
+        maximum_qos=2 if granted.maximum_qos is None else granted.maximum_qos,
+        retain_available=granted.retain_available != 0,
+        receive_maximum=granted.receive_maximum or 65_535,
+        maximum_packet_size=granted.maximum_packet_size,
+    )
+
+
+@lru_cache(maxsize=32)
+def _encoded(properties: Properties) -> bytes:
+    """Return the properties of a PUBLISH as they are sent; the last ones are remembered: most say none, or how long."""
+    return encode_properties(properties, PacketType.PUBLISH)

@@ -11,14 +11,13 @@ import aiomqtt
 from paho.mqtt import MQTTException
 from paho.mqtt import client as paho
 from paho.mqtt.packettypes import PacketTypes
-from paho.mqtt.properties import Properties
+from paho.mqtt.properties import Properties as PahoProperties
 from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from homebot.errors import UsageError
-from homebot.mqtt.client.login import MqttVersion
-from homebot.mqtt.client.port import MqttSubscription, SessionGrant
-from homebot.mqtt.message import MessageProperties
+from homebot.mqtt.client.login import MqttVersion, SessionGrant
 from homebot.mqtt.options import MqttOptions
+from homebot.mqtt.packets import MqttSubscription, Properties
 
 __all__ = [
     "MOST_QOS",
@@ -75,29 +74,29 @@ def settings_of(options: MqttOptions, version: MqttVersion) -> dict[str, Any]:
     }
 
 
-def properties_of(packet_type: int, **values: object) -> Properties:
+def properties_of(packet_type: int, **values: object) -> PahoProperties:
     """Return properties of a packet; None leaves one out."""
-    properties = Properties(packet_type)  # type: ignore[no-untyped-call] # paho has no types there
+    properties = PahoProperties(packet_type)  # type: ignore[no-untyped-call] # paho has no types there
     for name, value in values.items():
         if value is not None:
             setattr(properties, name, value)
     return properties
 
 
-def publish_properties(wanted: MessageProperties, packet_type: int = PacketTypes.PUBLISH) -> Properties:
+def publish_properties(wanted: Properties, packet_type: int = PacketTypes.PUBLISH) -> PahoProperties:
     """Return the properties of a PUBLISH or a will."""
     return properties_of(
         packet_type,
-        PayloadFormatIndicator=1 if wanted.payload_is_text else None,
-        MessageExpiryInterval=wanted.expiry,
+        PayloadFormatIndicator=wanted.payload_format_indicator,
+        MessageExpiryInterval=wanted.message_expiry_interval,
         ContentType=wanted.content_type,
         ResponseTopic=wanted.response_topic,
         CorrelationData=wanted.correlation_data,
-        UserProperty=list(wanted.user) or None,
+        UserProperty=list(wanted.user_properties) or None,
     )
 
 
-def packed_size(properties: Properties | None) -> int:
+def packed_size(properties: PahoProperties | None) -> int:
     """Return the size of the properties; check them too, which paho does only when half of a publish is booked."""
     try:
         return 0 if properties is None else len(properties.pack())  # type: ignore[no-untyped-call] # as above
@@ -115,7 +114,7 @@ def subscribe_options(wanted: MqttSubscription, version: MqttVersion) -> int | S
 _options = lru_cache(maxsize=64)(SubscribeOptions)  # paho only reads them, and takes long to make one
 
 
-def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: Properties | None) -> SessionGrant:
+def grant_of(version: MqttVersion, flags: paho.ConnectFlags, properties: PahoProperties | None) -> SessionGrant:
     """Return the properties granted by the broker."""
     return SessionGrant(
         resumed=bool(flags.session_present),

@@ -70,8 +70,9 @@ class Requests:
         """Forget an answer without waiting callers."""
         self._answers.pop(packet_id, None)
 
-    def hold(self, packet_id: int, publish: Publish, expiry: int | None) -> None:
-        """Hold a handshake of QoS 2, which goes on on a later link; None *expiry*, in seconds, is without end."""
+    def hold(self, packet_id: int, publish: Publish) -> None:
+        """Hold a handshake of QoS 2, which goes on on a later link until the message expires."""
+        expiry = publish.properties.message_expiry_interval
         lasts = math.inf if expiry is None else expiry
         self._open[packet_id] = _Handshake(publish, asyncio.get_running_loop().time() + lasts)
 

@@ -9,7 +9,7 @@ from homebot.mqtt.packets.properties import NO_PROPERTIES, PacketType, Propertie
 from homebot.mqtt.packets.publish import Acknowledgement, Puback, Pubcomp, Publish, Pubrec, Pubrel
 from homebot.mqtt.packets.reader import MAX_PACKET_SIZE, PacketReader
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode
-from homebot.mqtt.packets.subscribe import FilterRequest, Suback, Subscribe, Unsuback, Unsubscribe
+from homebot.mqtt.packets.subscribe import MqttSubscription, Suback, Subscribe, Unsuback, Unsubscribe
 
 __all__ = [
     "MAX_PACKET_SIZE",
@@ -19,7 +19,7 @@ __all__ = [
     "Connack",
     "Connect",
     "Disconnect",
-    "FilterRequest",
+    "MqttSubscription",
     "Packet",
     "PacketError",
     "PacketReader",

@@ -17,16 +17,20 @@ from homebot.mqtt.packets.properties import (
 from homebot.mqtt.packets.reason import PacketError, ProtocolVersion, ReasonCode, by_number
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["DECODERS", "ENCODERS", "FilterRequest", "Suback", "Subscribe", "Unsuback", "Unsubscribe"]
+__all__ = ["DECODERS", "ENCODERS", "MqttSubscription", "Suback", "Subscribe", "Unsuback", "Unsubscribe"]
 
 
-class FilterRequest(NamedTuple):
-    """One filter of a SUBSCRIBE with its options; all but *qos* are MQTT 5 only.
+class MqttSubscription(NamedTuple):
+    """One topic filter and how its messages should come; before MQTT 5 the QoS alone counts.
 
     Attributes:
-        filter: Topic filter, or ``$share/GROUP/FILTER``.
-        qos: The highest QoS the client wants: 0, 1 or 2.
-        retain_handling: Send retained messages 0: at each subscribe, 1: if the subscription is new, 2: never.
+        filter: Topic filter, or ``$share/GROUP/FILTER``; ``+`` is one level, a final ``#`` is the rest.
+        qos: Highest delivery level wanted, 0 to 2.
+        no_local: Exclude this client's own publications.
+        retain_as_published: Keep the sender's retain flag on live messages.
+        retain_handling: Retained messages come 0: always, 1: only with a new subscription, 2: never.
+
+    Source: MQTT Version 5.0, section 3.8.3.1.
     """
 
     filter: str
@@ -40,7 +44,7 @@ class Subscribe(NamedTuple):
     """A client asks for messages; *filters* has one entry or more."""
 
     packet_id: int
-    filters: tuple[FilterRequest, ...]
+    filters: tuple[MqttSubscription, ...]
     properties: Properties = NO_PROPERTIES
 
 
@@ -70,7 +74,7 @@ class Unsuback(NamedTuple):
 
 def _decode_subscribe(body: bytes, version: ProtocolVersion) -> Subscribe:
     cursor, packet_id, properties = _open(body, PacketType.SUBSCRIBE, version)
-    filters: list[FilterRequest] = []
+    filters: list[MqttSubscription] = []
     while cursor.left:
         _check_number(filters, body)
         name = _filter(cursor)
@@ -204,7 +208,7 @@ def _filter(cursor: Cursor) -> str:
     return name
 
 
-def _decode_options(name: str, options: int, version: ProtocolVersion, body: bytes) -> FilterRequest:
+def _decode_options(name: str, options: int, version: ProtocolVersion, body: bytes) -> MqttSubscription:
     qos = options & 3
     reserved = 0xC0 if version == ProtocolVersion.V5 else 0xFC
     if qos == 3 or options & reserved:
@@ -213,10 +217,10 @@ def _decode_options(name: str, options: int, version: ProtocolVersion, body: byt
     no_local = bool(options & 4)
     if handling == 3 or (no_local and name.startswith("$share/")):
         raise PacketError(f"SUBSCRIBE has options 0x{options:02x}", body, ReasonCode.PROTOCOL_ERROR)
-    return FilterRequest(name, qos, no_local, bool(options & 8), handling)
+    return MqttSubscription(name, qos, no_local, bool(options & 8), handling)
 
 
-def _encode_options(request: FilterRequest, version: ProtocolVersion) -> bytes:
+def _encode_options(request: MqttSubscription, version: ProtocolVersion) -> bytes:
     options = request.qos
     if version == ProtocolVersion.V5:
         options |= request.no_local << 2 | request.retain_as_published << 3 | request.retain_handling << 4

@@ -13,7 +13,7 @@ from homebot.mqtt.packets import (
     Connack,
     Connect,
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Packet,
     Properties,
     ProtocolVersion,
@@ -65,8 +65,8 @@ class Talker:
         while any(talker._take() for talker in (self, *others)):
             pass
 
-    def subscribe(self, *requests: FilterRequest | str, qos: int = 2, identifier: int = 0) -> Suback:
-        filters = tuple(FilterRequest(each, qos) if isinstance(each, str) else each for each in requests)
+    def subscribe(self, *requests: MqttSubscription | str, qos: int = 2, identifier: int = 0) -> Suback:
+        filters = tuple(MqttSubscription(each, qos) if isinstance(each, str) else each for each in requests)
         properties = Properties(subscription_identifiers=(identifier,)) if identifier else NO_PROPERTIES
         self.send(Subscribe(self._next_id(), filters, properties))
         return [packet for packet in self.others if isinstance(packet, Suback)][-1]

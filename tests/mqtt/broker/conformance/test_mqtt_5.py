@@ -10,7 +10,7 @@ import pytest
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.packets import (
     Disconnect,
-    FilterRequest,
+    MqttSubscription,
     Properties,
     Publish,
     Pubrec,
@@ -103,7 +103,7 @@ def test_subscribe_options_retain_handling(meet: Meet, handling: int, first: int
     counts = []
     for _ in range(2):
         client.messages.clear()
-        client.subscribe(FilterRequest("hall/+", 2, retain_handling=handling))
+        client.subscribe(MqttSubscription("hall/+", 2, retain_handling=handling))
         counts.append(len(client.messages))
     assert counts == [first, second]
 

@@ -1,34 +1,25 @@
-"""The part of an MQTT client, and of its links, that is independent of the implementation."""
+"""One link of an MQTT client, from login to end, as far as it is independent of the implementation."""
 
 from __future__ import annotations
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Iterable
-from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from dataclasses import replace
 from typing import Final
 
 import anyio
-from anyio.lowlevel import checkpoint
 
-from homebot.clock import Clock, LoopClock
-from homebot.errors import HomebotError, LinkError, RefusedError, UsageError, WireError
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.mqtt.client.incoming import Frame, FrameReader
 from homebot.mqtt.client.keep_alive import KeepAlive, LifeSign
-from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, VersionChoice, early_end, reason_text
-from homebot.mqtt.client.port import MqttSubscription, PublishResult, SessionGrant
+from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, SessionGrant, early_end, reason_text
 from homebot.mqtt.client.receiver import Receiver
 from homebot.mqtt.client.requests import Answer, Requests, SendWindow
 from homebot.mqtt.client.transport import SEND_BUFFER, ClientTransport
-from homebot.mqtt.message import NO_PROPERTIES, MessageProperties, MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import PacketType, ReasonCode
-from homebot.mqtt.topics import validate_filter, validate_topic
-from homebot.support.logger import get_logger
+from homebot.mqtt.packets import MqttSubscription, PacketType, Properties, ReasonCode
 from homebot.support.unanswered import SENT_REQUESTS
 
-__all__ = ["UNREADABLE", "BaseClient", "ClientLink"]
+__all__ = ["UNREADABLE", "ClientLink"]
 
 UNREADABLE: Final = "the broker sent something unreadable"
 
@@ -41,153 +32,7 @@ _PINGREQ: Final = b"\xc0\x00"  # of every version
 _TLS_ALERT: Final = 0x15  # RFC 8446, section 5.1
 _IN_TLS: Final = "the server there uses TLS; is the address mqtts://?"
 _NO_MQTT: Final = "the server there is not an MQTT broker"
-
-_GOODBYE: Final = 1.0
-"""Seconds that a close in good order may take; the broker may be gone already."""
-
-_FAILED: Final = ReasonCode.UNSPECIFIED_ERROR  # reason codes from here on say no
 _OVERHEAD: Final = 12  # bytes of a PUBLISH besides topic, properties and payload, at most
-_log = get_logger()
-
-
-class BaseClient(ABC):
-    """The `MqttClient` port over links of some kind.
-
-    Attributes:
-        receive: Returns all messages that are there; see `MqttClient.receive`.
-    """
-
-    def __init__(self, options: MqttOptions, clock: Clock | None = None) -> None:
-        self._options = options
-        self._clock = LoopClock() if clock is None else clock
-        self._receiver = Receiver(options, self._clock)
-        self.receive = self._receiver.receive
-        self.counters = self._receiver.counters
-        self._choice = VersionChoice(options)
-        self._link: ClientLink | None = None
-        self._is_taken = False
-
-    @property
-    def limits(self) -> tuple[str, ...]:
-        """Promises of the port that it does not keep; see `MqttClient.limits`."""
-        return ()
-
-    def connected(self) -> AbstractAsyncContextManager[SessionGrant]:
-        """Make the link; see `MqttClient.connected`."""
-        return self._connected()
-
-    async def wait_lost(self) -> LinkError | RefusedError:
-        """Wait until the link is gone and say why."""
-        return await self._need_link().wait_lost()
-
-    async def publish(
-        self,
-        topic: str,
-        payload: bytes = b"",
-        *,
-        qos: int = 0,
-        retain: bool = False,
-        properties: MessageProperties = NO_PROPERTIES,
-    ) -> PublishResult:
-        """Publish; see `MqttClient.publish`."""
-        validate_topic(topic)
-        if qos not in {0, 1, 2}:
-            raise UsageError(f"QoS is 0, 1 or 2, not {qos}")
-        try:
-            reason = await (self._link or self._need_link()).publish(topic, payload, qos, properties, retain=retain)
-        except LinkError:
-            await checkpoint()  # a caller that retries in a loop would starve whatever makes the link anew
-            raise
-        if reason >= _FAILED:
-            raise RefusedError(f"the publish to {topic!r}", reason_text(reason), reason)
-        return PublishResult(reason) if reason else _TAKEN
-
-    async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
-        """Subscribe; see `MqttClient.subscribe`."""
-        for subscription in subscriptions:
-            validate_filter(subscription.filter)
-        if not subscriptions:
-            return ()
-        reasons = await (self._link or self._need_link()).subscribe(subscriptions)
-        if max(reasons, default=0) >= _FAILED:
-            answers = zip(subscriptions, reasons, strict=False)
-            refused = [(each.filter, code) for each, code in answers if code >= _FAILED]
-            names = ", ".join(repr(name) for name, _ in refused)
-            raise RefusedError(f"the subscription to {names}", reason_text(refused[0][1]), refused[0][1])
-        return reasons
-
-    async def unsubscribe(self, *filters: str) -> None:
-        """Take back subscriptions; see `MqttClient.unsubscribe`."""
-        if filters:
-            await self._need_link().unsubscribe(filters)
-
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge; see `MqttClient.ack`."""
-        if self._link is not None and (data := self._receiver.settle(messages)):
-            self._link.acknowledge(data)
-
-    def drop(self) -> None:
-        """Cut the link; see `MqttClient.drop`."""
-        if self._link is not None:
-            self._link.cut(LinkError("dropped"))
-
-    @abstractmethod
-    async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:
-        """Make a link.
-
-        Raises:
-            LinkError: The broker cannot be reached, is busy, or did not answer.
-            RefusedError: The broker said no, or its certificate is not trusted.
-            UsageError: A certificate or key file cannot be used.
-        """
-
-    @asynccontextmanager
-    async def _connected(self) -> AsyncIterator[SessionGrant]:
-        if self._is_taken:
-            raise UsageError("this MQTT client is already connected")
-        self._is_taken = True
-
-        async def open_as(version: MqttVersion) -> ClientLink:
-            return await self._open(self._options, version, self._receiver)
-
-        try:
-            self._link = link = await self._choice.open(open_as)
-            try:
-                yield link.grant
-            finally:
-                self._link = None
-                await self._close(link)
-        finally:
-            self._is_taken = False
-
-    async def _close(self, link: ClientLink) -> None:
-        options = self._options
-        ends_session = link.is_alive and options.session_ends_on_close and options.session_expiry > 0
-        with anyio.CancelScope(shield=True):
-            with anyio.move_on_after(_GOODBYE):
-                await link.close(ends_session=ends_session)
-            link.cut(LinkError("closed"))
-            if ends_session and link.grant.protocol == "3.1.1":
-                with anyio.move_on_after(_GOODBYE):
-                    await self._end_session()
-
-    async def _end_session(self) -> None:
-        """End it as MQTT 3.1.1 has it: connect once more, with a clean session, and leave.
-
-        Source: MQTT Version 3.1.1, section 3.1.2.4.
-        """
-        options = replace(self._options, session_expiry=0, will=None)
-        try:
-            link = await self._open(options, "3.1.1", Receiver(options, self._clock))
-        except HomebotError as error:  # the broker is gone, and with it most likely the session
-            _log.debug("mqtt.session_left", broker=options.url, reason=str(error))
-            return
-        await link.close(ends_session=False)
-
-    def _need_link(self) -> ClientLink:
-        if self._link is None:
-            raise LinkError(f"not connected to {self._options.url}")
-        return self._link
 
 
 class ClientLink(ABC):
@@ -227,9 +72,7 @@ class ClientLink(ABC):
         return self._lost or LinkError("closed")
 
     @abstractmethod
-    async def publish(
-        self, topic: str, payload: bytes, qos: int, properties: MessageProperties, *, retain: bool
-    ) -> int:
+    async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
         """Publish, and return the reason code of the answer; at QoS 0 it is 0, once the broker is not far behind.
 
         Raises:
@@ -399,6 +242,3 @@ class ClientLink(ABC):
             raise ClosedEarlyError(_IN_TLS if in_tls else _NO_MQTT)
         if frame.oversize:
             raise WireError(f"a packet of type {frame.first >> 4} of {frame.oversize} bytes")
-
-
-_TAKEN: Final = PublishResult()
