@@ -116,7 +116,12 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         position += 2
     properties = NO_PROPERTIES
     if version is ProtocolVersion.V5:
-        properties, position = _read_properties(data, position, end)
+        if position < end and not data[position]:  # as in most
+            position += 1
+        else:
+            cursor = Cursor(data[position:end])
+            properties = decode_properties(cursor, PacketType.PUBLISH)
+            position += cursor.position
     if not topic and properties.topic_alias is None:
         raise PacketError("PUBLISH has no topic", data[start:end], ReasonCode.PROTOCOL_ERROR)
     return Publish(topic, data[position:end], qos, flags & 1 == 1, flags & 8 == 8, packet_id, properties)
@@ -217,14 +222,6 @@ def _read_packet_id(name: str, data: bytes, position: int, end: int) -> int:
     if not packet_id:
         raise PacketError("packet id is 0", data[position:end], ReasonCode.PROTOCOL_ERROR)
     return packet_id
-
-
-def _read_properties(data: bytes, position: int, end: int) -> tuple[Properties, int]:
-    """Return the properties of a PUBLISH and their end; most have none."""
-    if position < end and not data[position]:
-        return NO_PROPERTIES, position + 1
-    cursor = Cursor(data[position:end])
-    return decode_properties(cursor, PacketType.PUBLISH), position + cursor.position
 
 
 def _refuse_topic(topic: str, body: bytes) -> NoReturn:
