@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from random import Random
 
@@ -48,7 +48,7 @@ class FakeClient(MqttClient):
         self.counters = MqttCounters()
         self.inbox: list[MqttMessage] = []
         self._up = False
-        self.receive = self._receive
+        self.receive, self.ack = self._receive, self.acked.extend
         self._gone = anyio.Event()
         self._news = anyio.Event()
         self._reason: LinkError | RefusedError = ABSENT
@@ -127,13 +127,9 @@ class FakeClient(MqttClient):
         batch, self.inbox = self.inbox, []
         return batch
 
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        self.acked.extend(messages)
-
     def lose(self, reason: LinkError | RefusedError = ABSENT) -> None:
         self._reason = reason
         self._up = False
-        self.receive = self._receive
         self._gone.set()
         self.tell()
 

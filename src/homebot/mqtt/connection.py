@@ -91,7 +91,7 @@ class MqttConnection:
             slowly; the embedded one waits for the client.
 
     Attributes:
-        ack: Acknowledges messages to the broker; see `MqttClient.ack`.
+        ack: Acknowledges messages to the broker; see `Receiver.ack`.
         publish: Publishes; see `MqttClient.publish`. Raises LinkError at once while the link is down.
     """
 

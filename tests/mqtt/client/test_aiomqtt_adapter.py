@@ -15,10 +15,9 @@ from homebot.clock import LoopClock
 from homebot.errors import WireError
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.native import ClientProtocol
 from homebot.mqtt.client.paho_socket import PahoSocket
-from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.receiver import Frame, Receiver
 from homebot.mqtt.client.requests import Requests
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import Disconnect, Puback, Publish, ReasonCode, Suback, Subscribe

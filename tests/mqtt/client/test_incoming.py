@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from tests.turns import slowness
 
 from homebot.errors import WireError
-from homebot.mqtt.client.incoming import Frame, FrameReader
+from homebot.mqtt.client.link import FrameReader
+from homebot.mqtt.client.receiver import Frame
 from homebot.mqtt.packets.primitives import encode_varint
 
 PLAIN = bytes.fromhex("30 05 00 03") + b"a/b"

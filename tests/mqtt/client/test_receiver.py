@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from structlog.testing import capture_logs
 
 from homebot.clock import ManualClock
+from homebot.errors import LinkError
 from homebot.mqtt.client import SessionGrant
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.login import MqttVersion
-from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.receiver import Frame, Receiver
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import Properties
@@ -19,19 +21,29 @@ from homebot.mqtt.packets import Properties
 BAD = Frame(0x32, b"\x00\x02\xc3\x28\x00\x07")
 
 
-def make(clock: ManualClock | None = None, *, inbox_messages: int = 10, protocol: MqttVersion = "3.1.1") -> Receiver:
+def make(
+    clock: ManualClock | None = None,
+    *,
+    inbox_messages: int = 10,
+    protocol: MqttVersion = "3.1.1",
+    write: Callable[[bytes], object] = len,
+) -> Receiver:
     receiver = Receiver(MqttOptions(host="broker", inbox_messages=inbox_messages), clock or ManualClock())
-    receiver.begin_link(SessionGrant(resumed=False, protocol=protocol))
+    receiver.begin_link(SessionGrant(resumed=False, protocol=protocol), write)
     return receiver
 
 
 async def test_a_publish_becomes_a_message_that_can_be_acknowledged() -> None:
-    receiver = make()
+    written: list[bytes] = []
+    receiver = make(write=written.append)
     assert receiver.publish(Frame(0x33, b"\x00\x03a/b\x12\x34x")) == b""
     receiver.deliver()
     messages = await receiver.receive()
     assert messages == [MqttMessage("a/b", b"x", 1, retain=True)]
-    assert receiver.settle(messages) == b"\x40\x02\x12\x34"
+    receiver.ack(messages)
+    receiver.end_link(LinkError("lost"))
+    receiver.ack(messages)
+    assert written == [b"\x40\x02\x12\x34"]
 
 
 async def test_a_publish_of_mqtt_5_has_properties() -> None:

@@ -36,12 +36,11 @@ from paho.mqtt.reasoncodes import ReasonCode as PahoReason
 from homebot.errors import LinkError, RefusedError, UnansweredError
 from homebot.mqtt.client import paho_values as values
 from homebot.mqtt.client.client import MqttClient
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.link import UNREADABLE, ClientLink
 from homebot.mqtt.client.login import MqttVersion, disconnect_error, early_end, login_error
 from homebot.mqtt.client.native import answer_in
 from homebot.mqtt.client.paho_socket import PahoSocket
-from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.receiver import Frame, Receiver
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_error, make_tls_context
 from homebot.mqtt.options import MqttOptions

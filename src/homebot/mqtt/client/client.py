@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import replace
 from typing import Final
@@ -45,6 +45,7 @@ class MqttClient(ABC):
         limits: Promises of this contract that the client does not keep, each in words for people; empty where it keeps
             all.
         receive: Returns all messages that are there, in order, and waits for the first; see `Inbox.receive`.
+        ack: Acknowledges messages to the broker; see `Receiver.ack`.
     """
 
     limits: tuple[str, ...] = ()
@@ -54,6 +55,7 @@ class MqttClient(ABC):
         self._clock = LoopClock() if clock is None else clock
         self._receiver = Receiver(options, self._clock)
         self.receive = self._receiver.receive
+        self.ack: Callable[[Iterable[MqttMessage]], None] = self._receiver.ack
         self.counters: MqttCounters = self._receiver.counters
         self._choice = VersionChoice(options)
         self._link: ClientLink | None = None
@@ -160,14 +162,6 @@ class MqttClient(ABC):
         """
         if filters:
             await self._need_link().unsubscribe(filters)
-
-    def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge these messages to the broker; those of QoS 0 are passed over.
-
-        A message from an earlier link is passed over too: the broker sends it again if it still has it.
-        """
-        if self._link is not None and (data := self._receiver.settle(messages)):
-            self._link.acknowledge(data)
 
     @abstractmethod
     async def _open(self, options: MqttOptions, version: MqttVersion, receiver: Receiver) -> ClientLink:

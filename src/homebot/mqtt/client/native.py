@@ -15,10 +15,9 @@ import anyio
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError, UnansweredError, WireError
 from homebot.mqtt.client.client import MqttClient
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.link import ClientLink
 from homebot.mqtt.client.login import ClosedEarlyError, MqttVersion, SessionGrant, disconnect_error, login_error
-from homebot.mqtt.client.receiver import Receiver
+from homebot.mqtt.client.receiver import Frame, Receiver
 from homebot.mqtt.client.requests import Answer, Requests
 from homebot.mqtt.client.tcp_transport import dial_tcp
 from homebot.mqtt.client.transport import Dial

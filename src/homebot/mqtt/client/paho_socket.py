@@ -18,8 +18,8 @@ from paho.mqtt import client as paho
 from paho.mqtt.properties import Properties
 
 from homebot.errors import WireError
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.link import ClientLink
+from homebot.mqtt.client.receiver import Frame
 from homebot.mqtt.client.tcp_transport import TcpTransport
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets.primitives import encode_varint

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import final
+from typing import NamedTuple, final
 
 from homebot.clock import Clock
 from homebot.errors import LinkError, RefusedError
 from homebot.log import LogLimit
-from homebot.mqtt.client.incoming import Frame
 from homebot.mqtt.client.login import SessionGrant
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
@@ -19,7 +18,7 @@ from homebot.mqtt.packets import PacketError, ProtocolVersion
 from homebot.mqtt.packets.publish import decode_publish
 from homebot.support.logger import get_logger
 
-__all__ = ["DeliveryLedger", "Inbox", "MqttCounters", "Receiver"]
+__all__ = ["DeliveryLedger", "Frame", "Inbox", "MqttCounters", "Receiver"]
 
 _PUBACK = b"\x40\x02"
 _PUBREC = b"\x50\x02"
@@ -27,6 +26,28 @@ _PUBCOMP = b"\x70\x02"
 
 _new = tuple.__new__  # makes a named tuple in half the time that its own call takes
 _log = get_logger()
+
+
+class Frame(NamedTuple):
+    """One control packet as it came, not yet understood.
+
+    Attributes:
+        first: First byte: type in the upper four bits, flags in the lower.
+        body: Everything behind the fixed header; of a packet over the limit only the first 65,539 bytes.
+        oversize: Length of the body if it is over the limit, else 0.
+    """
+
+    first: int
+    body: bytes
+    oversize: int = 0
+
+    def packet_id(self) -> int:
+        """Return the packet identifier of a PUBLISH, also of a cut or invalid one; 0 if it cannot be read."""
+        if not self.first & 0x06:
+            return 0
+        start = 2 + int.from_bytes(self.body[:2], "big")
+        raw = self.body[start : start + 2]
+        return int.from_bytes(raw, "big") if len(raw) == 2 else 0
 
 
 @dataclass(slots=True)
@@ -53,7 +74,6 @@ class Receiver:
 
     Attributes:
         receive: Returns all messages that are there; see `Inbox.receive`.
-        settle: Returns the acknowledgements to send for messages; see `DeliveryLedger.settle`.
     """
 
     def __init__(self, options: MqttOptions, clock: Clock) -> None:
@@ -65,16 +85,18 @@ class Receiver:
         self._read: list[MqttMessage] = []
         self.counters = MqttCounters()
         self.receive = self._inbox.receive
-        self.settle = self._ledger.settle
+        self._write_acknowledgements: Callable[[bytes], object] | None = None  # on the current link
 
-    def begin_link(self, session: SessionGrant) -> None:
-        """Begin a link."""
+    def begin_link(self, session: SessionGrant, write_acknowledgements: Callable[[bytes], object]) -> None:
+        """Begin a link, on which acknowledgements are sent by *write_acknowledgements*."""
+        self._write_acknowledgements = write_acknowledgements
         self._ledger.begin_link(resumed=session.resumed)
         self._inbox.reopen(resumed=session.resumed)
         self._version = ProtocolVersion.V5 if session.protocol == "5" else ProtocolVersion.V311
 
     def end_link(self, reason: LinkError | RefusedError) -> None:
         """End a link: no more messages come before the next one."""
+        self._write_acknowledgements = None
         self._inbox.end(reason)
 
     def publish(self, packet: Frame) -> bytes:
@@ -110,6 +132,15 @@ class Receiver:
         if self._inbox.dropped != self.counters.dropped_overflow:
             self.counters.dropped_overflow = self._inbox.dropped
             self._say("the inbox is full; the oldest messages of QoS 0 are dropped")
+
+    def ack(self, messages: Iterable[MqttMessage]) -> None:
+        """Acknowledge these messages to the broker; those of QoS 0 are passed over.
+
+        A message from an earlier link is passed over too: the broker sends it again if it still has it.
+        """
+        data = self._ledger.settle(messages)
+        if data and self._write_acknowledgements is not None:
+            self._write_acknowledgements(data)
 
     def release(self, packet: Frame) -> bytes:
         """Take in one PUBREL; returns the answer."""

@@ -189,7 +189,7 @@ def _close(
 ) -> bytes:
     head = encode_uint16(packet.packet_id)
     if version == ProtocolVersion.V5:
-        head += encode_properties(packet.properties, packet_type)
+        head += b"\0" if packet.properties is NO_PROPERTIES else encode_properties(packet.properties, packet_type)
     return first + encode_varint(len(head) + len(body)) + head + body
 
 
