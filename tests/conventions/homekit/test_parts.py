@@ -239,11 +239,7 @@ def test_the_sources_of_a_television_are_the_services_beside_it() -> None:
 )
 def test_a_fan_counts_its_speeds_as_it_likes(percent: float, most: float, step: float, speed: float) -> None:
     found = part("40", {"25": False, "29": 0.0}, c29={"minValue": 0, "maxValue": most, "minStep": step})
-    (wanted,) = [
-        value
-        for one, value in found.command(checked_command(found.part, "fan_speed", percent))[0].items()
-        if one.type == "29"
-    ]
+    wanted = written(found, "fan_speed", percent)["29"]
     assert found.service.characteristics["29"].encode(wanted) == speed
     found.service.characteristics["25"].value, found.service.characteristics["29"].value = True, speed
     assert values(found)["fan_speed"] == pytest.approx(speed / most * 100, abs=0.001)

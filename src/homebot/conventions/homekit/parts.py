@@ -10,15 +10,13 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from homebot.conventions.homekit.accessory import INFORMATION, Accessory, HapCharacteristic, HapService
+from homebot.conventions.homekit.accessory import INFORMATION, Accessory, HapService
 from homebot.conventions.homekit.climate import CLIMATE_ROWS
 from homebot.conventions.homekit.lights_and_power import POWER_ROWS
 from homebot.conventions.homekit.openings import OPENING_ROWS
 from homebot.conventions.homekit.rows import ServiceRow
 from homebot.conventions.units import sensor_type
-from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Capability, Category, Part
-from homebot.errors import UnableError
 
 __all__ = ["PRESS", "PRESSES", "HomekitPart", "parts_of"]
 
@@ -109,20 +107,6 @@ class HomekitPart:
     part: Part
     service: HapService
     rows: Mapping[str, ServiceRow]
-
-    def command(self, command: Command) -> tuple[Mapping[HapCharacteristic, float], list[str]]:
-        """Return the values that a command sets, and the types of the characteristics that its capability depends on.
-
-        Raises:
-            UnableError: It cannot be set.
-            RefusedError: It cannot be done now.
-        """
-        row = self.rows.get(command.capability)
-        if row is None or not self.service.can(row.target, "pw"):
-            raise UnableError(f"{command.capability[:40]} cannot be set")
-        known = self.service.characteristics
-        wanted = row.write_value(self.service, command).items()
-        return {known[kind]: number for kind, number in wanted if kind in known}, row.kinds
 
 
 def parts_of(accessory: Accessory) -> Iterator[HomekitPart]:

@@ -1,6 +1,5 @@
 """The HomeKit gateway."""
 
-from homebot.gateways.homekit.gateway import HomekitGateway
-from homebot.gateways.homekit.settings import HomekitGatewaySettings
+from homebot.gateways.homekit.gateway import HomekitGateway, HomekitGatewaySettings
 
 __all__ = ["HomekitGateway", "HomekitGatewaySettings"]

@@ -1,4 +1,4 @@
-"""Works with one paired accessory server: connects, describes its accessories, relays their values, and writes.
+"""Works with one paired accessory server: connects, describes its accessories, reports their values, and writes.
 
 An accessory sends no event to the controller that wrote, so what was written is read again. All values are read now and
 then: some have no events, and it shows whether the accessory is still there. Values are reported in the order in which
@@ -8,7 +8,7 @@ they came; if too many events wait, one more is dropped, and all values are read
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Collection, Iterable
+from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
 from functools import partial
 from typing import Final
 
@@ -16,14 +16,16 @@ import anyio
 from anyio.abc import TaskGroup
 
 from homebot.conventions.homekit.accessory import CharacteristicId, parse_accessories
+from homebot.conventions.homekit.parts import PRESS, PRESSES
+from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.homekit.accessory_device import AccessoryDevice, describe
 from homebot.gateways.homekit.port import FoundAccessory, HomekitLink, HomekitPort, HomekitValues, Pairing
-from homebot.gateways.homekit.value_reports import ValueReports
 from homebot.support.backoff import Backoff
+from homebot.support.numbers import whole_number
 
 __all__ = ["AccessoryRunner"]
 
@@ -41,8 +43,9 @@ READ_EVERY, READ_SLEEPER_EVERY = 30.0, 300.0
 
 MAX_EVENTS: Final = 100
 
+_NO_POWER: Final = -70402
 _LINK_PROBLEMS: Final = {
-    -70402: "its bridge does not reach it",
+    _NO_POWER: "its bridge does not reach it",
     -70403: "it is busy",
     -70407: "it has no memory left",
     -70408: "it took too long",
@@ -67,7 +70,6 @@ class AccessoryRunner(DeviceRunner):
         self.sleeps = found.is_on_thread  # it may, until it describes itself
         self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
         self._accessories: dict[int, AccessoryDevice] = {}
-        self._reports = ValueReports(devices, self.key, self._accessories)
         self._waiting = asyncio.Queue[Callable[[], Awaitable[None]]](MAX_EVENTS)
         self._tasks: TaskGroup | None = None
         self._writes = 0
@@ -99,12 +101,12 @@ class AccessoryRunner(DeviceRunner):
         async with self._port.connected(self._found, self._pairing, self._on_event) as link:
             self._describe(await link.list_accessories())
             await link.subscribe(self._ids("ev"))
-            await self._reports.report(await link.read(self._ids("pr")), is_read=True)
+            await self._report(await link.read(self._ids("pr")), is_read=True)
             self.link = link
             self.on_answer()
             self._attempt_ended.set()
             async with anyio.create_task_group() as self._tasks:
-                self._tasks.start_soon(self._report_all)
+                self._tasks.start_soon(self._report_waiting)
                 self._tasks.start_soon(self._read_all, link)
                 try:
                     await link.lost.wait()
@@ -131,16 +133,19 @@ class AccessoryRunner(DeviceRunner):
         link = await self._connected()
         accessory = next((one for one in self._accessories.values() if one.device.key == command.key), None)
         part = None if accessory is None else accessory.parts.get(command.part)
-        if accessory is None or part is None:
+        row = None if part is None else part.rows.get(command.capability)
+        if accessory is None or part is None or row is None:
             raise self._not_connected()
-        wanted, kinds = part.command(command)
+        known = part.service.characteristics
+        written = row.write_value(part.service, command).items()
+        wanted = {known[kind]: value for kind, value in written if kind in known}
         self._writes += 1
         statuses = await link.write(
             {(accessory.aid, one.iid): one.encode(value) for one, value in wanted.items()},
             is_timed=any("tw" in one.perms for one in wanted),
         )
         _check(f"{command.capability} for {accessory.device.name}", statuses.values())
-        watched = (one for one in part.service.characteristics.values() if one in wanted or one.type in kinds)
+        watched = (one for one in known.values() if one in wanted or one.type in row.kinds)
         ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
         if ids and self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
@@ -193,16 +198,16 @@ class AccessoryRunner(DeviceRunner):
             self.reject(b"", f"{self.name} sends more events than can be reported")
             self._doubted.set()
         else:
-            self._waiting.put_nowait(partial(self._reports.report, values))
+            self._waiting.put_nowait(partial(self._report, values))
 
-    async def _report_all(self) -> None:
+    async def _report_waiting(self) -> None:
         while True:
             report = await self._waiting.get()
             await report()
 
     async def _read(self, link: HomekitLink, ids: Collection[CharacteristicId]) -> None:
         """Read what was written."""
-        await self._waiting.put(partial(self._reports.report, await link.read(ids), is_read=True))
+        await self._waiting.put(partial(self._report, await link.read(ids), is_read=True))
 
     async def _read_all(self, link: HomekitLink) -> None:
         """Read all values now and then; those that were read while a command was sent may be older than it."""
@@ -213,8 +218,49 @@ class AccessoryRunner(DeviceRunner):
             writes = self._writes
             values = await link.read(self._ids("pr"))
             if writes == self._writes:
-                await self._waiting.put(partial(self._reports.report, values, is_read=True, is_routine=True))
+                await self._waiting.put(partial(self._report, values, is_read=True, is_routine=True))
             await self._waiting.put(partial(self._devices.confirm, self.keys, "it answers"))
+
+    async def _report(self, values: HomekitValues, *, is_read: bool = False, is_routine: bool = False) -> None:
+        """Check and report the values of an event or of a reading.
+
+        Args:
+            is_read: Whether they were read, which also says which accessories can be reached.
+            is_routine: Whether only values that differ from the known ones are news.
+        """
+        news: dict[int, dict[int, object]] = {}
+        for (aid, iid), fields in values.items():
+            one, accessory = as_fields(fields), self._accessories.get(aid)
+            known = None if accessory is None else accessory.find(iid)
+            value = one.get("value")
+            if accessory is None or known is None or not ("value" in one or is_read):
+                self.reject(b"", f"{aid}.{iid} {shown(fields)} is not the value of a characteristic that it has")
+                continue
+            if is_read:
+                is_away = whole_number(one.get("status")) == _NO_POWER
+                self._devices.report_reachable(accessory.device.key, reachable=not is_away)
+            if known.type == PRESS and whole_number(value) not in PRESSES:
+                if value is not None:  # as it is read
+                    self.reject(b"", f"{shown(value)} is not a press")
+            elif "value" in one and not (is_routine and value == known.value):
+                news.setdefault(aid, {})[iid] = value
+        for aid, changed in news.items():
+            await self._report_changed(self._accessories[aid], changed)
+
+    async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
+        key = accessory.device.key
+        self._devices.put(accessory.device, "it reported")
+        for iid, value in values.items():
+            payload = compact_json({"aid": accessory.aid, "iid": iid, "value": value})
+            await self._devices.deliver_raw(key, payload.encode())
+        for part in accessory.parts.values():
+            changed = [one for one in part.service.characteristics.values() if one.iid in values]
+            for one in changed:
+                one.value = values[one.iid]
+            kinds = {one.type for one in changed}
+            for row in part.rows.values():  # each by itself: the newest report of each set of capabilities is kept
+                if not kinds.isdisjoint(row.kinds):
+                    await self._devices.report(key, {row.capability: row.read_value(part.service)}, part.part.id)
 
 
 def _check(what: str, statuses: Iterable[int]) -> None:

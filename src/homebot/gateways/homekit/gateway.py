@@ -18,24 +18,38 @@ from anyio import to_thread
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel
 
+from homebot.config import FilePath
 from homebot.conventions.setup_codes import read_homekit_digits
 from homebot.devices import GatewayNames, GatewayState, Sighting
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, UnableError, WireError
 from homebot.gateways.announced.device_runner import MAX_PROBLEMS, problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homekit.accessory_device import describe
 from homebot.gateways.homekit.accessory_runner import AccessoryRunner
 from homebot.gateways.homekit.port import FoundAccessory, HomekitPort, Pairing
-from homebot.gateways.homekit.settings import HomekitGatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.graph import DurabilityPolicy, Node, QoSProfile, Subscription
 from homebot.plugins import check_extra
 from homebot.support.isolation import run_as
 
-__all__ = ["HomekitGateway"]
+__all__ = ["HomekitGateway", "HomekitGatewaySettings"]
+
+
+class HomekitGatewaySettings(GatewaySettings):
+    """The settings of a HomeKit gateway.
+
+    Attributes:
+        mdns: The name of the mDNS gateway, which finds the accessories.
+        pairings: File with the keys of paired accessories, readable by its owner only. By default
+            ``NAME.pairings.json``, with the gateway's name, beside homebot's index.
+    """
+
+    mdns: str = "mdns"
+    pairings: FilePath | None = None
+
 
 STATE_WITHIN: Final = 5.0
 """Seconds that the mDNS gateway has to start before this one says that it is missing."""
@@ -59,7 +73,7 @@ class HomekitGateway(Gateway):
             f"no gateway {settings.mdns!r} runs, which would find the accessories; add [gateways.{settings.mdns}]"
         )
         self._file = PairingFile.of(self, settings.pairings)
-        self._port = self.context.service(HomekitPort)
+        self._port = self.context.service(HomekitPort)  # type: ignore[type-abstract]
         self._pairings: dict[str, Pairing] = {}
         self._found: dict[str, FoundAccessory] = {}
         self._runners: dict[str, AccessoryRunner] = {}

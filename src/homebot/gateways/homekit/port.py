@@ -130,9 +130,10 @@ class HomekitLink(ABC):
         """Remove the pairing from the accessory."""
 
 
-class HomekitPort:
+class HomekitPort(ABC):
     """The library behind the gateway."""
 
+    @abstractmethod
     def connected(
         self, found: FoundAccessory, pairing: Pairing, on_event: OnEvent
     ) -> AbstractAsyncContextManager[HomekitLink]:
@@ -142,8 +143,8 @@ class HomekitPort:
             LinkError: It cannot be reached.
             PeerError: It refuses homebot's key.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     async def pair(self, found: FoundAccessory, digits: str) -> Pairing:
         """Pair with an accessory by its setup code ``123-45-678``.
 
@@ -151,4 +152,3 @@ class HomekitPort:
             LinkError: It cannot be reached.
             PeerError: It refuses; the message gives the reason, and never the code.
         """
-        raise NotImplementedError
