@@ -12,7 +12,7 @@ from homebot.conventions.cbor import decode_cbor, encode_cbor
 from homebot.conventions.coap.endpoint import endpoint_of_link
 from homebot.conventions.coap.link_format import parse_links
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.coap.coap_port import COAP_BINDING
+from homebot.gateways.coap.session import COAP_BINDING
 from homebot.wot.classify import parts_of
 from homebot.wot.coap.content_formats import coap_formats
 from homebot.wot.coap.resource_types import thing_of_links

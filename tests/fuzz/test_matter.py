@@ -9,7 +9,7 @@ import random
 from tests.fuzz.conftest import Fuzz, Mutator
 from tests.gateways.checked_command import checked_command
 
-from homebot.conventions.matter.switch_cluster import press_of
+from homebot.conventions.matter.sensor_clusters import press_of
 from homebot.conventions.payload import parse_json
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue

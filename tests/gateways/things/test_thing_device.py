@@ -16,8 +16,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.things.port import ThingPayload
-from homebot.gateways.things.thing_device import ThingDevice, describe_thing
+from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
 from homebot.wot.binding import RequestBinding
 from homebot.wot.coap.resource_types import thing_of_links
 from homebot.wot.parse import CONTEXT, read_thing

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from homebot.conventions.coap.link_format import parse_links
-from homebot.gateways.coap.coap_port import COAP_BINDING
+from homebot.gateways.coap.session import COAP_BINDING
 from homebot.wot.classified import ClassifiedPart
 from homebot.wot.classify import parts_of
 from homebot.wot.coap.resource_types import MAX_RESOURCES, thing_of_links

@@ -8,7 +8,6 @@ from itertools import count
 from types import MappingProxyType
 from typing import Final, NamedTuple
 
-from homebot.conventions.hue.light_rows import LIGHT_ROWS
 from homebot.conventions.hue.resources import Fields, HueResources, HueRow, at
 from homebot.conventions.hue.service_rows import BUTTON_KINDS, MOTION_KINDS, SERVICE_ROWS
 from homebot.conventions.payload import text_of
@@ -18,7 +17,6 @@ from homebot.support.numbers import whole_number
 
 __all__ = ["HueDevice", "HueService", "bridge_identifiers", "devices_of"]
 
-_ROWS: Final = (*LIGHT_ROWS, *SERVICE_ROWS)
 _TYPES: Final[Mapping[str, tuple[str, Category]]] = {
     "light": ("light", ""),
     **dict.fromkeys(MOTION_KINDS, ("occupancy_sensor", "")),
@@ -125,7 +123,7 @@ def _services(device: Fields, listed: tuple[tuple[str, Fields], ...]) -> Iterato
 def _service(rid: str, resource: Fields, part_id: str, name: str, *, is_plug: bool = False) -> HueService:
     kind = text_of(resource.get("type"))
     service_type, category = _TYPES[kind]
-    rows = tuple(row for row in _ROWS if row.type == kind and row.needs in resource)
+    rows = tuple(row for row in SERVICE_ROWS if row.type == kind and row.needs in resource)
     part = Part(
         id=part_id,
         name=name,

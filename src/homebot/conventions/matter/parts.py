@@ -17,7 +17,6 @@ from homebot.conventions.matter.endpoint import DESCRIPTOR, TAG_LIST, MatterEndp
 from homebot.conventions.matter.light_clusters import LIGHT_ROWS
 from homebot.conventions.matter.opening_clusters import OPENING_ROWS
 from homebot.conventions.matter.sensor_clusters import BATTERY, PLAIN, SENSOR_ROWS
-from homebot.conventions.matter.switch_cluster import SWITCH_ROWS
 from homebot.conventions.payload import text_of
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Part
@@ -25,7 +24,7 @@ from homebot.support.numbers import whole_number
 
 __all__ = ["parts_of"]
 
-_ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS, *SWITCH_ROWS)
+_ROWS: Final = (*LIGHT_ROWS, *OPENING_ROWS, *CLIMATE_ROWS, *APPLIANCE_ROWS, *SENSOR_ROWS)
 _SERVICE_TYPES: Final[Mapping[int, str]] = {number: one.name for one in DEVICE_TYPES.values() for number in one.matter}
 _METER: Final = "electrical_meter"
 _CAPABILITY_TYPES: Final = {

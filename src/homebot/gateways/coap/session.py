@@ -1,15 +1,21 @@
-"""The devices of one endpoint: described, run, and tried again when they cannot be reached."""
+"""The devices of one endpoint: described, run over CoAP, and tried again when they cannot be reached.
+
+Source: W3C Working Group Note (draft) "Web of Things (WoT) CoAP Binding": default methods, ``cov:method``,
+``cov:observe``.
+"""
 
 from __future__ import annotations
 
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from contextlib import aclosing
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 from urllib.parse import unquote, urlsplit
 
 import anyio
 
-from homebot.conventions.coap.endpoint import CoapEndpoint, authority_of
+from homebot.conventions.coap.endpoint import SCHEMES, CoapEndpoint, authority_of
 from homebot.conventions.coap.link_format import WebLink, parse_links
 from homebot.conventions.payload import parse_object
 from homebot.devices.gateway_messages import Command
@@ -18,20 +24,81 @@ from homebot.gateways.address_guard import AddressGuard, guard_for
 from homebot.gateways.announced.device_runner import DeviceRunner, PublishedDevice
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.coap.coap_port import COAP_BINDING, CoapPort
-from homebot.gateways.things.thing_device import ThingDevice, describe_thing
+from homebot.gateways.things.thing_device import ThingDevice, ThingPayload, describe_thing
 from homebot.support.addresses import resolve_uri
 from homebot.support.backoff import DEVICE_BACKOFF
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT
+from homebot.wot.binding import RequestBinding
+from homebot.wot.coap.content_formats import LINK_FORMAT, TD_FORMAT, coap_formats, content_format_of, content_type_of
 from homebot.wot.coap.resource_types import thing_of_links
 from homebot.wot.parse import read_thing
-from homebot.wot.thing import Thing, change_forms
+from homebot.wot.thing import Form, Thing, change_forms
 
 if TYPE_CHECKING:
-    from homebot.gateways.coap.aiocoap_client import CoapClient
+    from homebot.gateways.coap.aiocoap_client import CoapAnswer, CoapClient
 
-__all__ = ["EndpointSession", "with_own_forms"]
+__all__ = ["COAP_BINDING", "CoapPort", "EndpointSession", "with_own_forms"]
+
+COAP_BINDING: Final = RequestBinding(SCHEMES, ("cov:observe", "coap:observe", ""), coap_formats)
+
+NOT_ALLOWED: Final = 0x85
+NOT_ACCEPTABLE: Final = 0x86
+_OTHER = {"PUT": "POST", "POST": "PUT"}
+
+
+class CoapPort:
+    """The way to one thing; see :class:`homebot.gateways.things.thing_device.ThingPort`.
+
+    Args:
+        admits: Returns whether a notification of the thing is to be read.
+    """
+
+    binding = COAP_BINDING
+
+    def __init__(self, client: CoapClient, admits: Callable[[], bool]) -> None:
+        self._client = client
+        self._admits = admits
+
+    async def read(self, form: Form) -> ThingPayload:
+        """Return the value of a resource, in the declared format if it has that."""
+        method = form.method or "GET"
+        try:
+            answer = await self._client.request(method, form.href, accept=_accepted(form))
+        except RefusedError as exc:
+            if exc.code != NOT_ACCEPTABLE:
+                raise
+            answer = await self._client.request(method, form.href)
+        return _payload(answer)
+
+    async def write(self, form: Form, payload: bytes) -> None:
+        """Send *payload*; a property that takes no PUT is written by POST, and the other way round."""
+        method = form.method or ("PUT" if "writeproperty" in form.ops else "POST")
+        content_format = content_format_of(form.content_type) if payload else None
+        try:
+            await self._client.request(method, form.href, payload, content_format=content_format)
+        except RefusedError as exc:
+            if exc.code != NOT_ALLOWED or method not in _OTHER or "writeproperty" not in form.ops:
+                raise
+            await self._client.request(_OTHER[method], form.href, payload, content_format=content_format)
+
+    async def observe(
+        self, form: Form, read_current: Callable[[], Awaitable[None]]
+    ) -> AsyncGenerator[ThingPayload, None]:
+        """Yield the states of a resource, beginning with the current one."""
+        del read_current
+        async with aclosing(self._client.observe(form.href)) as answers:
+            async for answer in answers:
+                if self._admits():
+                    yield _payload(answer)
+
+
+def _accepted(form: Form) -> int | None:
+    return content_format_of(form.response_type or form.content_type)
+
+
+def _payload(answer: CoapAnswer) -> ThingPayload:
+    return ThingPayload(answer.payload, content_type_of(answer.content_format))
+
 
 MAX_THINGS = 16
 """Descriptions of one endpoint that are read."""

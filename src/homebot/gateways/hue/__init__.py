@@ -1,6 +1,5 @@
 """The gateway to Philips Hue bridges; the CLIP API v2."""
 
-from homebot.gateways.hue.gateway import HueGateway
-from homebot.gateways.hue.settings import HueGatewaySettings
+from homebot.gateways.hue.gateway import HueGateway, HueGatewaySettings
 
 __all__ = ["HueGateway", "HueGatewaySettings"]

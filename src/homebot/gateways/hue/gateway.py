@@ -10,24 +10,24 @@ import re
 import socket
 from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import ClassVar, Final
+from typing import Annotated, ClassVar, Final
 
 import anyio
 import anyio.to_thread
 from anyio.abc import TaskGroup, TaskStatus
-from pydantic import BaseModel, SecretStr
+from pydantic import BaseModel, Field, SecretStr
 
+from homebot.config import FilePath
 from homebot.conventions.payload import as_fields, text_of
 from homebot.devices import GatewayNames, Sighting
 from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
 from homebot.gateways.announced.device_runner import problems_of
 from homebot.gateways.announced.published_devices import PublishedDevices
-from homebot.gateways.base import Gateway
+from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.http_address import http_origin
 from homebot.gateways.hue.bridge import BridgeRunner, HuePairing
-from homebot.gateways.hue.settings import HueGatewaySettings
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.gateways.pinned_certificate import fetch_certificate, only_certificate
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
@@ -35,7 +35,22 @@ from homebot.plugins import check_extra
 from homebot.support.backoff import DEVICE_BACKOFF, BackoffCounter
 from homebot.support.isolation import run_as
 
-__all__ = ["HueGateway"]
+__all__ = ["HueGateway", "HueGatewaySettings"]
+
+
+class HueGatewaySettings(GatewaySettings):
+    """The settings of a gateway to Hue bridges.
+
+    Attributes:
+        bridges: Addresses of bridges that are not found by DNS-SD, such as ``192.168.1.20``.
+        mdns: The name of the mDNS gateway that finds the others.
+        pairings: The file with the keys of paired bridges; by default one beside the index.
+    """
+
+    bridges: tuple[Annotated[str, Field(pattern=r"^[^/?#@\s]+$")], ...] = ()
+    mdns: str = "mdns"
+    pairings: FilePath | None = None
+
 
 SERVICE_TYPE: Final = "_hue._tcp"
 MAX_BRIDGES: Final = 20

@@ -1,6 +1,5 @@
 """The gateway to Matter, through the WebSocket of a Matter server; experimental."""
 
-from homebot.gateways.matter.gateway import MatterGateway
-from homebot.gateways.matter.settings import MatterGatewaySettings
+from homebot.gateways.matter.gateway import MatterGateway, MatterGatewaySettings
 
 __all__ = ["MatterGateway", "MatterGatewaySettings"]

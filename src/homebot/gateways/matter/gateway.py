@@ -2,30 +2,53 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
+from urllib.parse import urlsplit
 
 import anyio.lowlevel
-from pydantic import BaseModel
+from pydantic import BaseModel, Field, field_validator
 
 from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.conventions.matter.parts import parts_of
-from homebot.conventions.matter.switch_cluster import SWITCH, press_of
+from homebot.conventions.matter.sensor_clusters import SWITCH, press_of
 from homebot.conventions.payload import as_fields, shown
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError, UnableError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
+from homebot.gateways.base import GatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.gateways.matter.commissioning import CommissioningServices
 from homebot.gateways.matter.node import BASIC, BRIDGED, MatterNode, NodeDevice, node_id_of, parse_path
 from homebot.gateways.matter.server_link import MatterServerLink
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
-from homebot.gateways.matter.settings import MatterGatewaySettings
 from homebot.graph import Node
 from homebot.plugins import check_extra
 
-__all__ = ["MatterGateway"]
+__all__ = ["MatterGateway", "MatterGatewaySettings"]
+
+
+class MatterGatewaySettings(GatewaySettings):
+    """The settings of a Matter gateway.
+
+    Attributes:
+        url: The WebSocket of the Matter server.
+        max_nodes: Nodes that are known at once; a further one is refused and counted.
+    """
+
+    url: str = "ws://127.0.0.1:5580/ws"
+    max_nodes: Annotated[int, Field(ge=1, le=10_000)] = 500
+
+    @field_validator("url")
+    @classmethod
+    def _check_url(cls, url: str) -> str:
+        found = urlsplit(url)  # raises ValueError itself
+        if found.scheme not in {"ws", "wss", "http", "https"} or not found.hostname:
+            raise ValueError("the address of a Matter server is written like ws://127.0.0.1:5580/ws")
+        if found.username is not None or found.password is not None:
+            raise ValueError("a Matter server has no user and no password; leave them out")
+        return url
 
 
 class MatterGateway(LinkedGateway):

@@ -22,7 +22,7 @@ from homebot.gateways.http_address import parse_url
 from homebot.gateways.http_client import HttpAnswer, HttpClient
 from homebot.gateways.http_middlewares import HttpLogin
 from homebot.gateways.things.http_credentials import ThingLogin
-from homebot.gateways.things.port import ThingPayload
+from homebot.gateways.things.thing_device import ThingPayload
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.binding import RequestBinding
 from homebot.wot.thing import Form, SecurityScheme, Thing
@@ -46,7 +46,7 @@ _NOT_SENT: Final = frozenset({"host", "content-length", "transfer-encoding", "co
 
 
 class HttpThingPort:
-    """The way to one thing, see :class:`homebot.gateways.things.port.ThingPort`; use it as ``async with``.
+    """The way to one thing, see :class:`homebot.gateways.things.thing_device.ThingPort`; use it as ``async with``.
 
     Args:
         guard: The guard of this computer's addresses; None if its own directory lists the thing.

@@ -7,9 +7,10 @@ other, so that a small device is asked one thing at a time.
 
 from __future__ import annotations
 
-from collections.abc import AsyncGenerator, Iterable
+from collections.abc import AsyncGenerator, AsyncIterator, Awaitable, Callable, Iterable
 from dataclasses import dataclass, field
 from functools import partial
+from typing import Protocol
 
 import anyio
 
@@ -21,16 +22,65 @@ from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.driver_host import DriverHost
-from homebot.gateways.things.port import ThingPayload, ThingPort
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot.binding import Binding
+from homebot.wot.binding import Binding, RequestBinding
 from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
 from homebot.wot.classify import parts_of
 from homebot.wot.payload import decode_document, encode_document
 from homebot.wot.scale import in_told_unit
 from homebot.wot.thing import Affordance, Form, Thing, facts_of, identifiers_of
 
-__all__ = ["ThingDevice", "describe_thing"]
+__all__ = ["ThingDevice", "ThingPayload", "ThingPort", "describe_thing"]
+
+
+@dataclass(frozen=True, slots=True)
+class ThingPayload:
+    """A payload that a thing sent.
+
+    Attributes:
+        content_type: Its type as the answer names it; empty if it names none.
+    """
+
+    data: bytes
+    content_type: str = ""
+
+
+class ThingPort(Protocol):
+    """A protocol of requests and responses, with the credentials of one thing.
+
+    Every call is limited in time and in the length of the answer. It raises :class:`homebot.errors.LinkError` where the
+    thing does not answer, :class:`homebot.errors.RefusedError` where it answers with no, and
+    :class:`homebot.errors.WireError` where its answer breaks the rules of the protocol.
+
+    Attributes:
+        binding: The forms that it can use.
+    """
+
+    @property
+    def binding(self) -> RequestBinding: ...  # noqa: D102 - see Attributes
+
+    async def read(self, form: Form) -> ThingPayload:
+        """Return the present value at the address of *form*."""
+        ...
+
+    async def write(self, form: Form, payload: bytes) -> None:
+        """Send *payload* to the address of *form*; return when it was accepted.
+
+        Args:
+            form: Says the method and the content type as well.
+            payload: Empty for an action without input.
+        """
+        ...
+
+    def observe(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> AsyncIterator[ThingPayload]:
+        """Yield pushed values, until the caller has enough; the end of the observation is an error.
+
+        Args:
+            read_current: Reads the current value; called whenever an observation has begun that does not start with it,
+                so that no change before that is lost.
+        """
+        ...
+
 
 MAX_OBSERVATIONS = 32
 """Observations of one thing; values beyond them are polled."""

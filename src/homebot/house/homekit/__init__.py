@@ -1,6 +1,5 @@
 """Simulated HomeKit accessories, behind one bridge by HAP-python."""
 
-from homebot.house.homekit.accessory import ServedAccessory
-from homebot.house.homekit.bridge import SimulatedHomekitBridge
+from homebot.house.homekit.bridge import ServedAccessory, SimulatedHomekitBridge
 
 __all__ = ["ServedAccessory", "SimulatedHomekitBridge"]

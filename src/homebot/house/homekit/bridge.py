@@ -20,12 +20,13 @@ from pyhap.accessory import Accessory, Bridge
 from pyhap.accessory_driver import AccessoryDriver
 from pyhap.loader import Loader
 
+from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import hardware_address
 from homebot.house.dns_sd import DnsSdService, announce_service
-from homebot.house.homekit.services import SERVICES
+from homebot.house.homekit.services import SERVICES, orders_of, values_of
 
-__all__ = ["BridgedAccessory", "SimulatedHomekitBridge"]
+__all__ = ["BridgedAccessory", "ServedAccessory", "SimulatedHomekitBridge"]
 
 ID: Final = "02:48:42:00:00:01"
 HAP_TYPE: Final = "_hap._tcp.local."
@@ -181,3 +182,35 @@ class SimulatedHomekitBridge:
 
 def _public(key: Ed25519PrivateKey) -> str:
     return key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw).hex()
+
+
+class ServedAccessory(ServedDevice):
+    """A lamp, window, cover, lock, thermostat or sensor behind the bridge of the house."""
+
+    def __init__(
+        self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], bridge: SimulatedHomekitBridge
+    ) -> None:
+        super().__init__(device, on_command)
+        self._bridge = bridge
+        self._accessory: BridgedAccessory | None = None
+        bridge.add(device, self._on_write)
+
+    async def serve(self) -> None:
+        """Be reachable by the bridge until cancelled."""
+        self._accessory = await self._bridge.reach(self.device)
+        self._accessory.is_there = True
+        self.show()
+        try:
+            await anyio.sleep_forever()
+        finally:
+            self._accessory.is_there = False
+
+    def show(self) -> None:
+        """Report the characteristics that have changed."""
+        if self._accessory is not None and self._accessory.is_there:
+            self._accessory.show(values_of(self.device.kind, self.state))
+
+    def _on_write(self, values: Mapping[str, float]) -> None:
+        if self._accessory is not None and self._accessory.is_there:
+            for order in orders_of(values):
+                self.on_command(order)

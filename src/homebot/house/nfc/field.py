@@ -7,7 +7,7 @@ Each datagram is a bit rate with its modulation, such as ``106A``, and hexadecim
 from __future__ import annotations
 
 import socket
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 from threading import Event
@@ -16,9 +16,14 @@ from typing import Final
 import anyio
 from anyio import CapacityLimiter, to_thread
 
+from homebot.conventions.nfc.ndef_message import NdefRecord, write_ndef
+from homebot.house.connected_device import ServedDevice
+from homebot.house.dialect import SimulatedDeviceInfo
+from homebot.house.dialects.wire import hardware_address
 from homebot.house.nfc.type4_card import Type4Card
+from homebot.house.tag import AWAY
 
-__all__ = ["TagField"]
+__all__ = ["ServedTag", "TagField"]
 
 _SENSE: Final = b"\x26"
 _SENSED: Final = b"\x44\x03"
@@ -114,3 +119,29 @@ def _selected(uid: bytes, command: bytes) -> bytes:
         part = parts[level]
         return part + bytes([part[0] ^ part[1] ^ part[2] ^ part[3]])
     return bytes([_IS_ISO_DEP if level == len(parts) - 1 else _NOT_COMPLETE])
+
+
+class ServedTag(ServedDevice):
+    """A tag with a text, and its room as its area.
+
+    Args:
+        on_command: Never called: tags take no commands through a reader.
+        field: The field of the reader, which has room for one tag; the last one counts.
+    """
+
+    def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], field: TagField) -> None:
+        super().__init__(device, on_command)
+        self._field = field
+        self._card = Type4Card(bytes.fromhex(f"04{hardware_address(device)[:12]}"))
+
+    async def serve(self) -> None:
+        """Do nothing: it is at the reader, or away."""
+        await anyio.sleep_forever()
+
+    def show(self) -> None:
+        """Hold the tag to the reader, or take it away."""
+        if self.state.text != AWAY:
+            self._card.put(write_ndef(NdefRecord("text", f"{self.state.text}\narea: {self.device.room}".encode())))
+            self._field.card = self._card
+        elif self._field.card is self._card:
+            self._field.card = None
