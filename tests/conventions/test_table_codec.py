@@ -6,7 +6,7 @@ import pytest
 
 from homebot.conventions.description import Publication
 from homebot.conventions.payload import JsonMessage
-from homebot.conventions.table_codec import TableCodec, json_object, raw_bytes
+from homebot.conventions.table_codec import TableCodec, json_object
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -17,7 +17,7 @@ def write(value: PlainValue, transition: float) -> tuple[Publication, ...]:
 
 def of_bytes() -> TableCodec[bytes]:
     return TableCodec(
-        raw_bytes,
+        bytes,
         {"t": (lambda payload: {"on_off": payload == b"on"},), "e": ()},
         {"t": (lambda _payload: {"press": "single"},), "e": (lambda _payload: {"press": "double"},)},
         {"on_off": write},
@@ -43,7 +43,7 @@ def test_a_message_is_read_by_all_and_a_kept_event_is_none() -> None:
 
 def test_a_filter_is_read_after_the_exact_topic() -> None:
     codec = TableCodec(
-        raw_bytes,
+        bytes,
         {"a/b": (lambda _payload: {"value": "exact", "state": True},), "+/b": (lambda _payload: {"value": "wild"},)},
         {"+/b": (lambda _payload: {"press": "single"},)},
         {},

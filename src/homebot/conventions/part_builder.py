@@ -11,7 +11,7 @@ from typing import Generic, TypeVar
 from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.payload import JsonMessage
-from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, json_object, raw_bytes
+from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, TableCodec, json_object
 from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Capability, Category, Part
 
@@ -78,7 +78,9 @@ class PartBuilder(Generic[MessageT]):
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
     ) -> None:
         """Add a settable capability as :meth:`add_capability`, with a code in its commands."""
-        self._capabilities[name] = Capability(name=name, readable=readable, settable=True, options=options)
+        self.add_capability(
+            name, readable=readable, writer=lambda value, _transition: writer(value, ""), options=options
+        )
         self._coded_writers[name] = writer
 
     def read_from(self, topic: str, reader: Reader[MessageT]) -> None:
@@ -147,7 +149,7 @@ class JsonPart(PartBuilder[JsonMessage]):
 class BytesPart(PartBuilder[bytes]):
     """A part with readers of bytes."""
 
-    parse_payload = staticmethod(raw_bytes)
+    parse_payload = bytes
 
 
 def is_movable(described: DescribedPart, topics: Iterable[str]) -> bool:

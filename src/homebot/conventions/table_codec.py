@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
-from typing import Any, Generic, Never, Protocol, TypeAlias, TypeVar
+from typing import Any, Generic, Never, TypeAlias, TypeVar
 
 from homebot.conventions.command_values import Writer, require_transition
 from homebot.conventions.description import Publications
@@ -14,10 +14,9 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "json_object", "raw_bytes"]
+__all__ = ["CodedWriter", "PayloadParser", "Reader", "TableCodec", "json_object"]
 
 MessageT = TypeVar("MessageT")
-MessageT_co = TypeVar("MessageT_co", covariant=True)
 
 Reader: TypeAlias = Callable[[MessageT], Readings]
 """Reads a parsed message. Never raises."""
@@ -25,28 +24,15 @@ Reader: TypeAlias = Callable[[MessageT], Readings]
 CodedWriter: TypeAlias = Callable[[PlainValue, str], Publications]
 """Writes a value with a code, which may be empty; raises RefusedError."""
 
-
-class PayloadParser(Protocol[MessageT_co]):
-    """A parser of payloads into the messages of readers."""
-
-    def __call__(self, payload: bytes, *, retained: bool) -> MessageT_co | None:
-        """Return the message; None if the payload is invalid. Never raises."""
-        ...
-
+PayloadParser: TypeAlias = Callable[[bytes], MessageT | None]
+"""Parses a payload into the message of readers; returns None for an invalid one. Never raises."""
 
 _NONE: Mapping[str, Never] = MappingProxyType({})
 """One shared empty table: most tables of a house are empty."""
 
 
-def raw_bytes(payload: bytes, *, retained: bool) -> bytes:
-    """Return the payload for readers of bytes."""
-    del retained
-    return payload
-
-
-def json_object(payload: bytes, *, retained: bool) -> JsonMessage | None:
+def json_object(payload: bytes) -> JsonMessage | None:
     """Parse a payload for readers of a JSON object, which they share."""
-    del retained
     message = to_json(payload)
     return message if isinstance(message, dict) else None
 
@@ -58,7 +44,7 @@ class TableCodec(Generic[MessageT]):
         parse_payload: Parses a payload for the readers.
         readers: Readers by topic, or by a filter that the device declared; has all topics.
         event_readers: Readers of live messages by topic.
-        coded_writers: Writers with a code by capability, not among *writers*.
+        coded_writers: Writers with a code by capability, each of which is among *writers* without one.
     """
 
     __slots__ = ("_coded_writers", "_event_readers", "_parse_payload", "_readers", "_wild", "_writers")
@@ -94,7 +80,7 @@ class TableCodec(Generic[MessageT]):
             readers += self._readers_on_filters(topic, retained=retained)
         if not readers:
             return NO_READINGS
-        message = self._parse_payload(payload, retained=retained)
+        message = self._parse_payload(payload)
         if message is None:
             return NO_READINGS
         found = readers[0](message)
@@ -106,13 +92,9 @@ class TableCodec(Generic[MessageT]):
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*."""
-        if capability in self._coded_writers:
-            require_transition(transition)
-            return self._coded_writers[capability](value, "")
         writer = self._writers.get(capability)
         if writer is None:
-            known = ", ".join((*self._writers, *self._coded_writers)) or "nothing"
-            raise RefusedError(shown(capability), f"this part takes {known}")
+            raise RefusedError(shown(capability), f"this part takes {', '.join(self._writers) or 'nothing'}")
         return writer(value, require_transition(transition))
 
     def write_with_code(self, capability: str, value: PlainValue, code: str) -> Publications:
@@ -128,7 +110,7 @@ class TableCodec(Generic[MessageT]):
             topics: The other topics, by those of this codec; no filters.
         """
         tables = self._parse_payload, _moved(self._readers, topics), _moved(self._event_readers, topics)
-        if not self._writers and not self._coded_writers:
+        if not self._writers:
             return TableCodec(*tables, _NONE)
         return _MovedCodec(topics, *tables, self._writers, self._coded_writers)
 

@@ -4,7 +4,6 @@ import pytest
 
 from homebot.conventions.description import Publication
 from homebot.conventions.homeassistant.config import MAX_OPTIONS, DiscoveryConfig
-from homebot.conventions.homeassistant.topics import StateMessage
 from homebot.errors import RefusedError, WireError
 
 
@@ -92,15 +91,15 @@ def test_a_field_that_cannot_be_is_refused_shortly(read: Callable[[DiscoveryConf
 )
 def test_a_source_reads_the_encoding_of_its_config(encoding: str, payload: bytes, text: str | None) -> None:
     source = config(encoding=encoding, state_topic="a").required_source("state_topic")
-    assert source.text(StateMessage(payload)) == text
+    assert source.text(payload) == text
 
 
 def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None:
     one = config(state_topic="a", value_template="{{ value_json.n + more }}")
     source = one.source("state_topic", variables={"more": 2})
     assert source is not None
-    assert source.text(StateMessage(b'{"n": 3}')) == "5"
-    assert source.without_payload().text(StateMessage(b"{}")) is None
+    assert source.text(b'{"n": 3}') == "5"
+    assert source.without_payload().text(b"{}") is None
 
 
 @pytest.mark.parametrize(
@@ -121,9 +120,9 @@ def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None
 def test_without_its_variables_a_template_yields_the_payload(template: str, payload: bytes, text: str | None) -> None:
     """As in Home Assistant, which passes the message over only where the values do not fit the template."""
     source = config(state_topic="a", value_template=template).required_source("state_topic")
-    assert source.text(StateMessage(payload)) == text
+    assert source.text(payload) == text
     if text is not None and text == payload.decode():
-        assert source.without_payload().text(StateMessage(payload)) is None
+        assert source.without_payload().text(payload) is None
 
 
 def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:

@@ -5,7 +5,7 @@ from homebot.conventions.description import AutoExpiry
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.payload import fields_of, number_of, numbers_of, whole_of
-from homebot.errors import RefusedError, WireError
+from homebot.errors import WireError
 
 
 def entity(**fields: object) -> Entity:
@@ -45,31 +45,6 @@ LOCK = {"command_topic": "a/set", "state_topic": "a"}
 def test_a_lock_of_keys_is_a_setting_by_its_name(name: str, service_type: str) -> None:
     lock = homeassistant_part("lock" if service_type == "door_lock" else "on_off", "lock", {"name": name, **LOCK})
     assert lock.part.service_type == service_type
-
-
-def test_all_readers_of_a_topic_are_asked_also_those_of_a_filter() -> None:
-    making = entity()
-    making.read_from("a/b", lambda said: {"value": said.text()})
-    making.read_from("a/b", lambda _: {"state": True})
-    making.read_from("+/b", lambda _: {"measurement": 3.0})
-    codec = making.build().codec
-    assert codec.topics() == ("a/b", "+/b")
-    assert codec.read("a/b", b"x", retained=False) == {"value": "x", "state": True, "measurement": 3.0}
-    assert codec.read("c/b", b"x", retained=False) == {"measurement": 3.0}
-    assert codec.read("c/d", b"x", retained=False) == {}
-
-
-def test_a_reader_learns_whether_the_broker_had_kept_the_message() -> None:
-    making = entity()
-    making.read_from("a", lambda said: {"state": said.retained})
-    assert making.build().codec.read("a", b"", retained=True) == {"state": True}
-
-
-def test_an_unknown_capability_is_refused_with_the_known_ones() -> None:
-    making = entity()
-    making.add_capability("push", readable=False, writer=lambda _value, _transition: ())
-    with pytest.raises(RefusedError, match="takes push"):
-        making.build().codec.write("on_off", value=True)
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from pydantic_core import from_json, to_json
 
 from homebot.conventions.description import Availability, AvailabilityMode
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.topics import StateMessage, ValueSource
+from homebot.conventions.homeassistant.topics import ValueSource
 from homebot.conventions.payload import clean_text, shown
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
@@ -188,7 +188,7 @@ class _PayloadAvailability(NamedTuple):
 
     def read(self, payload: bytes) -> bool | None:
         """Return whether the device is reachable; None for any other payload."""
-        text = self.source.text(StateMessage(payload))
+        text = self.source.text(payload)
         return True if text == self.available else False if text == self.unavailable else None
 
 

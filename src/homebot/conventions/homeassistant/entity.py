@@ -13,8 +13,8 @@ from typing import TypeVar
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
-from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
-from homebot.conventions.part_builder import PartBuilder
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
+from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
 from homebot.devices.part import Capability, Category
@@ -22,8 +22,6 @@ from homebot.errors import WireError
 
 __all__ = ["Entity", "Scale"]
 
-
-ReadT = TypeVar("ReadT")
 ValueT = TypeVar("ValueT")
 
 _UNKNOWN: Mapping[str, str | None] = {"None": None}
@@ -33,15 +31,13 @@ _FAR = 1e100
 """Beyond all values of devices, and still finite after multiplication."""
 
 
-class Entity(PartBuilder[StateMessage]):
+class Entity(BytesPart):
     """Builder of the part of one component.
 
     Args:
         service_type: A type of :data:`homebot.devices.device_types.DEVICE_TYPES`.
         tag: Its kind within the type; by default its ``device_class``.
     """
-
-    parse_payload = StateMessage
 
     def __init__(self, config: DiscoveryConfig, service_type: str, tag: str | None = None) -> None:
         category = config.text("entity_category")
@@ -58,15 +54,24 @@ class Entity(PartBuilder[StateMessage]):
         self._config = config
 
     def read_text_from(self, source: ValueSource | None, read: Callable[[str], Readings]) -> bool:
-        """Read the text at *source* with *read*, which never raises; return whether it is readable.
+        """Read the text at *source* with *read*, which never raises; return whether it is readable."""
+        usable = self.usable(source)
+        if usable is not None:
+            self.read_from(usable.topic, partial(_read_text, usable, read))
+        return usable is not None
+
+    def usable(self, source: ValueSource | None) -> ValueSource | None:
+        """Return *source*, or None if it is none, or that of a secret.
 
         With an unsupported template, the part shows the payload as ``raw`` instead.
         """
-        return self._add_reader(source, _read_text, read)
-
-    def read_message_from(self, source: ValueSource | None, read: Callable[[StateMessage, str], Readings]) -> bool:
-        """Add a reader as :meth:`read_text_from`, with the whole message as first argument."""
-        return self._add_reader(source, _read_source, read)
+        if source is None or self._config.is_secret:
+            return None
+        if not source.problem:
+            return source
+        self.read_from(source.topic, partial(_read_text, source.without_template(), _read_raw))
+        self.add_capability("raw")
+        return None
 
     def expire(self, capability: str) -> None:
         """Make *capability* unknown after the config's ``expire_after`` seconds; never if that is 0 or missing.
@@ -184,21 +189,6 @@ class Entity(PartBuilder[StateMessage]):
             self._capabilities = {name: _echoed(one) for name, one in self._capabilities.items()}
         return super().build(payloads or (self._config.of_commands() if self._writes else None), digest=digest)
 
-    def _add_reader(
-        self,
-        source: ValueSource | None,
-        read_source: Callable[[ValueSource, ReadT, StateMessage], Readings],
-        read: ReadT,
-    ) -> bool:
-        if source is None or self._config.is_secret:
-            return False
-        if not source.problem:
-            self.read_from(source.topic, partial(read_source, source, read))
-            return True
-        self.read_from(source.topic, partial(_read_raw, source.encoding))
-        self.add_capability("raw")
-        return False
-
 
 def _echoed(capability: Capability) -> Capability:
     is_echoed = capability.readable and capability.settable
@@ -208,19 +198,13 @@ def _echoed(capability: Capability) -> Capability:
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}
 
 
-def _read_source(source: ValueSource, read: Callable[[StateMessage, str], Readings], message: StateMessage) -> Readings:
-    text = source.text(message)
-    return NO_READINGS if text is None else read(message, text)
-
-
-def _read_text(source: ValueSource, read: Callable[[str], Readings], message: StateMessage) -> Readings:
-    text = source.text(message)
+def _read_text(source: ValueSource, read: Callable[[str], Readings], payload: bytes) -> Readings:
+    text = source.text(payload)
     return NO_READINGS if text is None else read(text)
 
 
-def _read_raw(encoding: str, message: StateMessage) -> Readings:
-    text = message.text(encoding)
-    return NO_READINGS if text is None or names_secret(text) else {"raw": clean_text(text, _MAX_RAW)}
+def _read_raw(text: str) -> Readings:
+    return NO_READINGS if names_secret(text) else {"raw": clean_text(text, _MAX_RAW)}
 
 
 def _not_empty(meanings: Mapping[str, ValueT]) -> Mapping[str, ValueT]:

@@ -6,14 +6,14 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py`` and
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import (
     CHANNELS,
@@ -24,6 +24,7 @@ from homebot.conventions.light_color import (
     white_kelvin,
 )
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, compact_json, number_of, shown, whole_of
+from homebot.conventions.table_codec import json_object
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
@@ -85,8 +86,8 @@ class _State:
     scale: int
     in_kelvin: bool
 
-    def read(self, state_message: StateMessage) -> Readings:
-        message = state_message.json_object()
+    def read(self, payload: bytes) -> Readings:
+        message = json_object(payload)
         if message is None:
             return NO_READINGS
         found = dict(self._read_switch(message))
@@ -191,17 +192,16 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
     sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
     entity = Entity(config, "light")
     reader = _TemplateLightReader(sources, lamp, in_kelvin)
-    readable = {
-        name
-        for name, key, read in (
-            ("on_off", "state", reader.state),
-            ("level", "brightness", reader.level),
-            ("color_temperature", "color_temp", reader.white),
-            ("color", "red", reader.color),
-            ("effect", "effect", reader.effect),
-        )
-        if entity.read_message_from(sources.get(key), read)
-    }
+    rows: tuple[tuple[str, str, Callable[[str], Readings]], ...] = (
+        ("on_off", "state", reader.state),
+        ("level", "brightness", reader.level),
+        ("color_temperature", "color_temp", reader.white),
+        ("effect", "effect", reader.effect),
+    )
+    readable = {name for name, key, read in rows if entity.read_text_from(sources.get(key), read)}
+    if entity.usable(sources.get("red")):
+        entity.read_from(config.state_topic(), reader.color)
+        readable.add("color")
     lamp.add_to(entity, readable, partial(_render, on, off, in_kelvin))
     entity.add_commands(on)
     return entity.build()
@@ -255,27 +255,27 @@ class _TemplateLightReader:
     lamp: LightFeatures
     in_kelvin: bool
 
-    def state(self, _message: StateMessage, text: str) -> Readings:
+    def state(self, text: str) -> Readings:
         return {"on_off": _WORDS[text]} if text in _WORDS else NO_READINGS
 
-    def level(self, _message: StateMessage, text: str) -> Readings:
+    def level(self, text: str) -> Readings:
         brightness = whole_of(text) or 0
         return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS
 
-    def white(self, _message: StateMessage, text: str) -> Readings:
+    def white(self, text: str) -> Readings:
         if text == "None":
             return {"color_temperature": None}
         kelvin = white_kelvin(whole_of(text), in_kelvin=self.in_kelvin)
         return NO_READINGS if kelvin is None else {"color_temperature": kelvin}
 
-    def color(self, message: StateMessage, red: str) -> Readings:
-        green, blue = (self.sources[one].text(message) if one in self.sources else None for one in ("green", "blue"))
-        if (red, green, blue) == ("None", "None", "None"):
+    def color(self, payload: bytes) -> Readings:
+        texts = [self.sources[one].text(payload) if one in self.sources else None for one in _RGB]
+        if texts == ["None"] * len(_RGB):
             return {"color": None}
-        channels = [value for one in (red, green, blue) if one and (value := whole_of(one)) is not None]
+        channels = [value for one in texts if one and (value := whole_of(one)) is not None]
         if len(channels) != len(_RGB) or not all(0 <= one <= _BYTE for one in channels):
             return NO_READINGS
         return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 
-    def effect(self, _message: StateMessage, text: str) -> Readings:
+    def effect(self, text: str) -> Readings:
         return {"effect": text} if text in self.lamp.effects else NO_READINGS

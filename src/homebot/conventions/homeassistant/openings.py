@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.device_classes import CLOSURE_CLASSES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
-from homebot.conventions.homeassistant.topics import CommandTopic, StateMessage, ValueSource
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import NO_READINGS, Readings, fields_of, number_of
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -58,7 +59,9 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
     tilt = config.source("tilt_status_topic", "tilt_status_template", variables)
     entity = Entity(config, "closure" if config.text("device_class") in CLOSURE_CLASSES else "window_covering")
     has_position = entity.read_text_from(decoder.position, decoder.read_position)
-    has_state = entity.read_message_from(decoder.state, decoder.read_state)
+    state = entity.usable(decoder.state)
+    if state is not None:
+        entity.read_from(state.topic, partial(decoder.read_state, state))
     has_tilt = entity.read_text_from(tilt, decoder.read_tilt)
 
     move = config.command("command_topic", template_key="")
@@ -66,7 +69,7 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
     writer = option_writer("movement", payloads, lambda movement: move.publish(payloads[movement])) if move else None
     set_position = config.command("set_position_topic", "set_position_template")
     set_tilt = config.command("tilt_command_topic", "tilt_command_template")
-    entity.add_capability("movement", readable=has_state or has_position, writer=writer if payloads else None)
+    entity.add_capability("movement", readable=state is not None or has_position, writer=writer if payloads else None)
     entity.add_capability(
         "position",
         readable=has_position,
@@ -99,9 +102,10 @@ class _CoverStateDecoder:
     _movement: str | None = None
     _is_settling: bool = False  # stopped, perhaps before the report of its position
 
-    def read_state(self, message: StateMessage, text: str) -> Readings:
+    def read_state(self, state: ValueSource, payload: bytes) -> Readings:
         """Read the state; a stopped cover is closed at position 0 in the same message, and otherwise open."""
-        if text not in self.states:
+        text = state.text(payload)
+        if text is None or text not in self.states:
             return NO_READINGS
         before, self._movement = self._movement, self.states[text]
         movement = self._movement
@@ -111,7 +115,7 @@ class _CoverStateDecoder:
         if movement == "stopped" and self.position is not None:
             if not self._is_of_one_message:
                 return {"movement": _ENDS.get(self._percent, movement)}
-            beside = self.position.text(message)
+            beside = self.position.text(payload)
             known = self.read_position(beside).get("position") if beside else None
             if known is not None:
                 movement = "open" if known else "closed"

@@ -19,7 +19,6 @@ from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.device_classes import condition_of, is_quantity, quantity_of
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.topics import StateMessage
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, fields_of, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity
@@ -185,14 +184,16 @@ def _build_events(
     options: tuple[str, ...] = (),
 ) -> DescribedPart:
     """Describe a source of events; *event_of* returns the event of a text, or an empty text."""
-
-    def read(message: StateMessage, text: str) -> Readings:
-        event = "" if message.retained else event_of(text)
-        return {capability: event} if event else NO_READINGS
-
-    source = config.required_source(topic_key).without_payload()
     entity = Entity(config, service_type, tag)
-    if entity.read_message_from(source, read):
+    source = entity.usable(config.required_source(topic_key).without_payload())
+    if source is not None:
+
+        def read(payload: bytes) -> Readings:
+            text = source.text(payload)
+            event = event_of(text) if text is not None else ""
+            return {capability: event} if event else NO_READINGS
+
+        entity.read_events_from(source.topic, read)
         entity.add_capability(capability, options=options)
     return entity.build()
 

@@ -13,14 +13,13 @@ from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
-from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown, to_json
+from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
 
 __all__ = [
     "DEVICE",
     "CommandTopic",
     "ConfigTopic",
-    "StateMessage",
     "ValueSource",
     "parse_config_topic",
     "valid_topic",
@@ -86,32 +85,9 @@ _MAX_CONFIG_TOPIC = 512
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
 
 
-class StateMessage:
-    """One payload, with JSON that is parsed at most once."""
-
-    __slots__ = ("payload", "retained")
-
-    def __init__(self, payload: bytes, *, retained: bool = False) -> None:
-        self.payload = payload
-        self.retained = retained
-
-    def context(self, encoding: str = "utf-8") -> PayloadContext | None:
-        """Return the variables of a template; None if the payload is too long or no text in this encoding."""
-        return _context(self.payload, encoding)
-
-    def text(self, encoding: str = "utf-8") -> str | None:
-        """Return the payload as text; None as for :meth:`context`."""
-        context = _context(self.payload, encoding)
-        return None if context is None else context.value
-
-    def json_object(self) -> Mapping[str, object] | None:
-        """Return the JSON object in the payload; None for none."""
-        value = to_json(self.payload)
-        return value if isinstance(value, dict) else None
-
-
-@lru_cache(maxsize=2)
+@lru_cache(maxsize=2)  # the parts of a device read the same message, one after the other
 def _context(payload: bytes, encoding: str) -> PayloadContext | None:
+    """Return the variables of a template; None if the payload is too long or no text in this encoding."""
     if len(payload) > MAX_LONG_STATE_BYTES or not encoding:
         return None
     try:
@@ -141,9 +117,9 @@ class ValueSource(NamedTuple):
         """Reason why the template is unusable; empty if it is usable."""
         return self.template.problem if self.template is not None else ""
 
-    def text(self, message: StateMessage) -> str | None:
+    def text(self, payload: bytes) -> str | None:
         """Return the value as in Home Assistant; None if the message must be ignored."""
-        context = message.context(self.encoding)
+        context = _context(payload, self.encoding)
         if context is None:
             return None
         if self.template is None:
@@ -154,6 +130,10 @@ class ValueSource(NamedTuple):
             return context.value if self.or_payload else None
         except TemplateError:
             return None
+
+    def without_template(self) -> ValueSource:
+        """Return a copy whose value is the whole payload."""
+        return self._replace(template=None)
 
     def without_payload(self) -> ValueSource:
         """Return a copy that ignores messages without the variables of the template."""

@@ -16,7 +16,7 @@ from homebot.conventions.description import (
     Publications,
 )
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, parse_object
-from homebot.conventions.table_codec import Reader, TableCodec, raw_bytes
+from homebot.conventions.table_codec import Reader, TableCodec
 from homebot.devices.capabilities import implied_settings
 from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
@@ -153,7 +153,7 @@ def _thing_codec(part: ClassifiedPart) -> TableCodec[bytes]:
             table[observed.filter] = (*table.get(observed.filter, ()), reader)
     spelt = {name: partial(_spell, one) for name, one in part.settable.items()}
     writers: dict[str, Writer] = {name: partial(_write, spelt, name) for name in spelt}
-    return TableCodec(raw_bytes, readers, event_readers, writers)
+    return TableCodec(bytes, readers, event_readers, writers)
 
 
 def _read(capability: Capability, affordance: Affordance, format_: PayloadFormat, payload: bytes) -> Readings:
