@@ -6,14 +6,13 @@ Source: Home Assistant core 2025.4, ``components/mqtt/light/__init__.py`` and ``
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from functools import partial
 
 from homebot.conventions.description import DescribedPart, Publication, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.light_messages import build_json_light, build_template_light, read_white_range
-from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
+from homebot.conventions.homeassistant.topics import ValueSource
 from homebot.conventions.lamp import LightCommand, LightFeatures
 from homebot.conventions.light_color import CHANNELS, Channels, kelvin_mired, to_hue_saturation, white_kelvin
 from homebot.conventions.payload import (
@@ -55,133 +54,166 @@ def build_light(config: DiscoveryConfig) -> DescribedPart:
     return build(config)
 
 
-@dataclass(slots=True)
-class _BasicState:
-    """Reader of the state topics of a lamp, and its last state, for commands that combine brightness and colour.
+class _BasicLight:
+    """Reader and writer of a lamp with a topic for each value; commands combine its last brightness and colour.
 
     Attributes:
-        brightness: 1 to 255; None before the first report.
-        colors: Its colour at full brightness by mode.
-        mode: The last reported mode; None before the first report.
-        reported: The last reported value of each mode.
+        lamp: Its capabilities.
+        commands: The topics of its commands.
     """
 
-    lamp: LightFeatures
-    brightness: int | None = None
-    colors: dict[str, Channels] = field(default_factory=dict)
-    has_mode: bool = False
-    mode: str | None = None
-    reported: dict[str, PlainValue] = field(default_factory=dict)
+    def __init__(self, config: DiscoveryConfig) -> None:
+        self._level_command, self._white_command, self._effect_command = (
+            config.command_of(name) for name in ("brightness", "color_temp", "effect")
+        )
+        self._color_commands = {mode: command for mode in CHANNELS if (command := config.command_of(mode))}
+        modes = {*self._color_commands, *(["color_temp"] if self._white_command else [])}
+        modes = modes or {"brightness" if self._level_command else "onoff"}
+        effects = config.options("effect_list") if self._effect_command else ()
+        any_effect = self._effect_command is not None and not effects
+        self.lamp = LightFeatures(frozenset(modes), read_white_range(config), effects, any_effect=any_effect)
+        self._command = config.required_command(template_key="")
+        self._payloads = config.on_off_payloads()
+        self._order = _order(config)
+        self._scale = config.integer("brightness_scale", _BYTE, least=1)
+        self._in_kelvin = config.flag("color_temp_kelvin")
+        self._assumes = _assumed(config)
+        self._own_level = bool(config.state_topic("brightness_state_topic"))
+        self._has_mode = False
+        self._mode: str | None = None
+        self._reported: dict[str, PlainValue] = {}
+        self._brightness: int | None = None
+        self._colors: dict[str, Channels] = {}  # at full brightness
+        others = (self._level_command, self._white_command, self._effect_command)
+        self.commands = (self._command, *others, *self._color_commands.values())
 
     def add_readers(self, config: DiscoveryConfig, entity: Entity) -> frozenset[str]:
         """Add readers of all state topics to *entity*; return the readable capabilities."""
-        lamp, own_level = self.lamp, bool(config.state_topic("brightness_state_topic"))
-        states = {config.text("payload_off", "OFF"): False, config.text("payload_on", "ON"): True, "None": None}
-        level = partial(self._level, config.integer("brightness_scale", _BYTE, least=1))
+        lamp = self.lamp
+        states = {self._payloads[False]: False, self._payloads[True]: True, "None": None}
         rows: list[tuple[str, str, bool, Callable[[str], Readings]]] = [
             ("on_off", "state", True, meaning_reader("on_off", states)),
-            ("level", "brightness_state", lamp.has_level, level),
-            ("", "color_mode_state", True, self._mode),
-            (
-                "color_temperature",
-                "color_temp_state",
-                lamp.has_white,
-                partial(self._white, config.flag("color_temp_kelvin")),
-            ),
-            *(
-                ("color", f"{mode}_state", mode in lamp.modes, partial(self._color, mode, own_level or mode in _MOST))
-                for mode in CHANNELS
-            ),
-            (
-                "effect",
-                "effect_state",
-                lamp.has_effect,
-                lambda text: {"effect": clean_text(text)} if text else NO_READINGS,
-            ),
+            ("level", "brightness_state", lamp.has_level, self._read_level),
+            ("", "color_mode_state", True, self._read_mode),
+            ("color_temperature", "color_temp_state", lamp.has_white, self._read_white),
+            *(("color", f"{mode}_state", mode in lamp.modes, partial(self._read_color, mode)) for mode in CHANNELS),
+            ("effect", "effect_state", lamp.has_effect, _read_effect),
         ]
         readable = set()
         for capability, name, is_present, read in rows:
             if is_present and entity.read_text_from(_source(config, name), read):
                 readable.add(capability)
-                if capability == "color" and not own_level and name.removesuffix("_state") in _DIMMED:
+                if capability == "color" and not self._own_level and name.removesuffix("_state") in _DIMMED:
                     readable.add("level")
-        self.has_mode = "" in readable
+        self._has_mode = "" in readable
         return frozenset(readable)
 
-    def _white(self, in_kelvin: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
-        kelvin = white_kelvin(whole_of(text), in_kelvin=in_kelvin)
-        if kelvin is None:
-            return NO_READINGS
-        return self._report("color_temp", kelvin)
+    def _read_white(self, text: str) -> Readings:
+        kelvin = white_kelvin(whole_of(text), in_kelvin=self._in_kelvin)
+        return NO_READINGS if kelvin is None else self._report("color_temp", kelvin)
 
-    def _mode(self, text: str) -> Readings:
+    def _read_mode(self, text: str) -> Readings:
         """Read the mode; the values of the modes come before or after it."""
         if text not in self.lamp.modes:
             return NO_READINGS
-        self.mode = text
-        reported = self.reported.get(text)
+        self._mode = text
+        reported = self._reported.get(text)
         return NO_READINGS if reported is None else self._report(text, reported)
 
     def _report(self, mode: str, value: PlainValue) -> Readings:
         """Record the value of a colour mode; it is effective in the reported mode, or without one."""
-        self.reported[mode] = value
-        if self.has_mode and self.mode not in (None, mode):
+        self._reported[mode] = value
+        if self._has_mode and self._mode not in (None, mode):
             return NO_READINGS
         if mode == "color_temp":
             return {"color_temperature": value} | ({"color": None} if self.lamp.color_mode else {})
         return {"color": value} | ({"color_temperature": None} if self.lamp.has_white else {})
 
-    def _level(self, scale: int, text: str) -> Readings:
+    def _read_level(self, text: str) -> Readings:
         value = number_of(text) or 0
         if value <= 0:
             return NO_READINGS
-        self.brightness = max(round(min(value / scale, 1) * _BYTE), 1)
-        return {"level": self.brightness * 100 / _BYTE}
+        self._brightness = max(round(min(value / self._scale, 1) * _BYTE), 1)
+        return {"level": self._brightness * 100 / _BYTE}
 
-    def _color(self, mode: str, own_level: bool, text: str) -> Readings:  # noqa: FBT001 - bound once, above
+    def _read_color(self, mode: str, text: str) -> Readings:
         """Read a colour, and the brightness of a lamp without a topic for it."""
         channels = numbers_of(text, len(CHANNELS[mode]))
         most = _MOST.get(mode, (_BYTE,) * len(CHANNELS[mode]))
         if channels is None or not all(0 <= one <= limit for one, limit in zip(channels, most, strict=True)):
             return NO_READINGS
         found: dict[str, PlainValue] = {}
-        if not own_level:
+        if not self._own_level and mode in _DIMMED:
             brightness = int(max(channels))
             if not brightness:
                 return NO_READINGS
             channels = tuple(min(round(one / brightness * _BYTE), _BYTE) for one in channels)
-            self.brightness = brightness
+            self._brightness = brightness
             found["level"] = brightness * 100 / _BYTE
-        self.colors[mode] = channels
+        self._colors[mode] = channels
         return {**found, **self._report(mode, to_hue_saturation(mode, channels, self.lamp.white.kelvins))}
+
+    def publish(self, command: LightCommand) -> Publications:
+        """Encode a command: the values on their topics, and its switch before, after, or not at all."""
+        if not command.on:
+            return self._command.publish(self._payloads[False])
+        on = self._command.publication(self._payloads[True])
+        values = self._values(command)
+        if self._order == "first":
+            return (on, *values)
+        return (*values, on) if self._order == "last" else values
+
+    def _values(self, command: LightCommand) -> Publications:
+        found: list[Publication] = []
+        brightness = command.brightness
+        if self._order == "brightness" and brightness is None:
+            brightness = self._brightness or _BYTE
+        if command.color:
+            full = _BYTE if self._level_command is not None else self._brightness or _BYTE
+            found.append(self._color(command.mode, command.color, full))
+            if command.mode in self._assumes:
+                self._colors[command.mode] = command.color
+        if brightness is not None:
+            found += self._dim(brightness, has_color=bool(command.color))
+        if command.kelvin is not None and self._white_command is not None:
+            value = command.kelvin if self._in_kelvin else kelvin_mired(command.kelvin)
+            found.append(self._white_command.publication(value))
+        if command.effect and self._effect_command is not None:
+            found.append(self._effect_command.publication(command.effect))
+        return tuple(found)
+
+    def _dim(self, brightness: int, *, has_color: bool) -> list[Publication]:
+        mode = next((one for one in _DIMMED if one in self._color_commands), "")
+        if self._level_command is not None:
+            value = max(min(round(brightness / _BYTE * self._scale), self._scale), 1)
+            publications = [self._level_command.publication(value)]
+        elif mode and not has_color:
+            color = self._colors.get(mode) or (_BYTE,) * len(CHANNELS[mode])
+            publications = [self._color(mode, color, brightness)]
+        else:
+            return []
+        if "brightness" in self._assumes:
+            self._brightness = brightness
+        return publications
+
+    def _color(self, mode: str, color: Channels, brightness: int) -> Publication:
+        if mode in _DIMMED:
+            color = tuple(int(channel * brightness / _BYTE) for channel in color)
+        variables = dict(zip(_NAMES[mode], color, strict=True))
+        return self._color_commands[mode].publication(",".join(str(channel) for channel in color), variables)
 
 
 def _build_basic_light(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a lamp with a topic for each value."""
-    brightness, white, effect = (config.command_of(name) for name in ("brightness", "color_temp", "effect"))
-    colors = {mode: command for mode in CHANNELS if (command := config.command_of(mode))}
-    modes = frozenset({*colors, *(["color_temp"] if white else [])} or {"brightness" if brightness else "onoff"})
-    effects = config.options("effect_list") if effect else ()
-    lamp = LightFeatures(modes, read_white_range(config), effects, any_effect=effect is not None and not effects)
-    state = _BasicState(lamp)
-    commands = _BasicLightCommands(
-        command=config.required_command(template_key=""),
-        payloads=config.on_off_payloads(),
-        order=_order(config),
-        brightness=brightness,
-        scale=config.integer("brightness_scale", _BYTE, least=1),
-        white=white,
-        in_kelvin=config.flag("color_temp_kelvin"),
-        effect=effect,
-        colors=colors,
-        state=state,
-        assumes=_assumed(config),
-    )
+    light = _BasicLight(config)
     entity = Entity(config, "light")
-    lamp.add_to(entity, state.add_readers(config, entity), commands.publish)
+    light.lamp.add_to(entity, light.add_readers(config, entity), light.publish)
     entity.remembers()
-    entity.add_commands(commands.command, brightness, white, effect, *colors.values())
+    entity.add_commands(*light.commands)
     return entity.build()
+
+
+def _read_effect(text: str) -> Readings:
+    return {"effect": clean_text(text)} if text else NO_READINGS
 
 
 def _source(config: DiscoveryConfig, name: str) -> ValueSource | None:
@@ -207,75 +239,6 @@ def _assumed(config: DiscoveryConfig) -> frozenset[str]:
     if not config.has("brightness_state_topic" if own else "rgb_state_topic"):
         assumed.add("brightness")
     return frozenset(assumed)
-
-
-@dataclass(frozen=True, slots=True)
-class _BasicLightCommands:
-    """Writer of a lamp: the values on their topics, and its switch before, after, or not at all."""
-
-    command: CommandTopic
-    payloads: Mapping[bool, str]
-    order: str
-    brightness: CommandTopic | None
-    scale: int
-    white: CommandTopic | None
-    in_kelvin: bool
-    effect: CommandTopic | None
-    colors: Mapping[str, CommandTopic]
-    state: _BasicState
-    assumes: frozenset[str]
-
-    def publish(self, command: LightCommand) -> Publications:
-        if not command.on:
-            return self.command.publish(self.payloads[False])
-        on = self.command.publication(self.payloads[True])
-        values = self._values(command)
-        if self.order == "first":
-            return (on, *values)
-        return (*values, on) if self.order == "last" else values
-
-    def _values(self, command: LightCommand) -> Publications:
-        found: list[Publication] = []
-        brightness = command.brightness
-        if self.order == "brightness" and brightness is None:
-            brightness = self.state.brightness or _BYTE
-        if command.color:
-            found.append(self._set_color(command.mode, command.color))
-        if brightness is not None:
-            found += self._brightness(brightness, has_color=bool(command.color))
-        if command.kelvin is not None and self.white is not None:
-            value = command.kelvin if self.in_kelvin else kelvin_mired(command.kelvin)
-            found.append(self.white.publication(value))
-        if command.effect and self.effect is not None:
-            found.append(self.effect.publication(command.effect))
-        return tuple(found)
-
-    def _set_color(self, mode: str, color: Channels) -> Publication:
-        brightness = _BYTE if self.brightness is not None else self.state.brightness or _BYTE
-        publication = self._color(mode, color, brightness)
-        if mode in self.assumes:
-            self.state.colors[mode] = color
-        return publication
-
-    def _brightness(self, brightness: int, *, has_color: bool) -> list[Publication]:
-        mode = next((one for one in _DIMMED if one in self.colors), "")
-        if self.brightness is not None:
-            value = max(min(round(brightness / _BYTE * self.scale), self.scale), 1)
-            publications = [self.brightness.publication(value)]
-        elif mode and not has_color:
-            color = self.state.colors.get(mode) or (_BYTE,) * len(CHANNELS[mode])
-            publications = [self._color(mode, color, brightness)]
-        else:
-            return []
-        if "brightness" in self.assumes:
-            self.state.brightness = brightness
-        return publications
-
-    def _color(self, mode: str, color: Channels, brightness: int) -> Publication:
-        if mode in _DIMMED:
-            color = tuple(int(channel * brightness / _BYTE) for channel in color)
-        variables = dict(zip(_NAMES[mode], color, strict=True))
-        return self.colors[mode].publication(",".join(str(channel) for channel in color), variables)
 
 
 _SCHEMAS: Mapping[str, Callable[[DiscoveryConfig], DescribedPart]] = {

@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
 
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
-from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
+from homebot.conventions.homeassistant.topics import ValueSource
 from homebot.conventions.lamp import LightCommand, LightFeatures, WhiteRange
 from homebot.conventions.light_color import (
     CHANNELS,
@@ -23,7 +21,16 @@ from homebot.conventions.light_color import (
     to_hue_saturation,
     white_kelvin,
 )
-from homebot.conventions.payload import NO_READINGS, Readings, clean_text, compact_json, number_of, shown, whole_of
+from homebot.conventions.payload import (
+    NO_READINGS,
+    Readings,
+    clean_text,
+    compact_json,
+    meaning_reader,
+    number_of,
+    shown,
+    whole_of,
+)
 from homebot.conventions.table_codec import json_object
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -33,17 +40,13 @@ __all__ = ["build_json_light", "build_template_light", "read_white_range"]
 
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that uses JSON."""
-    command = config.required_command(template_key="")
-    scale = config.integer("brightness_scale", 255, least=1)
-    in_kelvin = config.flag("color_temp_kelvin")
-    effects = config.options("effect_list")
-    lamp = LightFeatures(_modes(config), read_white_range(config), effects, any_effect=config.flag("effect"))
+    light = _JsonLight(config)
     entity = Entity(config, "light")
     state_topic = config.state_topic()
-    lamp.add_to(entity, _REPORTED if state_topic else (), partial(_publish, command, scale, in_kelvin))
+    light.lamp.add_to(entity, _REPORTED if state_topic else (), light.publish)
     if state_topic:
-        entity.read_from(state_topic, _State(lamp, scale, in_kelvin).read)
-    entity.add_command_topics(command.topic)
+        entity.read_from(state_topic, light.read)
+    entity.add_command_topics(light.command.topic)
     return entity.build()
 
 
@@ -63,30 +66,34 @@ def _flagged_modes(config: DiscoveryConfig) -> frozenset[str]:
     return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
 
 
-def _publish(command: CommandTopic, scale: int, in_kelvin: bool, light: LightCommand) -> Publications:  # noqa: FBT001 - bound once, above
-    message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
-    if light.color:
-        message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
-    if light.transition is not None:
-        message["transition"] = light.transition
-    if (brightness := light.brightness) is not None:
-        message["brightness"] = max(round(brightness * scale / 255), 1)
-    if light.kelvin is not None:
-        message["color_temp"] = light.kelvin if in_kelvin else kelvin_mired(light.kelvin)
-    if light.effect:
-        message["effect"] = light.effect
-    return command.publish(compact_json(message))
+class _JsonLight:
+    """Reader and writer of JSON. A colour is read in the reported mode, or in the only mode with a value."""
 
+    def __init__(self, config: DiscoveryConfig) -> None:
+        self.command = config.required_command(template_key="")
+        self._scale = config.integer("brightness_scale", 255, least=1)
+        self._in_kelvin = config.flag("color_temp_kelvin")
+        effects = config.options("effect_list")
+        any_effect = config.flag("effect")
+        self.lamp = LightFeatures(_modes(config), read_white_range(config), effects, any_effect=any_effect)
 
-@dataclass(slots=True, eq=False)
-class _State:
-    """Reader of a lamp's state. A colour is read in the reported mode, or in the only mode with a value."""
-
-    lamp: LightFeatures
-    scale: int
-    in_kelvin: bool
+    def publish(self, light: LightCommand) -> Publications:
+        """Encode a command."""
+        message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
+        if light.color:
+            message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
+        if light.transition is not None:
+            message["transition"] = light.transition
+        if (brightness := light.brightness) is not None:
+            message["brightness"] = max(round(brightness * self._scale / 255), 1)
+        if light.kelvin is not None:
+            message["color_temp"] = light.kelvin if self._in_kelvin else kelvin_mired(light.kelvin)
+        if light.effect:
+            message["effect"] = light.effect
+        return self.command.publish(compact_json(message))
 
     def read(self, payload: bytes) -> Readings:
+        """Read a state."""
         message = json_object(payload)
         if message is None:
             return NO_READINGS
@@ -107,7 +114,7 @@ class _State:
         if (state is None or isinstance(state, str)) and state in _STATES:
             found["on_off"] = _STATES[state]
         if self.lamp.has_level and isinstance(brightness, (int, float)) and 0 < brightness < _HUGE:
-            found["level"] = min(255, max(1, round(brightness * 255 / self.scale))) * 100 / 255
+            found["level"] = min(255, max(1, round(brightness * 255 / self._scale))) * 100 / 255
         return found
 
     def _only_mode(self, message: Mapping[str, object]) -> str:
@@ -121,7 +128,7 @@ class _State:
 
     def _add_color(self, mode: str, message: Mapping[str, object], found: dict[str, PlainValue]) -> None:
         if mode == "color_temp":
-            kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self.in_kelvin)
+            kelvin = white_kelvin(number_of(message.get("color_temp")), in_kelvin=self._in_kelvin)
             if kelvin is not None:
                 found["color_temperature"] = kelvin
                 if self.lamp.color_mode:
@@ -181,29 +188,10 @@ def build_template_light(config: DiscoveryConfig) -> DescribedPart:
     for key in ("command_on_template", "command_off_template"):
         if not config.has(key):
             raise WireError(f"light: {key} is missing; the schema template requires it")
-    on = config.required_command(template_key="command_on_template")
-    off = config.required_command(template_key="command_off_template")
-    in_kelvin = config.flag("color_temp_kelvin")
-    lamp = LightFeatures(
-        modes=_template_modes(config),
-        white=read_white_range(config),
-        effects=config.options("effect_list"),
-    )
-    sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
+    light = _TemplateLight(config)
     entity = Entity(config, "light")
-    reader = _TemplateLightReader(sources, lamp, in_kelvin)
-    rows: tuple[tuple[str, str, Callable[[str], Readings]], ...] = (
-        ("on_off", "state", reader.state),
-        ("level", "brightness", reader.level),
-        ("color_temperature", "color_temp", reader.white),
-        ("effect", "effect", reader.effect),
-    )
-    readable = {name for name, key, read in rows if entity.read_text_from(sources.get(key), read)}
-    if entity.usable(sources.get("red")):
-        entity.read_from(config.state_topic(), reader.color)
-        readable.add("color")
-    lamp.add_to(entity, readable, partial(_render, on, off, in_kelvin))
-    entity.add_commands(on)
+    light.lamp.add_to(entity, light.add_readers(entity), light.publish)
+    entity.add_commands(light.on)
     return entity.build()
 
 
@@ -229,47 +217,57 @@ def _template_modes(config: DiscoveryConfig) -> frozenset[str]:
     return frozenset(modes)
 
 
-def _render(on: CommandTopic, off: CommandTopic, in_kelvin: bool, command: LightCommand) -> Publications:  # noqa: FBT001 - bound once, above
-    variables: dict[str, object] = {"state": command.on}
-    if command.brightness is not None:
-        variables["brightness"] = command.brightness
-    if command.kelvin is not None:
-        variables["color_temp"] = command.kelvin if in_kelvin else kelvin_mired(command.kelvin)
-    if command.color:
-        hue, saturation = command.color
-        channels = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1)
-        variables |= {color: round(one * _BYTE) for color, one in zip(_RGB, channels, strict=True)}
-        variables |= {"hue": hue, "sat": saturation}
-    if command.effect:
-        variables["effect"] = command.effect
-    if command.transition is not None:
-        variables["transition"] = command.transition
-    return ((on if command.on else off).publication(None, variables),)
+class _TemplateLight:
+    """Reader and writer of a lamp, by one template for each value; a colour needs three."""
 
+    def __init__(self, config: DiscoveryConfig) -> None:
+        self.on = config.required_command(template_key="command_on_template")
+        self._off = config.required_command(template_key="command_off_template")
+        self._in_kelvin = config.flag("color_temp_kelvin")
+        self.lamp = LightFeatures(_template_modes(config), read_white_range(config), config.options("effect_list"))
+        self._sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
 
-@dataclass(frozen=True, slots=True)
-class _TemplateLightReader:
-    """Reader of a lamp's state, one template at a time; a colour needs three."""
+    def publish(self, command: LightCommand) -> Publications:
+        """Encode a command."""
+        variables: dict[str, object] = {"state": command.on}
+        if command.brightness is not None:
+            variables["brightness"] = command.brightness
+        if command.kelvin is not None:
+            variables["color_temp"] = command.kelvin if self._in_kelvin else kelvin_mired(command.kelvin)
+        if command.color:
+            hue, saturation = command.color
+            channels = colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1)
+            variables |= {color: round(one * _BYTE) for color, one in zip(_RGB, channels, strict=True)}
+            variables |= {"hue": hue, "sat": saturation}
+        if command.effect:
+            variables["effect"] = command.effect
+        if command.transition is not None:
+            variables["transition"] = command.transition
+        return (self.on if command.on else self._off).publish(None, variables)
 
-    sources: Mapping[str, ValueSource]
-    lamp: LightFeatures
-    in_kelvin: bool
+    def add_readers(self, entity: Entity) -> set[str]:
+        """Add readers of all values to *entity*; return the readable capabilities."""
+        rows: tuple[tuple[str, str, Callable[[str], Readings]], ...] = (
+            ("on_off", "state", meaning_reader("on_off", _WORDS)),
+            ("level", "brightness", _read_level),
+            ("color_temperature", "color_temp", self._read_white),
+            ("effect", "effect", meaning_reader("effect", {one: one for one in self.lamp.effects})),
+        )
+        readable = {name for name, key, read in rows if entity.read_text_from(self._sources.get(key), read)}
+        red = entity.usable(self._sources.get("red"))
+        if red is not None:
+            entity.read_from(red.topic, self._read_color)
+            readable.add("color")
+        return readable
 
-    def state(self, text: str) -> Readings:
-        return {"on_off": _WORDS[text]} if text in _WORDS else NO_READINGS
-
-    def level(self, text: str) -> Readings:
-        brightness = whole_of(text) or 0
-        return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS
-
-    def white(self, text: str) -> Readings:
+    def _read_white(self, text: str) -> Readings:
         if text == "None":
             return {"color_temperature": None}
-        kelvin = white_kelvin(whole_of(text), in_kelvin=self.in_kelvin)
+        kelvin = white_kelvin(whole_of(text), in_kelvin=self._in_kelvin)
         return NO_READINGS if kelvin is None else {"color_temperature": kelvin}
 
-    def color(self, payload: bytes) -> Readings:
-        texts = [self.sources[one].text(payload) if one in self.sources else None for one in _RGB]
+    def _read_color(self, payload: bytes) -> Readings:
+        texts = [self._sources[one].text(payload) if one in self._sources else None for one in _RGB]
         if texts == ["None"] * len(_RGB):
             return {"color": None}
         channels = [value for one in texts if one and (value := whole_of(one)) is not None]
@@ -277,5 +275,7 @@ class _TemplateLightReader:
             return NO_READINGS
         return {"color": to_hue_saturation("rgb", tuple(channels), self.lamp.white.kelvins)}
 
-    def effect(self, text: str) -> Readings:
-        return {"effect": text} if text in self.lamp.effects else NO_READINGS
+
+def _read_level(text: str) -> Readings:
+    brightness = whole_of(text) or 0
+    return {"level": brightness * 100 / _BYTE} if 0 < brightness <= _BYTE else NO_READINGS

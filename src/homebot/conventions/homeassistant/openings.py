@@ -6,12 +6,11 @@ Source: Home Assistant core 2025.4, ``components/mqtt/cover.py`` and ``valve.py`
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.device_classes import CLOSURE_CLASSES
+from homebot.conventions.entity_rows import opening_type
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
@@ -47,36 +46,28 @@ def _payloads(config: DiscoveryConfig, *, stop: str) -> dict[str, str]:
 
 def build_cover(config: DiscoveryConfig) -> DescribedPart:
     """Describe a window covering, or a closure where its class is one."""
-    scale, tilt_scale = _scale(config), Scale(config.integer("tilt_min", 0), config.integer("tilt_max", 100))
-    variables = {**_variables(scale), "tilt_min": tilt_scale.zero, "tilt_max": tilt_scale.full}
-    decoder = _CoverStateDecoder(
-        scale,
-        tilt_scale,
-        states={config.text(f"state_{state}", state): state for state in _STATES} | {"None": None},
-        state=config.source("state_topic"),
-        position=config.source("position_topic", "position_template", variables),
-    )
-    tilt = config.source("tilt_status_topic", "tilt_status_template", variables)
-    entity = Entity(config, "closure" if config.text("device_class") in CLOSURE_CLASSES else "window_covering")
-    has_position = entity.read_text_from(decoder.position, decoder.read_position)
-    state = entity.usable(decoder.state)
-    if state is not None:
-        entity.read_from(state.topic, partial(decoder.read_state, state))
-    has_tilt = entity.read_text_from(tilt, decoder.read_tilt)
+    cover = _Cover(config)
+    tilt = config.source("tilt_status_topic", "tilt_status_template", cover.variables)
+    entity = Entity(config, opening_type(config.values))
+    has_position = entity.read_text_from(cover.position, cover.read_position)
+    has_state = entity.usable(cover.state) is not None
+    if cover.state is not None and has_state:
+        entity.read_from(cover.state.topic, partial(cover.read_state, cover.state))
+    has_tilt = entity.read_text_from(tilt, cover.read_tilt)
 
     move = config.command("command_topic", template_key="")
     payloads = _payloads(config, stop="STOP")
     writer = option_writer("movement", payloads, lambda movement: move.publish(payloads[movement])) if move else None
-    set_position = config.command("set_position_topic", "set_position_template")
-    set_tilt = config.command("tilt_command_topic", "tilt_command_template")
-    entity.add_capability("movement", readable=state is not None or has_position, writer=writer if payloads else None)
-    entity.add_capability(
-        "position",
-        readable=has_position,
-        writer=_setter("position", set_position, scale, variables),
-    )
-    entity.add_capability("tilt", readable=has_tilt, writer=_setter("tilt", set_tilt, tilt_scale, variables))
-    entity.add_commands(move, set_position, set_tilt)
+    entity.add_capability("movement", readable=has_state or has_position, writer=writer if payloads else None)
+    entity.add_commands(move)
+    for name, variable, key, scale, readable in (
+        ("position", "position", "set_position", cover.scale, has_position),
+        ("tilt", "tilt_position", "tilt_command", cover.tilt_scale, has_tilt),
+    ):
+        command = config.command(f"{key}_topic", f"{key}_template")
+        setter = _setter(name, variable, command, scale, cover.variables) if command else None
+        entity.add_capability(name, readable=readable, writer=setter)
+        entity.add_commands(command)
     return entity.build()
 
 
@@ -85,29 +76,35 @@ _LEAVES: Mapping[float, str] = {0.0: "opening", 100.0: "closing"}
 """By position: the movement of a cover that leaves an end."""
 
 
-@dataclass(slots=True)
-class _CoverStateDecoder:
+class _Cover:
     """Reader of a cover's state and position.
 
     Many covers only report a stopped motor. They are open or closed by their position at an end, which comes in the
     same message, or in one before or after it.
     """
 
-    scale: Scale
-    tilt_scale: Scale
-    states: Mapping[str, str | None]
-    state: ValueSource | None
-    position: ValueSource | None
-    _percent: float | None = None  # the last position; None after it began to leave an end
-    _movement: str | None = None
-    _is_settling: bool = False  # stopped, perhaps before the report of its position
+    def __init__(self, config: DiscoveryConfig) -> None:
+        self.scale = _scale(config)
+        self.tilt_scale = Scale(config.integer("tilt_min", 0), config.integer("tilt_max", 100))
+        self.variables = {
+            **_variables(self.scale),
+            "tilt_min": self.tilt_scale.zero,
+            "tilt_max": self.tilt_scale.full,
+        }
+        self.state = config.source("state_topic")
+        self.position = config.source("position_topic", "position_template", self.variables)
+        states = {config.text(f"state_{state}", state): state for state in _STATES}
+        self._states: Mapping[str, str | None] = {**states, "None": None}
+        self._percent: float | None = None  # the last position; None after it began to leave an end
+        self._movement: str | None = None
+        self._is_settling = False  # stopped, perhaps before the report of its position
 
     def read_state(self, state: ValueSource, payload: bytes) -> Readings:
         """Read the state; a stopped cover is closed at position 0 in the same message, and otherwise open."""
         text = state.text(payload)
-        if text is None or text not in self.states:
+        if text is None or text not in self._states:
             return NO_READINGS
-        before, self._movement = self._movement, self.states[text]
+        before, self._movement = self._movement, self._states[text]
         movement = self._movement
         if self._percent is not None and movement == _LEAVES.get(self._percent):
             self._percent = None
@@ -154,44 +151,26 @@ class _CoverStateDecoder:
         return {"tilt": scale.percent(round(number))}
 
 
-def _setter(name: str, command: CommandTopic | None, scale: Scale, variables: Mapping[str, object]) -> Writer | None:
-    """Return the writer of a percentage, which is also a variable of the template."""
-    if command is None:
-        return None
-    seen_as = "tilt_position" if name == "tilt" else name
+def _setter(name: str, variable: str, command: CommandTopic, scale: Scale, variables: Mapping[str, object]) -> Writer:
+    """Return the writer of a percentage, which is also a *variable* of the template."""
 
     def publish(number: float) -> Publications:
         percent = round(number)
-        return command.publish(round(scale.value(percent)), {seen_as: percent, **variables})
+        return command.publish(round(scale.value(percent)), {variable: percent, **variables})
 
     return number_writer(name, (0, 100), "%", publish)
 
 
 def build_valve(config: DiscoveryConfig) -> DescribedPart:
     """Describe a valve, perhaps with a position."""
-    scale = _scale(config)
-    variables = _variables(scale)
-    has_position = config.flag("reports_position")
-    command = config.command("command_topic")
-    payloads = _payloads(config, stop="")
-    if not config.has("payload_stop"):
-        payloads.pop("stopped", None)
-    forbidden = next((key for key in _NO_POSITION if key in config.values), "")
-    if has_position and forbidden:
-        raise WireError(f"valve: {forbidden} is not allowed for a valve that reports its position")
-    decoder = _ValveStateDecoder({config.text(f"state_{state}", state): state for state in _STATES[:-1]}, scale)
-    move = set_position = None
-    if command is not None:
-        commands = _ValveCommands(command, payloads, scale if has_position else None, variables)
-        move, set_position = commands.move, commands.set_position
+    valve = _Valve(config)
     entity = Entity(config, "water_valve")
-    readable = entity.read_text_from(
-        config.source("state_topic", variables=variables), decoder.read_position if has_position else decoder.read_state
-    )
-    entity.add_capability("valve", readable=readable, writer=move)
-    if has_position:
-        entity.add_capability("position", readable=readable, writer=set_position)
-    entity.add_commands(command)
+    source = config.source("state_topic", variables=valve.variables)
+    readable = entity.read_text_from(source, valve.read_position if valve.has_position else valve.read_state)
+    entity.add_capability("valve", readable=readable, writer=valve.move if valve.command else None)
+    if valve.has_position:
+        entity.add_capability("position", readable=readable, writer=valve.set_position if valve.command else None)
+    entity.add_commands(valve.command)
     return entity.build()
 
 
@@ -199,12 +178,24 @@ _NO_POSITION = ("payload_open", "payload_close", "state_open", "state_closed")
 _MOVING = frozenset({"opening", "closing"})
 
 
-@dataclass(frozen=True, slots=True)
-class _ValveStateDecoder:
-    """Reader of plain texts and numbers, or of an object with ``state`` and ``position``."""
+class _Valve:
+    """Reader and writer of plain texts and numbers, or of an object with ``state`` and ``position``.
 
-    states: Mapping[str, str]
-    scale: Scale
+    With a position, open and closed are positions.
+    """
+
+    def __init__(self, config: DiscoveryConfig) -> None:
+        self._scale = _scale(config)
+        self.variables = _variables(self._scale)
+        self.has_position = config.flag("reports_position")
+        self.command = config.command("command_topic")
+        self._payloads = _payloads(config, stop="")
+        if not config.has("payload_stop"):
+            self._payloads.pop("stopped", None)
+        forbidden = next((key for key in _NO_POSITION if key in config.values), "")
+        if self.has_position and forbidden:
+            raise WireError(f"valve: {forbidden} is not allowed for a valve that reports its position")
+        self._states = {config.text(f"state_{state}", state): state for state in _STATES[:-1]}
 
     def read_state(self, text: str) -> Readings:
         """Read the state of a valve that does not report its position."""
@@ -213,7 +204,7 @@ class _ValveStateDecoder:
             return NO_READINGS
         if state == "None":
             return {"valve": None}
-        return {"valve": self.states[state]} if state in self.states else NO_READINGS
+        return {"valve": self._states[state]} if state in self._states else NO_READINGS
 
     def read_position(self, text: str) -> Readings:
         """Read the position of a valve that reports it."""
@@ -229,30 +220,22 @@ class _ValveStateDecoder:
         found: dict[str, PlainValue] = {}
         number = number_of(position)
         if number is not None:
-            percent = min(100.0, max(0.0, self.scale.percent(number)))
+            percent = min(100.0, max(0.0, self._scale.percent(number)))
             found = {"position": percent, "valve": "open" if percent else "closed"}
-        moving = self.states.get(state) if isinstance(state, str) else None
+        moving = self._states.get(state) if isinstance(state, str) else None
         if moving in _MOVING:
             found["valve"] = moving
         return found
 
-
-@dataclass(frozen=True, slots=True)
-class _ValveCommands:
-    """Writers of a valve. With a scale, open and closed are positions."""
-
-    command: CommandTopic
-    payloads: Mapping[str, str]
-    scale: Scale | None
-    variables: Mapping[str, object]
-
     def move(self, value: PlainValue, transition: float) -> Publications:
-        state = require_option("valve", value, self.payloads)
-        if self.scale is not None and state != "stopped":
+        """Write a state."""
+        state = require_option("valve", value, self._payloads)
+        if self.has_position and state != "stopped":
             return self.set_position(100.0 if state == "open" else 0.0, transition)
-        return self.command.publish(self.payloads[state])
+        return self.command.publish(self._payloads[state]) if self.command else ()
 
     def set_position(self, value: PlainValue, _transition: float) -> Publications:
+        """Write a position."""
         percent = round(require_number("position", value, 0, 100, "%"))
-        scaled = percent if self.scale is None else round(self.scale.value(percent))
-        return self.command.publish(scaled, {"position": percent, **self.variables})
+        variables = {"position": percent, **self.variables}
+        return self.command.publish(round(self._scale.value(percent)), variables) if self.command else ()
