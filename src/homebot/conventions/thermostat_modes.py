@@ -1,4 +1,4 @@
-"""Modes of a thermostat by their effect: on, off, and the setpoints that they use. Pure.
+"""Modes of a thermostat by their effect: its type, on, off, and the setpoints that they use. Pure.
 
 Source: Home Assistant core 2025.4, ``components/climate/__init__.py``.
 """
@@ -7,12 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-__all__ = ["modes_of_switch", "setpoints_of"]
+__all__ = ["climate_type", "modes_of_switch", "setpoints_of"]
 
 _PAIR = 2
 _SWITCHED_ON = ("heat_cool", "heat", "cool")
 _HEATS = frozenset({"heat", "heat_cool", "auto"})
 _COOLS = frozenset({"cool", "heat_cool"})
+
+
+def climate_type(modes: Collection[str]) -> str:
+    """Return the service type: an air conditioner cools, and dries or only blows."""
+    return "room_air_conditioner" if "cool" in modes and ("dry" in modes or "fan_only" in modes) else "thermostat"
 
 
 def modes_of_switch(modes: Collection[str]) -> dict[bool, str]:

@@ -20,6 +20,7 @@ from homebot.conventions.entity_rows import (
     whole_of,
 )
 from homebot.conventions.esphome.entity import choice_row, flag_row, number_of, numbers_of, read_named
+from homebot.conventions.thermostat_modes import climate_type
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -168,17 +169,11 @@ def _named_row(name: str, field: str, names: tuple[str, ...], standard: str, cus
     return EntityRow(name, read, write, "", options, options)
 
 
-def _climate_type(info: Fields) -> str:
-    """Return the type: an air conditioner cools and can also dry or only ventilate."""
-    modes = _modes_of(info)
-    return "room_air_conditioner" if "cool" in modes and ("dry" in modes or "fan_only" in modes) else "thermostat"
-
-
 _VISUAL = ("visual_min_temperature", "visual_max_temperature")
 _swings_of = _named(_SWINGS, "supported_swing_modes")
 
 CLIMATE: Final = EntityComponent(
-    _climate_type,
+    lambda info: climate_type(_modes_of(info)),
     (
         _Target("heating_setpoint", *_VISUAL, _heating_field).row(),
         _Target("cooling_setpoint", *_VISUAL, _cooling_field).row(),

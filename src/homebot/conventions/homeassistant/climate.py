@@ -6,8 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``water_h
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import require_bool, require_number
@@ -16,7 +15,7 @@ from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import NO_READINGS, Readings, read_number, shown
-from homebot.conventions.thermostat_modes import modes_of_switch, setpoints_of
+from homebot.conventions.thermostat_modes import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
@@ -28,18 +27,15 @@ _HEATER_RANGE = (to_celsius(110.0), to_celsius(140.0))
 
 
 def build_climate(config: DiscoveryConfig) -> DescribedPart:
-    """Describe a thermostat, or an air conditioner where it can cool and also dry or only blow."""
+    """Describe a thermostat or an air conditioner."""
     modes = _modes(config)
-    is_conditioner = "cool" in modes and ("dry" in modes or "fan_only" in modes)
-    entity = Entity(config, "room_air_conditioner" if is_conditioner else "thermostat")
-    target_mode = _TargetMode(is_reported=config.has("mode_state_topic") and not config.flag("optimistic"))
-    _add_temperatures(entity, config, modes, target_mode)
+    entity = Entity(config, climate_type(modes))
+    targets = _Targets(config, modes)
+    targets.add_to(entity, config)
     _add_humidity(entity, config)
     mode = config.command_of("mode")
-    entity.add_choice(
-        "thermostat_mode", _source_of(config, "mode_state"), mode, modes, on_command=target_mode.on_command
-    )
-    _add_switch(entity, config, mode, modes, target_mode)
+    entity.add_choice("thermostat_mode", _source_of(config, "mode_state"), mode, modes, on_command=targets.on_command)
+    _add_switch(entity, config, mode, modes, targets)
     entity.add_choice("thermostat_action", _source_at(config, "action_topic", "action_template"), None, _ACTIONS)
     for name, default in _CHOICES.items():
         command = config.command_of(name)
@@ -80,7 +76,7 @@ def _add_humidity(entity: Entity, config: DiscoveryConfig) -> None:
 
 
 def _add_switch(
-    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], target_mode: _TargetMode
+    entity: Entity, config: DiscoveryConfig, mode: CommandTopic | None, modes: tuple[str, ...], targets: _Targets
 ) -> None:
     """Add ``on_off``: with a topic of its own, or else by the mode, as in Home Assistant."""
     power = config.command_of("power")
@@ -94,7 +90,7 @@ def _add_switch(
             raise RefusedError(f"on_off {shown(value)}", f"none of its modes is that: {', '.join(modes)[:_SHOWN]}")
         publications = command.publish(texts[is_on]) if command else ()
         if power is None:
-            target_mode.on_command(texts[is_on])
+            targets.on_command(texts[is_on])
         return publications
 
     is_readable = entity.read_text_from(source, partial(_read_switch, modes))
@@ -188,129 +184,104 @@ def _source_at(config: DiscoveryConfig, topic_key: str, template_key: str) -> Va
     return config.source(topic_key, template_key if config.has(template_key) else "value_template")
 
 
-@dataclass(slots=True)
-class _TargetMode:
-    """The mode of a thermostat, on which its targets depend.
-
-    Attributes:
-        is_reported: Whether it reports its mode; otherwise its last command is assumed.
-        mode: Its last mode; None for unknown.
-    """
-
-    is_reported: bool
-    mode: str | None = None
-
-    def on_command(self, mode: str) -> None:
-        """Record the mode of a command."""
-        if not self.is_reported:
-            self.mode = mode
-
-    @property
-    def is_pair(self) -> bool:
-        """True if the pair of targets is effective, not the single one."""
-        return self.mode == "heat_cool"
+_SINGLE = "temperature"
+_ENDS = {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}
 
 
-def _add_temperatures(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], mode: _TargetMode) -> None:
-    """Add the current temperature and the setpoints.
+class _Targets:
+    """The targets of a thermostat, with its mode and their last values by key.
 
     Of a pair the lower one heats and the upper one cools. Of a pair and a single one, the pair is effective in the mode
     ``heat_cool``, and the single one in any other. In an unknown mode neither is commanded. Without modes the pair is
     effective.
     """
-    temperatures = _read_temperatures(config, 7.0, 35.0)
-    has_pair = any(_is_there(config, end) for end in _ENDS.values())
-    by_single = setpoints_of(modes)
-    if has_pair and modes and _is_there(config, _SINGLE):
-        _add_both(entity, config, modes, _Targets(mode, temperatures, by_single))
-    else:
-        for name, key in _ENDS.items() if has_pair else ((name, _SINGLE) for name in by_single):
-            temperatures.add_setpoint(entity, name, config, key)
-    temperatures.add_measured(entity, config)
 
+    def __init__(self, config: DiscoveryConfig, modes: tuple[str, ...]) -> None:
+        self._modes = modes
+        self._by_single = setpoints_of(modes)
+        self._temperatures = _read_temperatures(config, 7.0, 35.0)
+        self._is_mode_reported = config.has("mode_state_topic") and not config.flag("optimistic")
+        self._mode: str | None = None
+        self._commands: dict[str, CommandTopic] = {}
+        self._names: list[str] = []
+        self._last_values: dict[str, PlainValue] = {}
 
-_SINGLE = "temperature"
-_ENDS = {"heating_setpoint": "temperature_low", "cooling_setpoint": "temperature_high"}
+    def on_command(self, mode: str) -> None:
+        """Record the mode of a command, if the device reports none."""
+        if not self._is_mode_reported:
+            self._mode = mode
 
+    def add_to(self, entity: Entity, config: DiscoveryConfig) -> None:
+        """Add the current temperature and the setpoints."""
+        single, *pair = (
+            config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic") for key in (_SINGLE, *_ENDS.values())
+        )
+        if single and any(pair) and self._modes:
+            ends = [end for end, is_there in zip(_ENDS.values(), pair, strict=True) if is_there]
+            self._add_both(entity, config, (_SINGLE, *ends))
+        else:
+            for name, key in _ENDS.items() if any(pair) else dict.fromkeys(self._by_single, _SINGLE).items():
+                self._temperatures.add_setpoint(entity, name, config, key)
+        self._temperatures.add_measured(entity, config)
 
-def _is_there(config: DiscoveryConfig, key: str) -> bool:
-    return config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic")
+    def _add_both(self, entity: Entity, config: DiscoveryConfig, keys: tuple[str, ...]) -> None:
+        """Add a single target and a pair; each setpoint is set in one of several ways."""
+        self._commands = {key: command for key in keys if (command := config.command_of(key)) is not None}
+        # The mode is read first: it selects the target in the same message.
+        entity.read_text_from(_source_of(config, "mode_state"), self._read_mode)
+        readable = {
+            key: entity.read_text_from(_source_of(config, f"{key}_state"), partial(self._read, key)) for key in keys
+        }
+        for name, end in _ENDS.items():
+            ways = [key for key in keys if key == end or (key == _SINGLE and name in self._by_single)]
+            if not ways:
+                continue
+            self._names.append(name)
+            is_settable = not self._commands.keys().isdisjoint(ways)
+            entity.add_capability(
+                name,
+                readable=any(readable[way] for way in ways),
+                writer=partial(self._write, name) if is_settable else None,
+                unit="°C",
+                bounds=self._temperatures.bounds if is_settable else (),
+            )
+        entity.add_commands(*self._commands.values())
+        entity.remembers()
 
-
-def _add_both(entity: Entity, config: DiscoveryConfig, modes: tuple[str, ...], targets: _Targets) -> None:
-    """Add a single target and a pair."""
-    keys = (_SINGLE, *(end for end in _ENDS.values() if _is_there(config, end)))
-    commands = targets.commands
-    commands.update({key: command for key in keys if (command := config.command_of(key)) is not None})
-    mode_source = _source_of(config, "mode_state")  # read first: the mode selects the target in the same message
-    entity.read_text_from(mode_source, partial(targets.read_mode, frozenset(modes)))
-    readable = {
-        key: entity.read_text_from(_source_of(config, f"{key}_state"), partial(targets.read, key)) for key in keys
-    }
-    for name, end in _ENDS.items():
-        ways = [_SINGLE] if name in targets.by_single else []
-        ways += [end] if end in keys else []
-        if ways:
-            _add_target(entity, name, targets, ways, is_readable=any(readable[way] for way in ways))
-    entity.add_commands(*commands.values())
-    entity.remembers()
-
-
-def _add_target(entity: Entity, name: str, targets: _Targets, ways: Iterable[str], *, is_readable: bool) -> None:
-    """Add the setpoint *name*, which is set in one of several *ways*: as the single target, or as one of a pair."""
-    is_settable = not targets.commands.keys().isdisjoint(ways)
-    targets.names.append(name)
-    entity.add_capability(
-        name,
-        readable=is_readable,
-        writer=partial(targets.write, name) if is_settable else None,
-        unit="°C",
-        bounds=targets.temperatures.bounds if is_settable else (),
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class _Targets:
-    """A single target and a pair, selected by the mode, with their last values by key."""
-
-    mode: _TargetMode
-    temperatures: _Temperatures
-    by_single: tuple[str, ...]
-    commands: dict[str, CommandTopic] = field(default_factory=dict)
-    names: list[str] = field(default_factory=list)
-    last_values: dict[str, PlainValue] = field(default_factory=dict)
-
-    def read_mode(self, modes: frozenset[str], text: str) -> Readings:
+    def _read_mode(self, text: str) -> Readings:
         """Read the mode, which may make other, earlier reported targets effective."""
-        if text != "None" and text not in modes:
+        if text != "None" and text not in self._modes:
             return NO_READINGS
-        was_pair = self.mode.is_pair
-        self.mode.mode = None if text == "None" else text
-        if self.mode.is_pair == was_pair:
+        was_pair = self._is_pair
+        self._mode = None if text == "None" else text
+        if self._is_pair == was_pair:
             return NO_READINGS
-        return {name: self.last_values.get(self._key(name)) for name in self.names}
+        return {name: self._last_values.get(self._key(name)) for name in self._names}
 
-    def read(self, key: str, text: str) -> Readings:
-        """Read the target *key*."""
-        found = read_number(key, text, convert=self.temperatures.celsius)
+    def _read(self, key: str, text: str) -> Readings:
+        found = read_number(key, text, convert=self._temperatures.celsius)
         if not found:
             return NO_READINGS
-        self.last_values[key] = found[key]
-        return {name: found[key] for name in self.names if self._key(name) == key}
+        self._last_values[key] = found[key]
+        return {name: found[key] for name in self._names if self._key(name) == key}
 
-    def write(self, name: str, value: PlainValue, _transition: float) -> Publications:
-        number = self.temperatures.number(require_number(name, value, *self.temperatures.bounds, "°C"))
-        if self.mode.mode is None:
+    def _write(self, name: str, value: PlainValue, _transition: float) -> Publications:
+        number = self._temperatures.number(require_number(name, value, *self._temperatures.bounds, "°C"))
+        if self._mode is None:
             raise RefusedError(
                 f"{name} {number:g}", "its mode is unknown, and with it the setpoint; set its mode first"
             )
-        command = self.commands.get(self._key(name))
+        command = self._commands.get(self._key(name))
         if command is None:
-            raise RefusedError(f"{name} in mode {self.mode.mode}", "there is no such setpoint in that mode")
+            raise RefusedError(f"{name} in mode {self._mode}", "there is no such setpoint in that mode")
         return command.publish(number)
+
+    @property
+    def _is_pair(self) -> bool:
+        return self._mode == "heat_cool"
 
     def _key(self, name: str) -> str:
         """Return the key of the effective target of *name*; empty for none."""
-        if self.mode.is_pair:
+        if self._is_pair:
             return _ENDS[name]
-        return _SINGLE if name in self.by_single else ""
+        return _SINGLE if name in self._by_single else ""

@@ -16,13 +16,13 @@ from functools import partial
 from homebot.conventions.command_values import bool_writer, require_bool, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
-from homebot.conventions.thermostat_modes import modes_of_switch, setpoints_of
+from homebot.conventions.thermostat_modes import climate_type, modes_of_switch, setpoints_of
 from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "climate_type", "is_program"]
+__all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "is_program", "type_of_climate"]
 
 
 _MANUAL = "manual"
@@ -109,11 +109,10 @@ def _mode_of(on: PlainValue, modes: Collection[str]) -> str:
     return target
 
 
-def climate_type(climate: Expose) -> str:
-    """Return the service type: an air conditioner cools, and dries or only blows."""
+def type_of_climate(climate: Expose) -> str:
+    """Return the service type."""
     mode = climate.feature("system_mode")
-    modes = set(mode.options) if mode is not None else set()
-    return "room_air_conditioner" if "cool" in modes and modes & {"dry", "fan_only"} else "thermostat"
+    return climate_type(mode.options if mode is not None else ())
 
 
 def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None) -> DescribedPart:

@@ -18,8 +18,8 @@ from homebot.conventions.zigbee2mqtt.climate import (
     FEATURES_OF_CLIMATE,
     build_climate,
     build_thermometer,
-    climate_type,
     is_program,
+    type_of_climate,
 )
 from homebot.conventions.zigbee2mqtt.controls import (
     FEATURES_OF_COVER,
@@ -196,7 +196,7 @@ class _PartsBuilder:
         part = Zigbee2MqttPart(
             topics,
             expose.type + expose.suffix,
-            climate_type(expose) if expose.type == "climate" else _SERVICES[expose.type],
+            type_of_climate(expose) if expose.type == "climate" else _SERVICES[expose.type],
             name=clean_text(expose.endpoint),
             advertised=expose.type,
             category=expose.category,

@@ -29,6 +29,7 @@ from homebot.conventions.homeassistant.states.rows import (
     read_text,
     sensed,
 )
+from homebot.conventions.thermostat_modes import climate_type, setpoints_of
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -38,7 +39,6 @@ __all__ = ["CLIMATE", "FAN", "HUMIDIFIER", "WATER_HEATER"]
 
 _SINGLE, _PAIR, _HUMIDITY, _FAN, _PRESET, _SWING = 1, 2, 4, 8, 16, 32
 _LOW, _HIGH = "target_temp_low", "target_temp_high"
-_HEATS, _COOLS = frozenset({"heat", "heat_cool", "auto"}), frozenset({"cool", "heat_cool"})
 _SWITCHED_ON = ("heat_cool", "heat", "cool")
 _ANY_CELSIUS = (-100.0, 200.0)
 
@@ -68,12 +68,6 @@ def _modes(info: Fields) -> tuple[str, ...]:
     return options_of(info, "hvac_modes")
 
 
-def _climate_type(info: Fields) -> str:
-    """Return the type: an air conditioner cools and can also dry or only ventilate."""
-    modes = _modes(info)
-    return "room_air_conditioner" if "cool" in modes and ("dry" in modes or "fan_only" in modes) else "thermostat"
-
-
 def _is_pair(info: Fields) -> bool:
     """Return whether the pair of targets is effective now, not the single one."""
     features = whole_of(info, "supported_features")
@@ -81,15 +75,14 @@ def _is_pair(info: Fields) -> bool:
 
 
 def _heats(info: Fields) -> bool:
-    """Return whether it has a target to heat to; an air conditioner with a pair may only cool."""
-    modes = _modes(info)
-    return bool(has(_SINGLE, _PAIR)(info) and (_COOLS.isdisjoint(modes) or not _HEATS.isdisjoint(modes)))
+    return bool(has(_SINGLE, _PAIR)(info) and "heating_setpoint" in setpoints_of(_modes(info)))
 
 
 def _cools(info: Fields) -> bool:
+    """Return whether it has a target to cool to; a pair without the mode ``heat`` has both ends."""
     modes = _modes(info)
     is_pair_for_both = has(_PAIR)(info) and "heat" not in modes
-    return bool(has(_SINGLE, _PAIR)(info) and (is_pair_for_both or not _COOLS.isdisjoint(modes)))
+    return bool(has(_SINGLE, _PAIR)(info) and (is_pair_for_both or "cooling_setpoint" in setpoints_of(modes)))
 
 
 def _setpoint(name: str, end: str, when: Condition) -> EntityRow:
@@ -143,7 +136,7 @@ def _is_on(_info: Fields, state: Fields) -> PlainValue:
 
 
 CLIMATE: Final = EntityComponent(
-    _climate_type,
+    lambda info: climate_type(_modes(info)),
     (
         _setpoint("heating_setpoint", _LOW, _heats),
         _setpoint("cooling_setpoint", _HIGH, _cools),
