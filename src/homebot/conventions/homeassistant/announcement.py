@@ -10,11 +10,13 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 
 from homebot.conventions.homeassistant.abbreviations import ABBREVIATIONS, DEVICE_ABBREVIATIONS, ORIGIN_ABBREVIATIONS
+from homebot.conventions.homeassistant.components import BUILDERS
+from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import DEVICE, ConfigTopic
 from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, parse_object, shown
 from homebot.errors import WireError
 
-__all__ = ["MAX_COMPONENTS", "Announced", "AnnouncedComponent", "read_announcement"]
+__all__ = ["MAX_COMPONENTS", "Announced", "read_announcement"]
 
 MAX_COMPONENTS = 300
 """Most components of one device: each may bring templates, which cost a millisecond at worst."""
@@ -22,46 +24,32 @@ MAX_COMPONENTS = 300
 Fields: TypeAlias = Mapping[str, object]
 
 
-class AnnouncedComponent(NamedTuple):
-    """One announced component.
-
-    Attributes:
-        discovery_id: Its lasting id without a ``unique_id``: the key of the announcement and, for a whole device, its
-            name in the message.
-    """
-
-    platform: str
-    discovery_id: str
-    fields: Fields
-
-
 class Announced(NamedTuple):
     """The content of one announcement.
 
     Attributes:
-        is_migrating: Whether another form of announcement follows; all other fields are empty then.
         device: The device in full keys; empty for none.
         origin: The announcing program, in full keys.
-        components: The components of the device, without removed ones.
+        components: The components of the device, without removed ones and unknown ones. The id of one without a
+            ``unique_id`` is the key of the announcement and, for a whole device, its name in the message.
         common: The shared fields, or those of a single component; they have the availability of the device.
     """
 
-    is_migrating: bool
     device: Fields
     origin: Fields
-    components: tuple[AnnouncedComponent, ...]
+    components: tuple[DiscoveryConfig, ...]
     common: Fields
 
 
-def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
-    """Return the content of a config that is not empty.
+def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced | None:
+    """Return the content of a config that is not empty; None if another form of announcement follows.
 
     Raises:
         WireError: It is not a JSON object, too long, or lacks a required field.
     """
     fields = parse_object(payload, MAX_ANNOUNCEMENT_BYTES)
     if fields.get("migrate_discovery", fields.get("migr_discvry")) is True:
-        return Announced(is_migrating=True, device={}, origin={}, components=(), common={})
+        return None
     fields = _expanded(fields)
     device = _part(fields, "device", DEVICE_ABBREVIATIONS) if "device" in fields else {}
     origin = _part(fields, "origin", ORIGIN_ABBREVIATIONS) if "origin" in fields else {}
@@ -70,8 +58,8 @@ def read_announcement(topic: ConfigTopic, payload: bytes) -> Announced:
     else:
         if _BASE in fields:
             fields = _with_base(fields)
-        components = (AnnouncedComponent(topic.component, topic.key, fields),)
-    return Announced(is_migrating=False, device=device, origin=origin, components=components, common=fields)
+        components = (DiscoveryConfig(topic.component, topic.key, fields),)
+    return Announced(device, origin, components, common=fields)
 
 
 _BASE = "~"
@@ -161,13 +149,13 @@ def _child_devices(fields: Fields) -> Iterator[Fields]:
             yield _full_keys(child, ABBREVIATIONS)
 
 
-def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
+def _components(topic: ConfigTopic, fields: Fields) -> list[DiscoveryConfig]:
     """Return the components of a whole device and of its child devices."""
     families = [one["components"] for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
     if not families:
         raise WireError("a device's message has no components")
     common = {key: fields[key] for key in _SHARED if key in fields}
-    found: list[AnnouncedComponent] = []
+    found: list[DiscoveryConfig] = []
     for family in families:
         if not isinstance(family, dict):
             raise WireError(f"components is {shown(family)}, not an object")
@@ -178,14 +166,14 @@ def _components(topic: ConfigTopic, fields: Fields) -> list[AnnouncedComponent]:
     return found
 
 
-def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> AnnouncedComponent | None:
-    """Return one component; None for a removed one."""
+def _component(topic: ConfigTopic, name: str, entry: object, common: Fields) -> DiscoveryConfig | None:
+    """Return one component; None for a removed or an unknown one."""
     if not isinstance(entry, dict):
         raise WireError(f"component {shown(name)} is {shown(entry)}, not an object")
     full = _expanded(entry)
     platform = full.pop("platform", None)
     if not isinstance(platform, str):
         raise WireError(f"component {shown(name)}: platform is {shown(platform)}, not a text")
-    if not full:
+    if not full or platform not in BUILDERS:
         return None
-    return AnnouncedComponent(platform, f"{topic.key}/{name}", _with_base({**common, **full}))
+    return DiscoveryConfig(platform, f"{topic.key}/{name}", _with_base({**common, **full}))

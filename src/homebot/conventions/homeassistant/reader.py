@@ -50,7 +50,7 @@ class HomeAssistantReader:
         if not payload:
             return (DeviceWithdrawn(config_topic.key, "its config was removed"),)
         announced = read_announcement(config_topic, payload)
-        if announced.is_migrating:
+        if announced is None:
             return (DeviceWithdrawn(config_topic.key, "it is moving to another kind of discovery message"),)
         parts = self._parts(config_topic, announced)
         if not parts:
@@ -61,13 +61,10 @@ class HomeAssistantReader:
         """Build the parts, without invalid components of a whole device, and without codes and passwords."""
         parts: _Parts = {}
         broken: WireError | None = None
-        for component in announced.components:
-            if component.platform not in BUILDERS:
-                continue
-            config = DiscoveryConfig(component.platform, component.discovery_id, component.fields)
+        for config in announced.components:
             try:
-                build = builder_of(component.platform)
-                part = self._shapes.part(config, build) if component.platform in SHAPED else build(config)
+                build = builder_of(config.component)
+                part = self._shapes.part(config, build) if config.component in SHAPED else build(config)
                 if config_topic.component == DEVICE:
                     part = part._replace(availability=cached_availability(config))
             except WireError as error:
@@ -79,7 +76,7 @@ class HomeAssistantReader:
             if not part.part.capabilities and config.is_secret:
                 continue
             if part.part.id in parts:
-                part = part._replace(part=part.part.model_copy(update={"id": component.discovery_id}))
+                part = part._replace(part=part.part.model_copy(update={"id": config.discovery_id}))
             parts[part.part.id] = part, config
         if broken is not None and not parts:
             self.rejected -= 1
