@@ -49,7 +49,7 @@ _HUMIDIFIER_ROWS = (
 )
 
 
-def publish_climate(_part: Part, available: Available, base: str) -> PublishedEntity | None:
+def publish_climate(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish the targets, the measurements and the modes of a thermostat or an air conditioner.
 
     A target with another meaning in Home Assistant, by its modes, stays a number entity, and so does a mode with
@@ -58,9 +58,9 @@ def publish_climate(_part: Part, available: Available, base: str) -> PublishedEn
     modes = _known_modes(available, "thermostat_mode", _MODES)
     targets = _targets(available, modes)
     if not modes and not targets:
-        return None
+        return
     shown = modes or tuple(_MODE_OF_TARGET[key, name] for name, key in targets.items())[:1]
-    entity = PublishedEntity(base, "climate", "", {"temperature_unit": "C", "modes": list(shown)})
+    entity.config |= {"temperature_unit": "C", "modes": list(shown)}
     if modes:
         entity.add(available.pop("thermostat_mode"), _MODE_ROW)
     if "off" in modes and is_settable(available, "on_off"):
@@ -68,29 +68,25 @@ def publish_climate(_part: Part, available: Available, base: str) -> PublishedEn
     _add_targets(entity, available, targets)
     entity.add_rows(available, _CLIMATE_ROWS)
     _add_presets(entity, available)
-    return entity
 
 
-def publish_water_heater(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_water_heater(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish the target, the temperature and the mode of a water heater."""
     modes = _known_modes(available, "water_heater_mode", _HEATER_MODES)
-    entity = PublishedEntity(base, "water_heater", "", {"temperature_unit": "C", "modes": list(modes)})
+    entity.config |= {"temperature_unit": "C", "modes": list(modes)}
     _add_targets(entity, available, {"heating_setpoint": "temperature"})
     if modes:
         entity.add(available.pop("water_heater_mode"), _HEATER_MODE_ROW)
     entity.add_rows(available, (_TEMPERATURE_ROW,))
-    return entity
 
 
-def publish_humidifier(part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_humidifier(entity: PublishedEntity, available: Available, part: Part) -> None:
     """Publish the switch, the target and the mode of a humidifier."""
-    kind = "dehumidifier" if part.tag == "dehumidifier" else "humidifier"
-    entity = PublishedEntity(base, "humidifier", "", {"device_class": kind})
+    entity.config["device_class"] = "dehumidifier" if part.tag == "dehumidifier" else "humidifier"
     bounds = available["humidity_setpoint"].bounds
     if bounds and 0 <= bounds[0] < bounds[1] <= 100:
         entity.config |= {"min_humidity": bounds[0], "max_humidity": bounds[1]}
     entity.add_rows(available, _HUMIDIFIER_ROWS)
-    return entity
 
 
 def _known_modes(available: Available, name: str, known: frozenset[str]) -> tuple[str, ...]:

@@ -27,9 +27,9 @@ from homebot.devices.part import Part
 from homebot.support.numbers import to_number
 
 __all__ = [
+    "FAN_ROWS",
     "publish_alarm",
     "publish_cover",
-    "publish_fan",
     "publish_lock",
     "publish_mower",
     "publish_siren",
@@ -47,7 +47,7 @@ _COVER_ROWS = (
     Row("position", "position_topic", "set_position_topic", unknown="", is_reported=True),
     Row("tilt", "tilt_status_topic", "tilt_command_topic", unknown="", is_reported=True),
 )
-_FAN_ROWS = (
+FAN_ROWS = (
     Row("on_off", "state_topic", "command_topic"),
     Row("fan_speed", "percentage_state_topic", "percentage_command_topic"),
     Row("preset_mode", "preset_mode_state_topic", "preset_mode_command_topic", "preset_modes", reserved="None"),
@@ -63,22 +63,21 @@ _FAN_ROWS = (
 _CODES = ("code_arm_required", "code_disarm_required", "code_trigger_required")
 
 
-def publish_lock(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_lock(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish the bolt, and the latch if the options have ``open``."""
-    entity = PublishedEntity(base, "lock", "", {f"state_{state}": state for state in LOCK_STATES})
+    entity.config |= {f"state_{state}": state for state in LOCK_STATES}
     if "open" in available["lock"].options:
         entity.config["payload_open"] = "OPEN"
     entity.add(available.pop("lock"), _LOCK_ROW)
-    return entity
 
 
-def publish_cover(part: Part, available: Available, base: str) -> PublishedEntity | None:
+def publish_cover(entity: PublishedEntity, available: Available, part: Part) -> None:
     """Publish movement, position and tilt.
 
     A position or a tilt that is never reported is left out: Home Assistant sets none that it does not know.
     """
     movement = available.pop("movement") if is_settable(available, "movement") else None
-    entity = PublishedEntity(base, "cover", "", _cover_class(part))
+    entity.config |= _cover_class(part)
     if movement is not None:
         payloads = settable_payloads(movement, _MOVES)
         entity.config |= {key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items()}
@@ -86,7 +85,6 @@ def publish_cover(part: Part, available: Available, base: str) -> PublishedEntit
     position = available.get("position")
     if movement is not None or (position is not None and _COVER_ROWS[0].fits(position)):
         entity.add_rows(available, _COVER_ROWS)
-    return entity if entity.commands else None
 
 
 def _cover_class(part: Part) -> dict[str, object]:
@@ -95,11 +93,10 @@ def _cover_class(part: Part) -> dict[str, object]:
     return {"device_class": part.tag} if part.tag in _COVERINGS else {}
 
 
-def publish_valve(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_valve(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish a valve. With a reported position, open and closed are positions."""
     valve = available.pop("valve")
     payloads = settable_payloads(valve, _MOVES)
-    entity = PublishedEntity(base, "valve")
     if "STOP" in payloads:
         entity.config["payload_stop"] = "STOP"
     position = available.get("position")
@@ -108,12 +105,11 @@ def publish_valve(_part: Part, available: Available, base: str) -> PublishedEnti
         entity.config["reports_position"] = True
         entity.add_state("state_topic", "valve", _valve_text, ("valve", "position"))
         entity.add_command("command_topic", "valve", _read_valve)
-        return entity
+        return
     entity.config |= {
         key: payload if payload in payloads else None for key, payload in _MOVE_KEYS.items() if key != "payload_stop"
     }
     entity.add(valve, Row("valve", "state_topic", "command_topic", commands=_MOVES))
-    return entity
 
 
 def _valve_text(values: Values) -> str:
@@ -132,19 +128,12 @@ def _read_valve(text: str) -> Values:
     return {"position": percent} if percent is not None and 0 <= percent <= 100 else {}
 
 
-def publish_fan(_part: Part, available: Available, base: str) -> PublishedEntity:
-    """Publish the switch, the speed, the programmes, the swing and the direction of a fan."""
-    entity = PublishedEntity(base, "fan")
-    entity.add_rows(available, _FAN_ROWS)
-    return entity
-
-
-def publish_vacuum(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish the state, the power, the charge and the locator of a robot that cleans."""
     vacuum = available.pop("vacuum")
     payloads = settable_payloads(vacuum, {action: state for state, (_, action) in VACUUM_ACTIONS.items()})
     features = [action.replace("return_to_base", "return_home") for action in payloads]
-    entity = PublishedEntity(base, "vacuum", "", {"supported_features": features})
+    entity.config["supported_features"] = features
     if vacuum.readable:
         features += _add_vacuum_state(entity, available)
     locate = is_settable(available, "locate")
@@ -158,7 +147,6 @@ def publish_vacuum(_part: Part, available: Available, base: str) -> PublishedEnt
         return {"vacuum": payloads[text]} if text in payloads else {}
 
     entity.add_command("command_topic", "vacuum", read)
-    return entity
 
 
 def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
@@ -188,34 +176,30 @@ def _vacuum_text(values: Values) -> str:
     return compact_json(message)
 
 
-def publish_mower(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_mower(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish the activity of a robot that mows."""
     mower = available.pop("mower")
     payloads = settable_payloads(mower, {action: state for state, (_, action) in MOWER_ACTIONS.items()})
-    entity = PublishedEntity(base, "lawn_mower")
     if mower.readable:
         entity.add_state("activity_state_topic", "mower")
     for action in payloads:
         entity.add_command(f"{action}_command_topic", "mower", payload_reader("mower", payloads))
-    return entity
 
 
-def publish_alarm(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_alarm(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish an alarm. It asks for no code: a client that may command homebot may command it."""
     payloads = {action.upper(): state for state, (_, action) in ALARM_ACTIONS.items()}
     features = [one.lower() for one in settable_payloads(available["alarm"], payloads) if one != "DISARM"]
-    fields = {"supported_features": features, **dict.fromkeys(_CODES, False)}
-    entity = PublishedEntity(base, "alarm_control_panel", "", fields)
+    entity.config |= {"supported_features": features, **dict.fromkeys(_CODES, False)}
     entity.add_state("state_topic", "alarm")  # required
     entity.add(available.pop("alarm"), Row("alarm", "", "command_topic", commands=payloads))
-    return entity
 
 
-def publish_siren(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_siren(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish the switch, the tones and the volume of a siren."""
     switch = available.pop("on_off")
     has_volume = is_settable(available, "volume")
-    entity = PublishedEntity(base, "siren", "", {"support_volume_set": has_volume, "support_duration": False})
+    entity.config |= {"support_volume_set": has_volume, "support_duration": False}
     tone = available.get("siren_tone")
     tones = tone.options if tone is not None and tone.settable else ()
     names = ["on_off", *(["siren_tone"] if tones else []), *(["volume"] if has_volume else [])]
@@ -226,7 +210,6 @@ def publish_siren(_part: Part, available: Available, base: str) -> PublishedEnti
     if switch.readable:
         entity.add_state("state_topic", "siren", _siren_text, names)
     entity.add_command("command_topic", "siren", lambda text: _read_siren(text, tones, has_volume=has_volume))
-    return entity
 
 
 def _siren_text(values: Values) -> str:

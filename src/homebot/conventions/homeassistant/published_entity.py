@@ -40,6 +40,7 @@ Available: TypeAlias = dict[str, Capability]
 """The capabilities of a part that are in no entity yet, by name."""
 
 _SWITCHED = ("ON", "OFF")
+_NO_FIELDS: Mapping[str, object] = MappingProxyType({})
 WIDE = (-1e15, 1e15)
 _WHOLE = 1e15
 
@@ -94,17 +95,17 @@ class PublishedEntity:
     Args:
         base: The level above the topics of its part.
         name: Distinguishes it from the part's other entities; empty for the main one.
-        config: The fields that name no topic.
+        fields: The fields that name no topic.
 
     Attributes:
         config: All fields of its config so far.
         commands: Readers of its commands, by topic.
     """
 
-    def __init__(self, base: str, component: str, name: str = "", config: Mapping[str, object] | None = None) -> None:
+    def __init__(self, base: str, component: str, name: str = "", fields: Mapping[str, object] = _NO_FIELDS) -> None:
         self.component = component
         self.name = name
-        self.config: dict[str, object] = dict(config or {})
+        self.config: dict[str, object] = dict(fields)
         self.states: list[PublishedState] = []
         self.commands: dict[str, CommandReader] = {}
         self._base = base

@@ -30,7 +30,7 @@ _FULL = 255
 _LONGEST_EFFECT = 255
 
 
-def publish_light(_part: Part, available: Available, base: str) -> PublishedEntity:
+def publish_light(entity: PublishedEntity, available: Available, _part: Part) -> None:
     """Publish a lamp that can be switched.
 
     White and colour belong to it only if its brightness can be set: Home Assistant knows no other lamps.
@@ -38,11 +38,10 @@ def publish_light(_part: Part, available: Available, base: str) -> PublishedEnti
     switch = available.pop("on_off")
     names = ("level", *_TINTS, "effect") if is_settable(available, "level") else ("effect",)
     lamp = {name: available.pop(name) for name in names if is_settable(available, name)}
-    entity = PublishedEntity(base, "light", "", _config(lamp))
+    entity.config |= _config(lamp)
     if switch.readable:
         entity.add_state("state_topic", "light", _state_writer(frozenset(lamp)), ("on_off", *lamp))
     entity.add_command("command_topic", "light", _command_reader(frozenset(lamp)))
-    return entity
 
 
 def _config(lamp: Mapping[str, Capability]) -> dict[str, object]:

@@ -9,7 +9,6 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
@@ -19,9 +18,9 @@ from homebot.conventions.homeassistant.published_climate import (
     publish_water_heater,
 )
 from homebot.conventions.homeassistant.published_controls import (
+    FAN_ROWS,
     publish_alarm,
     publish_cover,
-    publish_fan,
     publish_lock,
     publish_mower,
     publish_siren,
@@ -44,12 +43,13 @@ class _Whole(NamedTuple):
 
     Attributes:
         needs: The capabilities that the part must be able to set.
-        publish: Publishes it and removes its capabilities; returns None if Home Assistant has no such entity.
+        publish: Moves the capabilities of a part to it; none if Home Assistant has no such entity.
         service_types: The types of parts that it is of; empty for any.
     """
 
+    component: str
     needs: tuple[str, ...]
-    publish: Callable[[Part, Available, str], PublishedEntity | None]
+    publish: Callable[[PublishedEntity, Available, Part], None]
     service_types: tuple[str, ...] = ()
 
     def fits(self, part: Part, available: Available) -> bool:
@@ -59,18 +59,18 @@ class _Whole(NamedTuple):
 
 
 _WHOLE: tuple[_Whole, ...] = (
-    _Whole(("on_off",), publish_light, ("light",)),
-    _Whole(("on_off",), publish_fan, ("fan",)),
-    _Whole(("on_off",), publish_siren, ("siren",)),
-    _Whole((), publish_climate, ("thermostat", "room_air_conditioner")),
-    _Whole(("heating_setpoint",), publish_water_heater, ("water_heater",)),
-    _Whole(("on_off", "humidity_setpoint"), publish_humidifier, ("x_humidifier",)),
-    _Whole(("lock",), publish_lock),
-    _Whole(("valve",), publish_valve),
-    _Whole((), publish_cover),
-    _Whole(("vacuum",), publish_vacuum),
-    _Whole(("mower",), publish_mower),
-    _Whole(("alarm",), publish_alarm),
+    _Whole("light", ("on_off",), publish_light, ("light",)),
+    _Whole("fan", ("on_off",), lambda entity, available, _: entity.add_rows(available, FAN_ROWS), ("fan",)),
+    _Whole("siren", ("on_off",), publish_siren, ("siren",)),
+    _Whole("climate", (), publish_climate, ("thermostat", "room_air_conditioner")),
+    _Whole("water_heater", ("heating_setpoint",), publish_water_heater, ("water_heater",)),
+    _Whole("humidifier", ("on_off", "humidity_setpoint"), publish_humidifier, ("x_humidifier",)),
+    _Whole("lock", ("lock",), publish_lock),
+    _Whole("valve", ("valve",), publish_valve),
+    _Whole("cover", (), publish_cover),
+    _Whole("vacuum", ("vacuum",), publish_vacuum),
+    _Whole("lawn_mower", ("mower",), publish_mower),
+    _Whole("alarm_control_panel", ("alarm",), publish_alarm),
 )
 """Each removes its capabilities, so that the position of a valve is no cover."""
 
@@ -78,15 +78,6 @@ _WHOLE: tuple[_Whole, ...] = (
 _MAX_COMMAND = 1000
 _WATCHED = frozenset({"binary_sensor", "sensor"})
 """Components that can be diagnostic in Home Assistant, but not settings."""
-
-
-@dataclass(frozen=True, slots=True)
-class _CommandRoute:
-    """The exposed part that takes the commands of a topic, and their reader."""
-
-    offer_id: str
-    part_id: str
-    read: CommandReader
 
 
 class HomeAssistantPublisher:
@@ -102,7 +93,7 @@ class HomeAssistantPublisher:
         self._owner = f"homebot_{_slug(owner)}"
         self._base = f"homebot/{_slug(owner)}/offers"
         self._status_topic = status_topic
-        self._routes: dict[str, _CommandRoute] = {}
+        self._routes: dict[str, tuple[str, str, CommandReader]] = {}  # the exposed part of each topic of commands
         self._published: dict[str, tuple[tuple[Part, tuple[PublishedEntity, ...]], ...]] = {}
 
     def filters(self) -> tuple[str, ...]:
@@ -148,23 +139,27 @@ class HomeAssistantPublisher:
             text = payload.decode()
         except UnicodeDecodeError:
             return ()
+        offer_id, part_id, read = route
         return tuple(
-            Command(key=route.offer_id, part=route.part_id, capability=name, value=Value.of(value))
-            for name, value in route.read(text).items()
+            Command(key=offer_id, part=part_id, capability=name, value=Value.of(value))
+            for name, value in read(text).items()
         )
 
     def _entities(self, offer: ExposedDevice, part: Part) -> tuple[PublishedEntity, ...]:
         """Return the entities of *part*: the main one, then one for each other capability."""
         base = f"{self._base}/{_slug(offer.id)}/{_slug(part.id) or '_'}"
         available: Available = {one.name: one for one in part.capabilities}
-        whole = [one.publish(part, available, base) for one in _WHOLE if one.fits(part, available)]
-        found = [entity for entity in whole if entity is not None]
-        found += [entity for one in available.values() for entity in publish_single(part, one, base)]
-        return tuple(found)
+        found: list[PublishedEntity] = []
+        for whole in _WHOLE:
+            if whole.fits(part, available):
+                entity = PublishedEntity(base, whole.component)
+                whole.publish(entity, available, part)
+                found += [entity] if entity.commands or entity.states else []
+        return (*found, *(one for capability in available.values() for one in publish_single(part, capability, base)))
 
     def _config(self, offer: ExposedDevice, part: Part, entity: PublishedEntity) -> Publications:
         for topic, read in entity.commands.items():
-            self._routes[topic] = _CommandRoute(offer.id, part.id, read)
+            self._routes[topic] = offer.id, part.id, read
         config: dict[str, object] = {
             "device": self._device(offer),
             "origin": {"name": "homebot"},
