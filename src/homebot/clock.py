@@ -100,9 +100,6 @@ class TimeSlice:
     """The slice that one task works in now; it begins when this is made.
 
     ``if slice.is_over: await slice.pause()`` after each piece of work.
-
-    Args:
-        clock: Measures it.
     """
 
     def __init__(self, clock: Clock) -> None:

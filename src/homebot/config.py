@@ -208,7 +208,6 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
     """Return the configuration in *tables*, which are as in the TOML file.
 
     Args:
-        tables: The tables.
         source: The file, or another source of the tables, for error messages.
         folder: The folder that relative paths start from.
 
@@ -231,9 +230,7 @@ def parse_settings(
     """Return *table* checked by *model*.
 
     Args:
-        model: Schema of the table.
         table: The table; a ``class`` in it is passed over, it chose the model.
-        source: The file, for messages.
         key: The table's dotted path, for messages.
         folder: Where the paths in it begin that are of the type :data:`FilePath`.
 

@@ -85,8 +85,6 @@ class InvalidNameError(UsageError):
     """A name breaks the rules for its kind of name.
 
     Attributes:
-        name: The rejected name.
-        problem: The problem.
         position: Index of the first bad character, or None where the whole name is wrong.
     """
 
@@ -107,11 +105,7 @@ class TypeMismatchError(UsageError):
 
 
 class UnknownTypeError(UsageError):
-    """A message, service or action has no definition.
-
-    Attributes:
-        ros_type: The unknown name.
-    """
+    """A message, service or action has no definition."""
 
     def __init__(self, ros_type: str, kind: str, similar: Collection[str]) -> None:
         hint = f"; similar: {', '.join(similar)}" if similar else ""
@@ -150,11 +144,7 @@ class ConfigError(UsageError):
 
 
 class PluginError(UsageError):
-    """A plug-in cannot be found, loaded or made.
-
-    Attributes:
-        name: The name it was asked for by.
-    """
+    """A plug-in cannot be found, loaded or made."""
 
     def __init__(self, name: str, reason: str) -> None:
         super().__init__(f"plug-in {name!r} {reason}")
@@ -169,7 +159,6 @@ class WireError(PeerError):
     """A peer sent bytes that do not follow their protocol.
 
     Attributes:
-        problem: The problem.
         frame: The rejected bytes; at most the first 64 are shown in the message.
     """
 
@@ -184,7 +173,6 @@ class RefusedError(PeerError):
     """A device, broker or gateway refused a request.
 
     Attributes:
-        what: The refused action, for people.
         reason: The reason, for people; never contains a secret.
         code: The protocol's reason code where there is one.
     """
@@ -228,11 +216,7 @@ class ExitError(HomebotError):
 
 
 class AbortError(HomebotError):
-    """A component awaited a cancelled task, or raised an exception reserved to Python; the others continue.
-
-    Attributes:
-        error: The original exception.
-    """
+    """A component awaited a cancelled task, or raised an exception reserved to Python; the others continue."""
 
     def __init__(self, who: str, error: BaseException) -> None:
         # By its name, as errors know no event loop.
@@ -245,11 +229,7 @@ class AbortError(HomebotError):
 
 
 class ServiceError(HomebotError):
-    """A service call got no response.
-
-    Attributes:
-        service: Full name of the service.
-    """
+    """A service call got no response."""
 
     def __init__(self, service: str, problem: str) -> None:
         super().__init__(f"service {service} {problem}")
@@ -266,11 +246,7 @@ class ServiceUnavailableError(ServiceError):
 
 
 class ServiceFailedError(ServiceError):
-    """The server raised an exception, which is chained as the cause.
-
-    Attributes:
-        reason: The text of that exception.
-    """
+    """The server raised an exception, which is chained as the cause."""
 
     def __init__(self, service: str, reason: str) -> None:
         super().__init__(service, f"failed: {reason}")

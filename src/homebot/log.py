@@ -120,7 +120,6 @@ class LogLimit:
     """Lets a few lines of a kind through per interval and counts the others, so that no outsider can flood the log.
 
     Args:
-        clock: The time to go by.
         interval: Seconds after which a kind may be heard again.
         burst: Lines of one kind let through per interval.
     """

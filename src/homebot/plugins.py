@@ -110,10 +110,6 @@ def is_file(name: str) -> bool:
 def name_in_file(name: str, base: type[object]) -> str:
     """Return *name*, a file, as ``FILE.py:Class`` with the class that it has, where *name* lacks it.
 
-    Args:
-        name: ``FILE.py`` or ``FILE.py:Class``.
-        base: Required base class.
-
     Raises:
         PluginError: As :func:`load_plugin`; or it has none, or several.
     """
@@ -252,11 +248,7 @@ def _is_own(kind: object, base: type[object], module: ModuleType) -> bool:
 
 
 def _module_in(path: Path, name: str) -> ModuleType:
-    """Return *path* as a module, run once while it stays as it is.
-
-    Raises:
-        PluginError: It cannot be run, or others may write it.
-    """
+    """Return *path* as a module, run once while it stays as it is."""
     check_file(path, name)
     try:
         return _run_as_module(path.resolve(), path.stat().st_mtime_ns)
@@ -324,11 +316,7 @@ def _file_of_module(name: str) -> str | None:
 
 
 def _look_here_too(path: str, module_name: str) -> None:
-    """Find modules in the working directory, after all others, if only its owner can write there.
-
-    Raises:
-        PluginError: Others can.
-    """
+    """Find modules in the working directory, after all others, if only its owner can write there."""
     here = Path.cwd()
     package = here / module_name.partition(".")[0]
     for place in (here, package.with_suffix(".py"), package, package / "__init__.py"):

@@ -103,9 +103,7 @@ class App(ABC, Generic[SettingsT]):
         Settings: The model of the app's table; by default a table with keys is an error.
         node: The node of the app, for its topics, services, timers and parameters.
         settings: The settings.
-        log: The log of the node.
         clock: The clock, which stands for the computer's: ``clock.now()`` in seconds since the Unix epoch.
-        devices: The devices of the house.
         context: Facts about the home; the runtime sets it before :meth:`run`.
     """
 
@@ -255,8 +253,6 @@ class App(ABC, Generic[SettingsT]):
         """Return the past of *capability*, for example ``power``, since so long ago: ``times`` and ``values``.
 
         Args:
-            handle: The part of a device.
-            capability: Its capability.
             since: How far back, such as ``"7d"``, or seconds.
             points: The number of values at most, 500 by default; of more, ``values`` are means.
 

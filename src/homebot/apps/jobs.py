@@ -37,7 +37,6 @@ class JobFacts:
     """Facts that are common to all jobs.
 
     Attributes:
-        name: Its name, one of its app's.
         text: When it is called, such as ``daily at 22:00``.
         elapsed: Returns the seconds that passed since an arbitrary start, those included for which the computer slept.
     """

@@ -216,11 +216,7 @@ class Schedule:
         return self._clock.monotonic() + self._app.context.asleep()
 
     def _name(self, name: str | None, handler: RunHandler, text: str) -> str:
-        """Return the name of a new job.
-
-        Raises:
-            UsageError: It is taken.
-        """
+        """Return the name of a new job."""
         if name is None:
             function = handler.func if isinstance(handler, partial) else handler
             base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()

@@ -218,8 +218,6 @@ class PlanPicture(NamedTuple):
 
         Args:
             signs: A character for each being, by room.
-            width: The columns that it fills.
-            height: The most lines.
         """
         if not self.rooms or height < LEAST_LINES:
             return []

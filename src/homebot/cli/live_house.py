@@ -46,11 +46,7 @@ _LOG_LINES: Final = 40
 
 @final
 class LiveHouse:
-    """The picture of a house and its story; a :class:`homebot.devices.house_view.HouseWatcher`.
-
-    Args:
-        node: Receives its devices and its journal.
-    """
+    """The picture of a house and its story; a :class:`homebot.devices.house_view.HouseWatcher`."""
 
     def __init__(self, node: Node, world: World, title: str, hint: str) -> None:
         self._clock = node.graph.clock

@@ -57,11 +57,7 @@ class _Unknown(Sure):
 
 
 class ApiClient:
-    """Asks the homebot at an address.
-
-    Args:
-        address: Where it is, and the token to show.
-    """
+    """Asks the homebot at an address."""
 
     def __init__(self, address: DoorAddress) -> None:
         self._address = address

@@ -61,11 +61,7 @@ class GatewayPublisher:
         self._checked.add(gateway)
 
     def publish(self, gateway: str, topic: str, payload: str, *, retain: bool) -> None:
-        """Publish through *gateway*.
-
-        Raises:
-            RefusedError, LinkError: As for :meth:`check`.
-        """
+        """Publish through *gateway*."""
         self.send(gateway, {"address": topic, "payload": payload, "retain": retain})
 
     def send(self, gateway: str, command: Mapping[str, object]) -> None:

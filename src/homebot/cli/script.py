@@ -46,7 +46,6 @@ def run(
         root: First level of the topics of devices that do not announce themselves.
         act: Send commands to devices on a broker other than the embedded one.
         ephemeral: Do not keep devices over a restart.
-        seconds: Stop after this time.
 
     Returns:
         0, or 1 when an app or another part was given up on the way.
@@ -83,11 +82,7 @@ def _check_caller() -> None:
 
 
 def _plugin_name(app: type[App]) -> str:
-    """Return *app* as ``module:Class``.
-
-    Raises:
-        UsageError: It cannot be found under that name.
-    """
+    """Return *app* as ``module:Class``."""
     if getattr(sys.modules.get(app.__module__), app.__name__, None) is not app:
         raise UsageError(f"{app.__qualname__} is not found in {app.__module__}; define it at the top level there")
     return f"{app.__module__}:{app.__name__}"

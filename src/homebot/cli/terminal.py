@@ -52,8 +52,6 @@ def print_table(
     On a terminal a long cell goes on in the line below, and no line is wider than the terminal.
 
     Args:
-        head: The titles of the columns.
-        rows: As many cells each.
         if_any: Columns to leave out where no row has anything in them.
         if_room: Columns that a terminal goes without where it is too narrow for all; the first goes first.
         if_wide: Columns that go next, where it is too narrow for columns of ten characters.

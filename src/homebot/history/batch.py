@@ -47,7 +47,6 @@ class Batch:
         times: Milliseconds since the Unix epoch.
         states: The states by their begin and series, in milliseconds since the Unix epoch.
         new: Series without a row.
-        dropped: How many values were dropped.
     """
 
     series: array[int] = field(default_factory=lambda: array("H"))

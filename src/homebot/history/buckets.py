@@ -41,7 +41,6 @@ def buckets_of(
         times: Milliseconds since the Unix epoch, in the order of arrival: they go back where a clock was set.
         values: The value at each time; it lasts until the next one, and no longer than its bucket.
         width: Milliseconds of a bucket.
-        is_counter: Whether to sum the positive steps.
     """
     sums: dict[int, list[float]] = {}
     before = values[0] if values else 0.0

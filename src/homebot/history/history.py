@@ -51,7 +51,6 @@ class HistoryKeeper:
     """Keeps the history of a house.
 
     Args:
-        settings: The table ``[history]``.
         path: The file; None for memory.
         zone: The time zone of the home; None for that of the computer.
     """

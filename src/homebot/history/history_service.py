@@ -114,11 +114,7 @@ class HistoryService:
         return midnight.timestamp()
 
     async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _FoundSeries:
-        """Return the series of the devices that fit, main values first where nothing names others.
-
-        Raises:
-            ServiceError: The directory does not answer, or a name in the query is misspelt.
-        """
+        """Return the series of the devices that fit, main values first where nothing names others."""
         request = FindDevicesRequest(ids=(device,)) if device else FindDevicesRequest(query=query, is_checked=True)
         devices = {one.id: one for one in (await self._find.call(request)).devices}
         ids = {device} if device else devices.keys()

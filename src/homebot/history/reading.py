@@ -22,11 +22,7 @@ _MOST_STATES: Final = 5000
 
 
 class Span(NamedTuple):
-    """A span of time, in milliseconds since the Unix epoch.
-
-    Attributes:
-        points: The number of points at most.
-    """
+    """A span of time, in milliseconds since the Unix epoch."""
 
     since: int
     until: int
@@ -52,7 +48,6 @@ class StoredStates(NamedTuple):
 
     Attributes:
         rows: The begin of each, and the row, the oldest first.
-        is_complete: Whether these are all.
     """
 
     rows: list[tuple[int, StateRow]]
@@ -65,8 +60,6 @@ class HistoryReader:
     """Reads the file at one moment.
 
     Attributes:
-        waiting: Values and states that are not written yet.
-        keep: How long what is kept.
         now: Milliseconds since the Unix epoch.
     """
 

@@ -72,7 +72,6 @@ class RecordedApp(Message):
     """An app that ran.
 
     Attributes:
-        name: The name of its node.
         kind: Its class, as ``module:Class``.
         settings: Its table, as the text of a JSON object, without secrets.
     """
@@ -86,15 +85,10 @@ class RecordingHeader(Message):
     """The run that a recording is of.
 
     Attributes:
-        format: The version of the format.
-        version: The version of homebot.
-        home: Name of the home.
-        started_at: When the recording began.
         trusts_apps: Whether apps may command always-ask devices without a grant, as in a simulated house.
         control: The table ``[control]``, as the text of a JSON object.
         places: The table ``[places]``, as the text of a places file; empty for none.
         detected: The motion sensors that had detected motion by then, if there is a presence guard.
-        apps: The apps.
         home_table: The table ``[home]`` but for the name, as the text of a JSON object.
     """
 
@@ -111,12 +105,7 @@ class RecordingHeader(Message):
 
 
 class GatewayNews(Message):
-    """The state of a gateway.
-
-    Attributes:
-        gateway: Its name.
-        state: Its state from then on.
-    """
+    """The state of a gateway."""
 
     gateway: str
     state: GatewayState
@@ -126,13 +115,9 @@ class RecordedCommand(Message):
     """A given command.
 
     Attributes:
-        id: The id of the command.
         issuer: The issuer: the name of a node, or ``client:NAME`` for a client of the door.
-        device: The id of the device.
-        part: The id of the part; empty for such a text.
         settings: The wanted values; empty for a raw text that another program published.
         text: A raw text, which is neither judged nor verified; empty for any other command.
-        trigger: Its cause.
     """
 
     id: str
@@ -153,9 +138,6 @@ class LeaseNews(Message):
     Attributes:
         step: ``held``: *by* began to hold the part, or held it when the recording began; ``released``: it let go;
             ``ended``: *issuer* ended the leases of the device; ``expired``: the time of *by* was over.
-        device: The id of the device.
-        part: The id of the part.
-        setting: The held value.
         issuer: The holder: the name of a node, or ``client:NAME`` for a client of the door.
         by: The holder, in a word.
     """
@@ -169,11 +151,7 @@ class LeaseNews(Message):
 
 
 class LostLines(Message):
-    """Lines that came too fast, or were too many, to be written.
-
-    Attributes:
-        count: How many.
-    """
+    """Lines that came too fast, or were too many, to be written."""
 
     count: UInt32
 

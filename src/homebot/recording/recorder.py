@@ -110,11 +110,7 @@ class Recorder:
         self._record(self._clock.now(), RecordingEnd(reason=reason))
 
     async def _begin(self) -> None:
-        """Record the run, the known devices and the leases.
-
-        Raises:
-            ServiceError: The directory or the control layer does not answer.
-        """
+        """Record the run, the known devices and the leases."""
         held = (await self._leases.call(GetLeasesRequest())).parts
         devices = (await self._find.call(FindDevicesRequest())).devices
         rows = (await self._export.call(ExportIndexRequest())).rows
@@ -218,12 +214,7 @@ class LineBuffer:
         return True
 
     def pop(self, most: int = _MOST_LINES, most_bytes: int = _MOST_BYTES) -> list[str]:
-        """Remove and return the oldest lines, at least one if there is any, without their ends.
-
-        Args:
-            most: How many at most.
-            most_bytes: How much text at most.
-        """
+        """Remove and return the oldest lines, at least one if there is any, without their ends."""
         count, size = 0, 0
         for text in self._lines[:most]:
             if count and size + len(text) > most_bytes:

@@ -215,11 +215,7 @@ def _opened(path: Path) -> IO[bytes]:
 
 
 def _check_ratio(path: Path) -> None:
-    """Refuse a compressed file that unpacks to far more than a recording does, before its lines are read.
-
-    Raises:
-        UsageError: It does.
-    """
+    """Refuse a compressed file that unpacks to far more than a recording does, before its lines are read."""
     size = 0
     with path.open("rb") as packed, gzip.GzipFile(fileobj=packed) as unpacked, suppress(EOFError):
         while piece := unpacked.read1(_PIECE):

@@ -33,8 +33,6 @@ class RecordingFile:
 
     Args:
         path: The file; compressed if the name ends in ``.gz``.
-        megabytes: How much text at most.
-        force: Whether to replace a file that is there.
 
     Raises:
         UsageError: It cannot be written, or is there already.

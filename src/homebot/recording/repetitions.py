@@ -29,10 +29,6 @@ class Repetition(Message):
     """The last sighting or report of a source again, at another time; a sighting lasts as long as that did.
 
     Attributes:
-        of: Kind of the repeated message.
-        gateway: Its gateway.
-        key: Its key.
-        stream: The stream of a report.
         at: The time at which it was seen, or received.
     """
 

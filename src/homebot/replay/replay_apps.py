@@ -55,11 +55,7 @@ def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str,
 
 
 def _check_installed(recorded: Iterable[RecordedApp]) -> None:
-    """Refuse recorded apps that are not installed.
-
-    Raises:
-        UsageError: There are some; the message says how to run them.
-    """
+    """Refuse recorded apps that are not installed."""
     others = [one for one in recorded if installed_plugin(_APPS, one.kind) is None]
     if others:
         named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])
@@ -74,11 +70,7 @@ def _kind_of(app: type[object]) -> str:
 
 
 def _in_place(app: type[object], recorded: Iterable[RecordedApp]) -> dict[str, Table]:
-    """Return the tables of *app* in place of those *recorded* whose class has its name; if there are none, its own.
-
-    Raises:
-        UsageError: These are several classes.
-    """
+    """Return the tables of *app* in place of those *recorded* whose class has its name; if there are none, its own."""
     same = [one for one in recorded if one.kind.rpartition(":")[2] == app.__qualname__]
     if len(kinds := sorted({one.kind for one in same})) > 1:
         named = " or ".join(kind[:_SHOWN] for kind in kinds[:_MOST_SHOWN])

@@ -33,11 +33,7 @@ _ACTIVE = GatewayState(state="active", reason="", acts=True)
 
 @final
 class ReplayGateway(Gateway):
-    """A gateway of a recording.
-
-    Args:
-        node: Its node, of the name that it had in the recording.
-    """
+    """A gateway of a recording."""
 
     Settings: ClassVar[type[BaseModel]] = GatewaySettings
 

@@ -215,11 +215,7 @@ class AppManager:
         return app.crash
 
     async def _start(self, planned: PlannedApp) -> _RunningApp:
-        """Start *planned* and wait until it is ready.
-
-        Raises:
-            UsageError: It cannot be started as it is configured, or homebot stops.
-        """
+        """Start *planned* and wait until it is ready."""
         if self._tasks is None:
             raise UsageError("homebot stops")
         app = _RunningApp(planned)

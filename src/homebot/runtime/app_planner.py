@@ -22,7 +22,6 @@ class AppPlanner:
     """Plans one app at a time. Blocking.
 
     Args:
-        read_config: Returns the configuration as it is now.
         grants: The scopes of apps by their nodes, replaced when the configuration is reloaded.
     """
 
@@ -33,9 +32,6 @@ class AppPlanner:
 
     def plan(self, name: str, *, is_new: bool) -> tuple[PlannedComponent[App], FreshCode]:
         """Return the app *name* and its code, which can be taken back.
-
-        Args:
-            is_new: Whether it does not run yet.
 
         Raises:
             ConfigError: It cannot be loaded, or its table is wrong; its old code is back then.

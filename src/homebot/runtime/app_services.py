@@ -45,11 +45,7 @@ def serve_change(node: Node, service: str, change: Callable[[str], Awaitable[str
 
 
 def serve_app_list(node: Node, names: Callable[[], Iterable[str]], host: AppHost, supervisor: Supervisor) -> None:
-    """Serve the list of apps on *node*.
-
-    Args:
-        names: Returns the names of the apps.
-    """
+    """Serve the list of apps on *node*."""
 
     def answer(_request: AppsRequest) -> AppsResponse:
         infos = (_info(name, host.running.get(name), supervisor.crashes.get(name)) for name in names())

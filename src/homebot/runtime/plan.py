@@ -92,15 +92,12 @@ class Plan:
     """A configuration, understood.
 
     Attributes:
-        gateways: The gateways, in the order of the file.
-        apps: The apps, in the order of the file.
         control: The control layer's settings; None for the usual ones.
         grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
             full names of their nodes; replaced at a reload.
         thing_directory: The settings of the directory that is served over HTTP; None where none is.
         interfaces: The interfaces of ROS that clients may name; None for those that homebot comes with.
         places: The rooms and the owner's statements about devices.
-        robots: The settings of the robots that have a table.
         history: The settings of the history; None for the usual ones.
         notify: Where notifications of apps go; None for the log alone.
     """
@@ -200,11 +197,7 @@ def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gatewa
 
 
 def planned_app(name: str, table: Table, config: Config, load: LoadPlugin = load_plugin) -> PlannedComponent[App]:
-    """Return the app *name* with the settings of its *table*, its class loaded by *load*.
-
-    Raises:
-        ConfigError: As :func:`make_plan`.
-    """
+    """Return the app *name* with the settings of its *table*, its class loaded by *load*."""
     _check_name(f"apps.{name}", name, config.source)
     scope_of(f"apps.{name}", table, config)
     return _component(App, APPS, name, without_act(table), config, f"apps.{name}", load)  # type: ignore[type-abstract]
@@ -240,11 +233,7 @@ def _control(config: Config) -> ControlSettings | None:
 
 
 def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, source: str) -> None:
-    """Check that each room is in *plan*, where that has rooms, and that no door of it is without a contact.
-
-    Raises:
-        ConfigError: One is not; names the key and the reason.
-    """
+    """Check that each room is in *plan*, where that has rooms, and that no door of it is without a contact."""
     if not plan.rooms:
         return
     for name, contacts in doors.items():

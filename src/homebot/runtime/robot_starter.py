@@ -23,11 +23,7 @@ __all__ = ["track_robots"]
 async def track_robots(
     graph: Graph, plan: Plan, rooms: Callable[[], HousePlan], *, task_status: TaskStatus[None]
 ) -> None:
-    """Track robots until cancelled, where none is named from when the first publishes its pose.
-
-    Args:
-        rooms: Returns the plan of the house as it is now.
-    """
+    """Track robots until cancelled, where none is named from when the first publishes its pose."""
     if not plan.names_robots:
         task_status.started()
         await _first_pose_topic(graph, plan)

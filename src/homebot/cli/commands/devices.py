@@ -97,11 +97,7 @@ def _write_things(door: DoorClient, options: argparse.Namespace) -> None:
 
 
 def _all(door: DoorClient, service_type: str, convert: Callable[[Device], T]) -> list[T]:
-    """Return the results of *convert* for all devices.
-
-    Raises:
-        _UnknownTypeError: There cannot be devices of *service_type*.
-    """
+    """Return the results of *convert* for all devices."""
     devices = all_devices(door, convert, service_type)
     if service_type and not devices:
         try:

@@ -119,11 +119,7 @@ def _load(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _read_params(file: str, node: str) -> dict[str, object]:
-    """Return the parameters for *node*, a full name, in *file*: those for all nodes (``/**``), then its own.
-
-    Raises:
-        UsageError: It cannot be read, or has none for the node.
-    """
+    """Return the parameters for *node*, a full name, in *file*: those for all nodes (``/**``), then its own."""
     check_extra("`homebot param load`", "maps", "yaml")
     found: dict[str, dict[str, object]] = {}
     for keys, value in _leaves(read_yaml(file)):

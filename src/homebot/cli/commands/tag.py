@@ -144,11 +144,7 @@ def _write(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> JsonMessage:
-    """Call a service of the gateway for tags.
-
-    Raises:
-        PeerError: It failed; or there is none, and the message says how it is turned on.
-    """
+    """Call a service of the gateway for tags."""
     try:
         return JsonMessage(door.call(service, request, timeout))
     except PeerError:
@@ -161,11 +157,7 @@ def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, ob
 
 
 def _failed(problem: str, message: str) -> int:
-    """Return the exit code of a *problem* that has one, its *message* printed.
-
-    Raises:
-        PeerError: It has none.
-    """
+    """Return the exit code of a *problem* that has one, its *message* printed."""
     code = _CODES.get(problem)
     if code is None:
         raise PeerError(message)

@@ -70,11 +70,7 @@ def _print_due(house: _WatchedHouse, printer: _LinePrinter) -> None:
 
 
 class _WatchedHouse:
-    """The devices that match a query, and the lines about them.
-
-    Raises:
-        PeerError: The query is not understood.
-    """
+    """The devices that match a query, and the lines about them."""
 
     def __init__(self, door: DoorClient, query: str) -> None:
         self._door = door
