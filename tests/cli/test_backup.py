@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 from tests.cli.conftest import Homebot
 
-from homebot.apps.store_file import StoreFile
+from homebot.apps.stores import StoreFile
 from homebot.cli import main
 from homebot.cli.commands.backup import copies_in
 from homebot.control.journal.journal_file import JournalFile

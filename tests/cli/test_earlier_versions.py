@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from homebot.apps.store_file import StoreFile
+from homebot.apps.stores import StoreFile
 from homebot.cli import main
 from homebot.control.journal.journal_file import JournalFile
 from homebot.devices.journal_messages import ReadJournalRequest

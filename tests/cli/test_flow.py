@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.cli.flow import message, parse_flow, type_or_message
+from homebot.cli.yaml import message, parse_flow, type_or_message
 from homebot.errors import WireError
 
 

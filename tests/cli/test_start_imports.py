@@ -31,7 +31,7 @@ NOT_NEEDED = (
     "twisted",
     "homebot.bridges.rosbridge.protocol",
     "homebot.bridges.rosbridge.session",
-    "homebot.cli.flow",
+    "homebot.cli.yaml",
     "homebot.control.executor",
     "homebot.control.journal.journal",
     "homebot.control.policies",

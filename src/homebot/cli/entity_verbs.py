@@ -7,8 +7,8 @@ from typing import Final
 
 from homebot.cli.arguments import Commands, add_verb
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.flow import message, type_or_message
 from homebot.cli.graph_queries import entities, is_hidden, not_found
+from homebot.cli.yaml import message, type_or_message
 from homebot.errors import PeerError
 from homebot.names import absolute_name
 from homebot.support.similar import did_you_mean

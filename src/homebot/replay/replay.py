@@ -33,7 +33,7 @@ from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import CommandMatcher
 from homebot.replay.replay_apps import app_tables, as_table, recorded_table
-from homebot.replay.replay_feed import ReplayFeed
+from homebot.replay.replay_gateway import ReplayFeed
 from homebot.replay.replay_people import ReplayPeople
 from homebot.runtime import Runtime
 

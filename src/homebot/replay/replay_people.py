@@ -40,7 +40,7 @@ from homebot.messages.message import ServiceType
 from homebot.recording.lines import LeaseNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import is_carried_out
-from homebot.replay.replay_feed import ReplayFeed
+from homebot.replay.replay_gateway import ReplayFeed
 from homebot.support.strict_json import parse_strict
 
 __all__ = ["OWNER_SERVICES", "ReplayPeople"]

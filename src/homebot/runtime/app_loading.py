@@ -1,4 +1,4 @@
-"""Loads the class of an app anew, from the files as they are now, while the old one is at work.
+"""Loads an app by the files and settings as they are now, while the old one is at work.
 
 The modules keep their names, which recordings hold, and are put back where the new ones turn out not to work. An app
 in a file or a module is loaded alone, one in a package with all modules of its folder; homebot's own are never loaded
@@ -11,7 +11,7 @@ import importlib
 import importlib.util
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
@@ -19,9 +19,14 @@ from typing import Any, Final, final
 
 from homebot import plugins
 from homebot.apps import App
-from homebot.errors import PluginError
+from homebot.config import Config, Table
+from homebot.errors import ConfigError, PluginError
+from homebot.names import snake_case
+from homebot.plugins import file_and_class, is_file
+from homebot.runtime.grants import scope_of
+from homebot.runtime.plan import APPS, PlannedComponent, planned_app
 
-__all__ = ["FreshCode", "source_of"]
+__all__ = ["AppPlanner", "FreshCode", "source_of"]
 
 _OWN: Final = __name__.partition(".")[0]
 
@@ -129,3 +134,56 @@ def _without_cache() -> Iterator[None]:
         yield
     finally:
         sys.pycache_prefix, sys.dont_write_bytecode = before
+
+
+@final
+class AppPlanner:
+    """Plans one app at a time. Blocking.
+
+    Args:
+        grants: The scopes of apps by their nodes, replaced when the configuration is reloaded.
+    """
+
+    def __init__(self, read_config: Callable[[], Config], grants: Mapping[str, tuple[str, ...]]) -> None:
+        self._read_config = read_config
+        self._grants = grants
+        self._files: dict[str, str] = {}
+
+    def plan(self, name: str, *, is_new: bool) -> tuple[PlannedComponent[App], FreshCode]:
+        """Return the app *name* and its code, which can be taken back.
+
+        Raises:
+            ConfigError: It cannot be loaded, or its table is wrong; its old code is back then.
+            PluginError: Its file cannot be loaded; likewise.
+        """
+        config, code = self._read_config(), FreshCode()
+        try:
+            if is_new and is_file(name):
+                return self._plan_file(config, name, code), code
+            table = dict(config.apps.get(name, {}))
+            if name not in config.apps and name in self._files:
+                table["class"] = self._files[name]
+            return self._checked(name, table, config, code.load), code
+        except BaseException:
+            code.restore()
+            raise
+
+    def _plan_file(self, config: Config, name: str, code: FreshCode) -> PlannedComponent[App]:
+        kind = code.load(APPS, name)
+        app = snake_case(kind.__name__)
+        path = f"{file_and_class(name)[0]}:{kind.__name__}"
+        planned = self._checked(app, {**config.apps.get(app, {}), "class": path}, config, lambda *_: kind)
+        self._files[app] = path
+        return planned
+
+    def _checked(
+        self, name: str, table: Table, config: Config, load: Callable[[str, str], type[App]]
+    ) -> PlannedComponent[App]:
+        planned = planned_app(name, table, config, load)
+        if scope_of(f"apps.{name}", table, config) != self._grants.get(f"/{name}"):
+            raise ConfigError(
+                config.source,
+                f"apps.{name}.act",
+                "has changed; reload the configuration first: kill -HUP, or systemctl reload homebot",
+            )
+        return planned

@@ -25,8 +25,7 @@ from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
-    from homebot.runtime.app_loading import FreshCode
-    from homebot.runtime.app_planner import AppPlanner
+    from homebot.runtime.app_loading import AppPlanner, FreshCode
 
 __all__ = ["AppManager", "PlannedApp"]
 

@@ -11,7 +11,7 @@ from typing import Final
 
 from anyio import to_thread
 
-from homebot.apps.store_file import STORE_SCHEMA
+from homebot.apps.stores import STORE_SCHEMA
 from homebot.control.journal.journal_file import JOURNAL_SCHEMA
 from homebot.devices.names import COPY_FILES
 from homebot.discovery.store import INDEX_FILE, INDEX_SCHEMA

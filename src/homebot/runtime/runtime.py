@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from homebot.house import World
     from homebot.recording.lines import RecordingHeader
     from homebot.recording.recording_file import LineSink
-    from homebot.runtime.app_planner import AppPlanner
+    from homebot.runtime.app_loading import AppPlanner
     from homebot.runtime.simulated_house import HouseOfRun
 
 __all__ = ["Runtime"]
@@ -154,7 +154,7 @@ class Runtime:
         self._start_is_cut = False
 
     def _planner(self) -> AppPlanner:
-        from homebot.runtime.app_planner import AppPlanner  # noqa: PLC0415 - few runs load an app
+        from homebot.runtime.app_loading import AppPlanner  # noqa: PLC0415 - few runs load an app
 
         return AppPlanner(self.read_config or (lambda: self.config), self._plan.grants)
 

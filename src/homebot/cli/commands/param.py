@@ -10,8 +10,7 @@ from typing import Any, Final, cast
 
 from homebot.cli.arguments import add_verb, add_verbs
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.flow import parse_flow
-from homebot.cli.yaml import read_yaml, to_yaml
+from homebot.cli.yaml import parse_flow, read_yaml, to_yaml
 from homebot.errors import PeerError, UsageError, WireError
 from homebot.names import absolute_name
 from homebot.plugins import check_extra

@@ -16,7 +16,6 @@ from homebot.cli.arguments import Commands, add_verb, add_verbs, positive, secon
 from homebot.cli.device_queries import find_devices
 from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
 from homebot.cli.entity_verbs import add_entity_verbs
-from homebot.cli.flow import message
 from homebot.cli.graph_queries import (
     Schema,
     entities,
@@ -26,7 +25,7 @@ from homebot.cli.graph_queries import (
     topic_type,
 )
 from homebot.cli.publishing import GatewayPublisher
-from homebot.cli.yaml import to_yaml
+from homebot.cli.yaml import message, to_yaml
 from homebot.errors import PeerError
 from homebot.names import absolute_name
 from homebot.support.printable import printable
