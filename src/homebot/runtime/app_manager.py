@@ -14,17 +14,33 @@ from anyio import to_thread
 from anyio.abc import TaskGroup, TaskStatus
 
 from homebot.apps import App
-from homebot.devices.names import LOAD_APP, RELOAD_APP, UNLOAD_APP
+from homebot.clock import zone_name
+from homebot.devices.app_messages import (
+    AppInfo,
+    AppJob,
+    AppsRequest,
+    AppsResponse,
+    ChangeAppRequest,
+    ChangeAppResponse,
+    ListApps,
+    LoadApp,
+    ReloadApp,
+    UnloadApp,
+)
+from homebot.devices.names import LIST_APPS, LOAD_APP, RELOAD_APP, UNLOAD_APP
 from homebot.errors import HomebotError, UsageError
 from homebot.graph import Node
+from homebot.messages import Time
 from homebot.plugins import plugin_names
+from homebot.runtime.app_host import AppHost
 from homebot.runtime.plan import APPS, PlannedComponent
-from homebot.runtime.supervisor import Supervisor, Work
+from homebot.runtime.supervisor import ComponentCrashes, Supervisor
 from homebot.support.isolation import error_text
 from homebot.support.logger import get_logger
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
+    from homebot.apps.jobs import Job
     from homebot.runtime.app_loading import AppPlanner, FreshCode
 
 __all__ = ["AppManager", "PlannedApp"]
@@ -33,18 +49,10 @@ LOADED = "app.loaded"
 UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
 NOT_RELOADED = "app.not_reloaded"
-
 _TRIAL = 1.0
 """Seconds of the first start, in which a crash of the new code brings back the old."""
 
 PlannedApp: TypeAlias = "PlannedComponent[App]"
-
-_SERVICES = {
-    LOAD_APP: "homebot/srv/LoadApp",
-    UNLOAD_APP: "homebot/srv/UnloadApp",
-    RELOAD_APP: "homebot/srv/ReloadApp",
-}
-
 _log = get_logger(node="/homebot")
 
 
@@ -62,18 +70,15 @@ class AppManager:
     """Starts, stops and replaces apps, one at a time.
 
     Args:
-        make_work: Returns the work of an app, which makes it anew at each start.
         make_planner: Returns the planner of apps that are loaded or reloaded; called when it is first needed.
 
     Attributes:
         trial: Seconds for which new code must run without a crash.
     """
 
-    def __init__(
-        self, supervisor: Supervisor, make_work: Callable[[PlannedApp], Work], make_planner: Callable[[], AppPlanner]
-    ) -> None:
+    def __init__(self, supervisor: Supervisor, host: AppHost, make_planner: Callable[[], AppPlanner]) -> None:
         self._supervisor = supervisor
-        self._make_work = make_work
+        self._host = host
         self._make_planner = make_planner
         self._planner: AppPlanner | None = None
         self._apps: dict[str, _RunningApp] = {}
@@ -188,9 +193,15 @@ class AppManager:
 
     def offer_services(self, node: Node) -> None:
         """Offer the services for clients on *node*."""
-        changes = {LOAD_APP: self.load, UNLOAD_APP: self.unload, RELOAD_APP: self.reload}
-        for service, change in changes.items():
-            node.offer_service(_SERVICES[service], service, partial(_serve, node, service, change))
+        node.create_service(LoadApp, LOAD_APP, partial(_answer, self.load))
+        node.create_service(UnloadApp, UNLOAD_APP, partial(_answer, self.unload))
+        node.create_service(ReloadApp, RELOAD_APP, partial(_answer, self.reload))
+        node.create_service(ListApps, LIST_APPS, self._list)
+
+    def _list(self, _: AppsRequest) -> AppsResponse:
+        running, crashes = self._host.running, self._supervisor.crashes
+        infos = tuple(_info(name, running.get(name), crashes.get(name)) for name in self._apps)
+        return AppsResponse(apps=infos, zone=zone_name(self._host.context.zone_name))
 
     async def _plan(self, name: str, *, is_new: bool) -> tuple[PlannedApp, FreshCode]:
         self._planner = self._planner or self._make_planner()
@@ -224,16 +235,15 @@ class AppManager:
 
     async def _hold(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         try:
-            work = partial(self._watched, app, self._make_work(app.planned))
-            async with self._supervisor.running(app.planned.name, work, "app"):
+            async with self._supervisor.running(app.planned.name, partial(self._watched, app), "app"):
                 task_status.started()
                 await app.is_stopped.wait()
         finally:
             app.has_ended.set()
 
-    async def _watched(self, app: _RunningApp, work: Work, *, task_status: TaskStatus[None]) -> None:
+    async def _watched(self, app: _RunningApp, *, task_status: TaskStatus[None]) -> None:
         try:
-            await work(task_status=task_status)
+            await self._host.serve(app.planned, task_status=task_status)
         except Exception as exc:
             app.crash = error_text(exc)
             app.has_crashed.set()
@@ -257,10 +267,11 @@ class AppManager:
         return UsageError(text)
 
 
-def _serve(node: Node, service: str, change: Callable[[str], Awaitable[str]]) -> None:
-    from homebot.runtime.app_services import serve_change  # noqa: PLC0415 - few runs are asked
-
-    serve_change(node, service, change)
+async def _answer(change: Callable[[str], Awaitable[str]], request: ChangeAppRequest) -> ChangeAppResponse:
+    try:
+        return ChangeAppResponse(message=await change(request.app))
+    except HomebotError as exc:
+        return ChangeAppResponse(success=False, message=str(exc))
 
 
 def _ended(planned: PlannedApp) -> _RunningApp:
@@ -268,3 +279,23 @@ def _ended(planned: PlannedApp) -> _RunningApp:
     app = _RunningApp(planned)
     app.has_ended.set()
     return app
+
+
+def _info(name: str, app: App | None, crashes: ComponentCrashes | None) -> AppInfo:
+    jobs = () if app is None else tuple(map(_job, app.jobs))
+    if crashes is None:
+        return AppInfo(name=name, state="running" if app is not None else "ended", jobs=jobs)
+    state = crashes.state if app is None else "running"
+    return AppInfo(name=name, state=state, crashes=crashes.count, last_crash=crashes.last, jobs=jobs)
+
+
+def _job(job: Job) -> AppJob:
+    at = job.next
+    return AppJob(
+        name=job.name,
+        text=job.text,
+        next=Time.from_seconds(0.0 if at is None else at.timestamp()),
+        running_since=Time.from_seconds(job.runs.running_since or 0.0),
+        dropped=job.runs.dropped,
+        note=job.note,
+    )

@@ -25,7 +25,7 @@ from homebot.config import UNNAMED, Config
 from homebot.control import Control
 from homebot.devices.client_rights import LOCAL_RIGHTS, SIMULATED_HOUSE_RIGHTS
 from homebot.devices.health import GetHealth
-from homebot.devices.names import COPY_FILES, LIST_APPS, START_RECORDER
+from homebot.devices.names import COPY_FILES, START_RECORDER
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
@@ -149,7 +149,7 @@ class Runtime:
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
-        self._apps = AppManager(self.supervisor, lambda app: partial(self.app_host.serve, app), self._planner)
+        self._apps = AppManager(self.supervisor, self.app_host, self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
 
@@ -222,7 +222,6 @@ class Runtime:
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self._apps.offer_services(main)
-        main.offer_service("homebot/srv/ListApps", LIST_APPS, partial(self._serve_app_list, main))
         RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host)
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
@@ -298,11 +297,6 @@ class Runtime:
     def _beside_index(self, name: str) -> Path | None:
         """Return the file *name* beside the index; None where nothing is kept."""
         return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None
-
-    def _serve_app_list(self, main: Node) -> None:
-        from homebot.runtime.app_services import serve_app_list  # noqa: PLC0415 - few runs are asked
-
-        serve_app_list(main, lambda: (one.name for one in self._apps.apps), self.app_host, self.supervisor)
 
     def _serve_copies(self, main: Node) -> None:
         from homebot.runtime.kept_files import serve_copies  # noqa: PLC0415 - few runs are asked
