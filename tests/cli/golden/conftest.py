@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from tests.cli.conftest import Homebot
 
+from homebot.cli import main
 from homebot.clock import Clock, ManualClock
 from homebot.control.explanations import Explanations
 from homebot.control.journal.store import JournalNote, JournalStore
@@ -397,6 +398,15 @@ class StillHouse:
 @pytest.fixture
 def still() -> StillHouse:
     return StillHouse()
+
+
+Run = Callable[..., int]
+
+
+@pytest.fixture
+def run(still_homebot: Homebot) -> Run:
+    """Runs a command against the house, and returns its exit code."""
+    return lambda *arguments: main(["--door", still_homebot.door, *arguments])
 
 
 @pytest.fixture

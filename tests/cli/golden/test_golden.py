@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from tests.cli.conftest import Homebot
-from tests.cli.golden.conftest import NOW, StillHouse
+from tests.cli.golden.conftest import NOW, Run, StillHouse
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
@@ -51,38 +51,31 @@ def check(name: str, printed: str) -> None:
         ("doctor_counts", ["doctor", "--counts"], 1),
     ],
 )
-def test_commands_print_what_they_should(
-    still_homebot: Homebot, capsys: Text, name: str, arguments: list[str], code: int
-) -> None:
-    assert main(["--door", still_homebot.door, *arguments]) == code
+def test_commands_print_what_they_should(run: Run, capsys: Text, name: str, arguments: list[str], code: int) -> None:
+    assert run(*arguments) == code
     out, err = capsys.readouterr()
     assert err == ""
     check(name, out)
 
 
 @pytest.mark.parametrize(("query", "problem"), [("light in kichen", "'kichen'"), ("light and", "a term is missing")])
-def test_a_history_of_nothing_says_why_as_a_search_does(
-    still_homebot: Homebot, capsys: Text, query: str, problem: str
-) -> None:
-    door = ["--door", still_homebot.door]
-    assert main([*door, "find", query]) == 1
+def test_a_history_of_nothing_says_why_as_a_search_does(run: Run, capsys: Text, query: str, problem: str) -> None:
+    assert run("find", query) == 1
     found = "".join(capsys.readouterr()).removeprefix("homebot: ")
     assert problem in found
-    assert main([*door, "history", query]) == 1
+    assert run("history", query) == 1
     assert capsys.readouterr().err == f"homebot: {found}"
 
 
-def test_a_route_through_a_gateway_that_the_owner_prefers_is_marked(
-    still: StillHouse, still_homebot: Homebot, capsys: Text
-) -> None:
+def test_a_route_through_a_gateway_that_the_owner_prefers_is_marked(still: StillHouse, run: Run, capsys: Text) -> None:
     still.prefers_hub = True
-    assert main(["--door", still_homebot.door, "show", "kitchen-lamp"]) == 0
+    assert run("show", "kitchen-lamp") == 0
     check("show_preferred", capsys.readouterr().out)
 
 
-def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, run: Run, capsys: Text) -> None:
     still.is_well = True
-    assert main(["--door", still_homebot.door, "doctor"]) == 0
+    assert run("doctor") == 0
     check("doctor_all_well", capsys.readouterr().out)
 
 
@@ -99,72 +92,66 @@ def test_where_nothing_is_wrong_the_doctor_says_so(still: StillHouse, still_home
     ],
 )
 def test_what_the_house_itself_failed_at_is_enough_not_to_be_well_and_what_outsiders_did_is_not(
-    still: StillHouse, still_homebot: Homebot, count: str, code: int
+    still: StillHouse, run: Run, count: str, code: int
 ) -> None:
     still.is_well = True
     still.counted = {count: 1}
-    assert main(["--door", still_homebot.door, "doctor"]) == code
+    assert run("doctor") == code
 
 
-def test_the_doctor_names_what_failed(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+def test_the_doctor_names_what_failed(still: StillHouse, run: Run, capsys: Text) -> None:
     still.is_well = True
     when = Time.from_seconds(NOW - 90)
     still.failures = [
         PartFailure(part="robot", what="crashed", count=5, last=when, why="ValueError: ouch\x1b", outcome="given up"),
         PartFailure(part="clock", what="the timer of 5 s failed", count=1, last=when, why="OSError: no such file"),
     ]
-    assert main(["--door", still_homebot.door, "doctor"]) == 1
+    assert run("doctor") == 1
     check("doctor_failures", capsys.readouterr().out)
 
 
-def test_a_count_is_said_once(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+def test_a_count_is_said_once(still: StillHouse, run: Run, capsys: Text) -> None:
     still.is_well = True
     still.counted = {"commands_failed": 3}
-    assert main(["--door", still_homebot.door, "doctor", "--json"]) == 1
+    assert run("doctor", "--json") == 1
     found = {one["code"]: one["rows"] for one in json.loads(capsys.readouterr().out)["findings"]}
     assert found["HB204"] == [{"what": "commands failed", "why": "3"}]
     assert found["HB207"] == [{"what": "announcements rejected", "why": "7"}]
 
 
-def test_the_doctor_asks_for_no_more_devices_than_it_names(
-    still: StillHouse, still_homebot: Homebot, capsys: Text
-) -> None:
+def test_the_doctor_asks_for_no_more_devices_than_it_names(still: StillHouse, run: Run, capsys: Text) -> None:
     still.crowd = 300
-    assert main(["--door", still_homebot.door, "doctor"]) == 1
+    assert run("doctor") == 1
     check("doctor_crowd", capsys.readouterr().out)
     assert still.carried <= 3 * 20 + 2
 
 
-def test_all_devices_of_a_large_house_are_listed_once_each(
-    still: StillHouse, still_homebot: Homebot, capsys: Text
-) -> None:
+def test_all_devices_of_a_large_house_are_listed_once_each(still: StillHouse, run: Run, capsys: Text) -> None:
     still.crowd = 450
-    assert main(["--door", still_homebot.door, "devices", "--json"]) == 0
+    assert run("devices", "--json") == 0
     ids = [one["id"] for one in json.loads(capsys.readouterr().out)]
     assert len(ids) == len(set(ids)) == 453
     assert ids == sorted(ids)
     assert still.carried == 453
 
 
-def test_a_device_that_slips_from_page_to_page_is_listed(
-    still: StillHouse, still_homebot: Homebot, capsys: Text
-) -> None:
+def test_a_device_that_slips_from_page_to_page_is_listed(still: StillHouse, run: Run, capsys: Text) -> None:
     still.crowd, still.restless = 450, 3
-    assert main(["--door", still_homebot.door, "devices", "--json"]) == 0
+    assert run("devices", "--json") == 0
     assert len(json.loads(capsys.readouterr().out)) == 453
     assert still.carried == 453 * 2
 
 
-def test_results_are_json_on_request(still_homebot: Homebot, capsys: Text) -> None:
-    assert main(["--door", still_homebot.door, "find", "--json", "light"]) == 0
+def test_results_are_json_on_request(run: Run, capsys: Text) -> None:
+    assert run("find", "--json", "light") == 0
     (found,) = json.loads(capsys.readouterr().out)
     assert (found["id"], found["reasons"][0], found["states"][0]["value"]) == ("kitchen-lamp", "it is number 1", True)
-    assert main(["--door", still_homebot.door, "show", "--json", "attic"]) == 0
+    assert run("show", "--json", "attic") == 0
     assert json.loads(capsys.readouterr().out)["reachable"]["why"] == "its last will says offline"
 
 
-def test_a_query_that_is_not_understood_is_explained(still_homebot: Homebot, capsys: Text) -> None:
-    assert main(["--door", still_homebot.door, "find", "level >"]) == 1
+def test_a_query_that_is_not_understood_is_explained(run: Run, capsys: Text) -> None:
+    assert run("find", "level >") == 1
     assert capsys.readouterr().err.startswith("homebot: ")
 
 
@@ -175,89 +162,81 @@ def test_a_query_that_is_not_understood_is_explained(still_homebot: Homebot, cap
         ("zzzzzz", "homebot: there is no device zzzzzz; `homebot devices` lists all\n"),
     ],
 )
-def test_an_unknown_device_is_told_with_similar_ones(
-    still_homebot: Homebot, capsys: Text, name: str, problem: str
-) -> None:
-    assert main(["--door", still_homebot.door, "show", name]) == 1
+def test_an_unknown_device_is_told_with_similar_ones(run: Run, capsys: Text, name: str, problem: str) -> None:
+    assert run("show", name) == 1
     assert capsys.readouterr().err.startswith(problem)
 
 
 def test_a_command_to_an_address_that_no_device_has_is_sent_with_a_warning(
-    still: StillHouse, still_homebot: Homebot, capsys: Text
+    still: StillHouse, run: Run, capsys: Text
 ) -> None:
-    line = ["--door", still_homebot.door, "topic", "pub", "--once", "/gateway/mqtt/out"]
-    assert main([*line, "{address: nobody/reads/this, payload: on}"]) == 0
+    line = "topic", "pub", "--once", "/gateway/mqtt/out"
+    assert run(*line, "{address: nobody/reads/this, payload: on}") == 0
     out, err = capsys.readouterr()
     assert err == "homebot: no known device takes commands on nobody/reads/this; it is published all the same\n"
     assert out.startswith("publishing #1 on /gateway/mqtt/out")
-    assert main([*line, "{address: zigbee2mqtt/Kitchen lamp/set, payload: on}"]) == 0
+    assert run(*line, "{address: zigbee2mqtt/Kitchen lamp/set, payload: on}") == 0
     assert capsys.readouterr().err == ""
     assert [topic for topic, _, _ in still.published] == ["nobody/reads/this", "zigbee2mqtt/Kitchen lamp/set"]
 
 
-def test_a_history_of_a_misspelt_value_names_the_right_one(still_homebot: Homebot, capsys: Text) -> None:
-    assert main(["--door", still_homebot.door, "history", "Kitchen lamp", "--capability", "powr"]) == 1
+def test_a_history_of_a_misspelt_value_names_the_right_one(run: Run, capsys: Text) -> None:
+    assert run("history", "Kitchen lamp", "--capability", "powr") == 1
     assert "homebot: nothing has a value 'powr'; did you mean power" in capsys.readouterr().err
-    assert main(["--door", still_homebot.door, "history", "Kitchen lamp", "--capability", "power"]) == 1
+    assert run("history", "Kitchen lamp", "--capability", "power") == 1
     assert "nothing is known of that time" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("command", "code"), [("find", 0), ("history", 1)])
-def test_near_matches_are_told_to_be_that(
-    still_homebot: Homebot, capsys: Text, still: StillHouse, command: str, code: int
-) -> None:
+def test_near_matches_are_told_to_be_that(run: Run, capsys: Text, still: StillHouse, command: str, code: int) -> None:
     still.is_near = True
-    assert main(["--door", still_homebot.door, command, "light"]) == code
+    assert run(command, "light") == code
     assert capsys.readouterr().err == "homebot: no device found has the word 'lihgt'; these have similar ones\n"
 
 
-def test_forget_deletes_nothing_from_the_broker_unless_asked_to(
-    still: StillHouse, still_homebot: Homebot, capsys: Text
-) -> None:
-    assert main(["--door", still_homebot.door, "forget", "kitchen lamp"]) == 0
+def test_forget_deletes_nothing_from_the_broker_unless_asked_to(still: StillHouse, run: Run, capsys: Text) -> None:
+    assert run("forget", "kitchen lamp") == 0
     check("forget", capsys.readouterr().out)
     assert (still.forgotten, still.published) == (["kitchen-lamp"], [])
 
 
-def test_forget_with_purge_empties_the_announcements(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
-    assert main(["--door", still_homebot.door, "forget", "kitchen-lamp", "--purge"]) == 0
+def test_forget_with_purge_empties_the_announcements(still: StillHouse, run: Run, capsys: Text) -> None:
+    assert run("forget", "kitchen-lamp", "--purge") == 0
     check("forget_purge", capsys.readouterr().out)
     assert still.published == [("homeassistant/light/0x00158d0001abcdef/light/config", "", True)]
 
 
-def test_forget_that_fails_says_why(still_homebot: Homebot, capsys: Text) -> None:
-    assert main(["--door", still_homebot.door, "forget", "attic"]) == 1
+def test_forget_that_fails_says_why(run: Run, capsys: Text) -> None:
+    assert run("forget", "attic") == 1
     assert capsys.readouterr().err == "homebot: it went a moment ago\n"
 
 
-def test_split_and_merge_say_what_became_of_the_devices(still_homebot: Homebot, capsys: Text) -> None:
-    door = ["--door", still_homebot.door]
-    assert main([*door, "split", "kitchen lamp", "mdns", "lamp"]) == 0
-    assert main([*door, "merge", "attic", "kitchen lamp"]) == 0
+def test_split_and_merge_say_what_became_of_the_devices(run: Run, capsys: Text) -> None:
+    assert run("split", "kitchen lamp", "mdns", "lamp") == 0
+    assert run("merge", "attic", "kitchen lamp") == 0
     assert capsys.readouterr().out == (
         "kitchen-lamp is 2 devices now: kitchen-lamp, mdns_lamp\nattic, kitchen-lamp are one device now: kitchen-lamp\n"
     )
 
 
-def test_split_and_merge_that_fail_say_why(still_homebot: Homebot, capsys: Text) -> None:
-    door = ["--door", still_homebot.door]
-    assert main([*door, "split", "attic"]) == 1
-    assert main([*door, "merge", "attic"]) == 1
+def test_split_and_merge_that_fail_say_why(run: Run, capsys: Text) -> None:
+    assert run("split", "attic") == 1
+    assert run("merge", "attic") == 1
     assert capsys.readouterr().err == (
         "homebot: a split of attic was refused: nothing was merged into it\n"
         "homebot: a merge was refused: it takes two different devices\n"
     )
 
 
-def test_devices_are_written_as_thing_descriptions(still_homebot: Homebot, capsys: Text, tmp_path: Path) -> None:
+def test_devices_are_written_as_thing_descriptions(run: Run, capsys: Text, tmp_path: Path) -> None:
     """One file each, named after the id, in a directory that is made."""
     directory = tmp_path / "new" / "things"
-    assert main(["--door", still_homebot.door, "devices", "--td", str(directory)]) == 0
+    assert run("devices", "--td", str(directory)) == 0
     files = [Path(line) for line in capsys.readouterr().out.splitlines()]
     assert [file.name for file in files] == ["attic.td.json", "kitchen_x2dlamp.td.json", "windows_x2fbath.td.json"]
     assert [read_thing(json.loads(file.read_text())).title for file in files] == ["Attic", "Kitchen lamp", "bath [31m"]
     (directory / "taken").touch()
-    assert main(["--door", still_homebot.door, "devices", "--td", str(directory / "taken")]) == 1
+    assert run("devices", "--td", str(directory / "taken")) == 1
     assert "taken: cannot be written: " in capsys.readouterr().err
 
 
@@ -284,22 +263,20 @@ def description(**more: object) -> str:
     return json.dumps(thing | more)
 
 
-def test_a_thing_description_is_imported(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, tmp_path: Path
-) -> None:
+def test_a_thing_description_is_imported(still: StillHouse, run: Run, capsys: Text, tmp_path: Path) -> None:
     """It goes to the broker, retained, and the device that came of it is named."""
     file = tmp_path / "lamp.td.json"
     file.write_text(description())
-    assert main(["--door", still_homebot.door, "import", str(file)]) == 0
+    assert run("import", str(file)) == 0
     check("import", capsys.readouterr().out)
     ((topic, payload, retain),) = still.published
     assert (topic, json.loads(payload), retain) == ("homebot/things/urn-dev-lamp/td", json.loads(description()), True)
 
 
-def test_an_import_that_makes_no_device_says_so(still_homebot: Homebot, capsys: Text, tmp_path: Path) -> None:
+def test_an_import_that_makes_no_device_says_so(run: Run, capsys: Text, tmp_path: Path) -> None:
     file = tmp_path / "lamp.td.json"
     file.write_text(description())
-    assert main(["--door", still_homebot.door, "import", str(file), "--name", "other lamp", "--timeout", "0.1"]) == 1
+    assert run("import", str(file), "--name", "other lamp", "--timeout", "0.1") == 1
     out = capsys.readouterr().out
     assert out.startswith("published on homebot/things/other-lamp/td, but no device appeared within 0.1 s; ")
 
@@ -315,16 +292,16 @@ def test_an_import_that_makes_no_device_says_so(still_homebot: Homebot, capsys: 
     ],
 )
 def test_a_description_that_is_none_is_refused_before_anything_is_done(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, tmp_path: Path, content: str, problem: str
+    still: StillHouse, run: Run, capsys: Text, tmp_path: Path, content: str, problem: str
 ) -> None:
     file = tmp_path / "lamp.td.json"
     file.write_text(content)
-    assert main(["--door", still_homebot.door, "import", str(file)]) == 1
+    assert run("import", str(file)) == 1
     err = capsys.readouterr().err
     assert err.startswith((f"homebot: {file}: ", f"homebot: {file} "))
     assert problem in err
     assert len(err) < 500
-    assert main(["--door", still_homebot.door, "import", str(tmp_path / "missing")]) == 1
+    assert run("import", str(tmp_path / "missing")) == 1
     assert "missing does not exist" in capsys.readouterr().err
     assert still.published == []
 
@@ -335,10 +312,10 @@ def test_topics_are_named_by_what_is_left_of_an_id() -> None:
         topic_level("///")
 
 
-def test_no_command_hands_control_characters_on(still_homebot: Homebot, capsys: Text) -> None:
+def test_no_command_hands_control_characters_on(run: Run, capsys: Text) -> None:
     """A device may be called what a terminal obeys."""
     for arguments in (["show", "windows/bath"], ["show", "bth"], ["devices"], ["show", "--td", "windows/bath"]):
-        main(["--door", still_homebot.door, *arguments])
+        run(*arguments)
         printed = "".join(capsys.readouterr())
         assert printed
         assert "\x1b" not in printed

@@ -8,11 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.cli.conftest import Homebot
-from tests.cli.golden.conftest import StillHouse, ago, kitchen_lamp
+from tests.cli.golden.conftest import Run, StillHouse, ago, kitchen_lamp
 from tests.cli.golden.test_golden import check
 
-from homebot.cli import main
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.journal_messages import JournalEntry, JournalFact, JournalVerdict
 from homebot.devices.outcomes import (
@@ -315,10 +313,10 @@ def before_a_restart(name: str) -> list[JournalEntry]:
     ],
 )
 def test_they_print_what_they_should(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, name: str, case: str, arguments: list[str]
+    still: StillHouse, run: Run, capsys: Text, name: str, case: str, arguments: list[str]
 ) -> None:
     still.journal = story(case)
-    assert main(["--door", still_homebot.door, *arguments]) == 0
+    assert run(*arguments) == 0
     out, err = capsys.readouterr()
     assert err == ""
     check(name, out)
@@ -335,40 +333,38 @@ def test_they_print_what_they_should(
     ],
 )
 def test_after_a_restart_the_last_change_is_the_one_before_it(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, name: str, case: str, arguments: list[str]
+    still: StillHouse, run: Run, capsys: Text, name: str, case: str, arguments: list[str]
 ) -> None:
     """What a broker retained says how the device is, and not since when."""
     still.journal, still.is_restarted = before_a_restart(case), True
-    assert main(["--door", still_homebot.door, *arguments]) == 0
+    assert run(*arguments) == 0
     check(name, capsys.readouterr().out)
 
 
 @pytest.mark.parametrize(("name", "tells"), [("why_first", True), ("why_no_change", False)])
 def test_of_a_failed_command_it_is_told_how_the_device_was_found(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, monkeypatch: pytest.MonkeyPatch, name: str, *, tells: bool
+    still: StillHouse, run: Run, capsys: Text, monkeypatch: pytest.MonkeyPatch, name: str, *, tells: bool
 ) -> None:
     """What the device tells first of all is no change."""
     states = [one.model_copy(update={"is_first": True}) for one in kitchen_lamp().states if tells]
     lamp = kitchen_lamp().model_copy(update={"states": tuple(states)})
     monkeypatch.setattr("tests.cli.golden.conftest.kitchen_lamp", lambda: lamp)
     still.journal = [*command("a-1", 55, NoAnswer(9.0), tries=3, on_off=False)]
-    assert main(["--door", still_homebot.door, "why", "Kitchen lamp"]) == 0
+    assert run("why", "Kitchen lamp") == 0
     check(name, capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("state", ["on", "40", "40%", "40 %", "level 40", "level 40 %", "Level 40"])
-def test_a_level_is_found_however_people_say_it(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, state: str
-) -> None:
+def test_a_level_is_found_however_people_say_it(still: StillHouse, run: Run, capsys: Text, state: str) -> None:
     still.journal = story("level")
-    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", state]) == 0
+    assert run("why-not", "Kitchen lamp", state) == 0
     assert f"{state} was asked for once:" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("state", ["off", "4", "50", "level 4", "position 40"])
-def test_another_level_was_not_asked_for(still: StillHouse, still_homebot: Homebot, capsys: Text, state: str) -> None:
+def test_another_level_was_not_asked_for(still: StillHouse, run: Run, capsys: Text, state: str) -> None:
     still.journal = story("level")
-    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", state]) == 0
+    assert run("why-not", "Kitchen lamp", state) == 0
     assert f"Nobody asked for {state} since the journal began" in capsys.readouterr().out
 
 
@@ -377,26 +373,26 @@ def test_another_level_was_not_asked_for(still: StillHouse, still_homebot: Homeb
     [(5, "its outcome is not known yet"), (4000, "its outcome is not known: homebot stopped before it was")],
 )
 def test_of_a_command_that_was_cut_short_it_is_told_that_nobody_knows(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, seconds: float, result: str
+    still: StillHouse, run: Run, capsys: Text, seconds: float, result: str
 ) -> None:
     still.journal = [*command("a-1", seconds, CONFIRMED, on_off=True)][:-1]
-    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", "on"]) == 0
+    assert run("why-not", "Kitchen lamp", "on") == 0
     assert capsys.readouterr().out.rstrip().endswith(f"  follow_me  {result}")
 
 
-def test_why_not_without_a_state_says_what_to_give(still_homebot: Homebot, capsys: Text) -> None:
-    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", " "]) == 1
+def test_why_not_without_a_state_says_what_to_give(run: Run, capsys: Text) -> None:
+    assert run("why-not", "Kitchen lamp", " ") == 1
     assert capsys.readouterr() == ("", "homebot: give the state that the device is not in, such as on, open or 40\n")
 
 
-def test_a_time_before_1970_is_the_whole_journal(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+def test_a_time_before_1970_is_the_whole_journal(still: StillHouse, run: Run, capsys: Text) -> None:
     still.journal = story("client")
-    assert main(["--door", still_homebot.door, "journal", "--since", "99999d"]) == 0
+    assert run("journal", "--since", "99999d") == 0
     assert "Kitchen lamp" in capsys.readouterr().out
 
 
 def test_of_a_device_with_two_relays_it_is_told_which_one(
-    still: StillHouse, still_homebot: Homebot, capsys: Text, monkeypatch: pytest.MonkeyPatch
+    still: StillHouse, run: Run, capsys: Text, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lamp = kitchen_lamp()
     (light,) = [one for one in lamp.parts if one.id == "light"]
@@ -404,15 +400,15 @@ def test_of_a_device_with_two_relays_it_is_told_which_one(
     both = lamp.model_copy(update={"parts": (light, backlight)})
     monkeypatch.setattr("tests.cli.golden.conftest.kitchen_lamp", lambda: both)
     still.journal = story("client")
-    assert main(["--door", still_homebot.door, "why", "Kitchen lamp"]) == 0
+    assert run("why", "Kitchen lamp") == 0
     assert "the client tablet asked Kitchen lamp light for on, level 40 %" in capsys.readouterr().out
-    assert main(["--door", still_homebot.door, "why-not", "Kitchen lamp", "on"]) == 0
+    assert run("why-not", "Kitchen lamp", "on") == 0
     assert "Kitchen lamp light: confirmed after 0.4 s (reported)" in capsys.readouterr().out
-    assert main(["--door", still_homebot.door, "journal"]) == 0
+    assert run("journal") == 0
     assert "  Kitchen lamp light  a-1  Kitchen lamp light reported on, level 40 %" in capsys.readouterr().out
 
 
-def test_the_chain_in_the_guide_has_these_words(still: StillHouse, still_homebot: Homebot, capsys: Text) -> None:
+def test_the_chain_in_the_guide_has_these_words(still: StillHouse, run: Run, capsys: Text) -> None:
     """The times and the names are others."""
     cleared = Reading(part="", capability="occupancy", value=Value.of(False))
     trigger = Trigger(kind="report", id="report-7", device="motion/hall", readings=(cleared,), at=ago(630))
@@ -430,7 +426,7 @@ def test_the_chain_in_the_guide_has_these_words(still: StillHouse, still_homebot
             on_off=False,
         )
     ]
-    assert main(["--door", still_homebot.door, "why", "Kitchen lamp"]) == 0
+    assert run("why", "Kitchen lamp") == 0
     printed = capsys.readouterr().out.replace("Kitchen lamp", "Hall lamp").replace("motion/hall", "Hall motion")
     guide = (Path(__file__).parents[3] / "docs" / "journal.md").read_text()
     _, shown = guide.partition("$ homebot why 'Hall lamp'\n")[2].split("$ homebot", 1)[0].split("\n", 1)
