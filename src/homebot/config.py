@@ -137,17 +137,9 @@ class Config(BaseModel):
     """The configuration of a homebot, as in ``homebot.toml``.
 
     Attributes:
-        home: The table ``[home]``.
-        gateways: The tables ``[gateways.NAME]``, by name.
-        apps: The tables ``[apps.NAME]``, by name.
         door: The address at which rosbridge clients reach this homebot; empty for the default.
-        discovery: The table ``[discovery]``: how long devices are kept.
-        control: The table ``[control]``: how commands are carried out.
         history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
         notify: The table ``[notify]``: where notifications of apps go; None for the log alone.
-        places: The table ``[places]``: rooms and the owner's statements about devices.
-        robots: The tables ``[robots.NAME]``, by name.
-        ros: The table ``[ros]``: further interfaces of ROS, and its distribution.
         thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
         folder: The folder that relative paths start from: that of the file.

@@ -36,6 +36,7 @@ __all__ = [
     "name_in_file",
     "plugin_names",
     "plugin_path",
+    "run_file",
 ]
 
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
@@ -280,13 +281,16 @@ def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
 
     The modules in its folder can be imported afterwards, the next plug-in among them: that is no other module.
     """
-    name = module_name_of(file)
+    look_in(file.parent)
+    return run_file(module_name_of(file), file)
+
+
+def run_file(name: str, file: Path) -> ModuleType:
+    """Run *file* as the module *name*, which there is afterwards unless it fails."""
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None  # noqa: S101 - for the type checker: its name ends with .py
     assert spec.loader is not None  # noqa: S101 - likewise
-    module = importlib.util.module_from_spec(spec)
-    look_in(file.parent)
-    sys.modules[name] = module
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
     except BaseException:

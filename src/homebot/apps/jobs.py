@@ -13,7 +13,7 @@ from typing import Final, NamedTuple, Protocol, final
 from homebot.apps.run_modes import HandlerRuns, RunHandler
 from homebot.clock import Clock
 
-__all__ = ["DayMemory", "Due", "Interval", "Job", "JobFacts", "Times", "WallJob"]
+__all__ = ["Due", "Interval", "Job", "JobFacts", "Times", "WallJob"]
 
 EARLIEST: Final = 1_735_689_600.0
 """2025-01-01: a clock before that was not set yet, as that of a Raspberry Pi without network."""
@@ -130,16 +130,6 @@ class Times(Protocol):
         """Return that of *day*, in seconds since the Unix epoch; None where there is none."""
 
 
-class DayMemory(Protocol):
-    """The last day of each job, by its name, over a restart."""
-
-    def read(self, name: str) -> date | None:
-        """Return that of the job *name*."""
-
-    def write(self, name: str, day: date) -> None:
-        """Remember that of the job *name*."""
-
-
 @dataclass(eq=False)
 @final
 class WallJob(Job):
@@ -151,11 +141,13 @@ class WallJob(Job):
         times: The moment of each day.
         catch_up: Seconds by which a call may be late.
         jitter: Seconds by which each call is earlier or later, the same at each look.
-        memory: Where the day of the last call is kept.
+        read_day: Returns the day of its last call, also of an earlier run, by its name.
+        write_day: Remembers it.
     """
 
     times: Times
-    memory: DayMemory
+    read_day: Callable[[str], date | None]
+    write_day: Callable[[str, date], None]
     catch_up: float = 0.0
     jitter: float = 0.0
 
@@ -192,14 +184,14 @@ class WallJob(Job):
         self._looked = now
         if self._next is not None and before - _STEP_BACK <= now < self._next[1]:
             return None
-        last, handled = self._last(now), self.memory.read(self.name)
+        last, handled = self._last(now), self.read_day(self.name)
         due = None
         if handled is None or handled > self._day(now) + timedelta(days=1):  # new, or the clock was a day ahead
             handled = self._day(now) - timedelta(days=2) if last is None else last[0]
-            self.memory.write(self.name, handled)
+            self.write_day(self.name, handled)
         elif last is not None and last[0] > handled:
             handled = last[0]
-            self.memory.write(self.name, handled)
+            self.write_day(self.name, handled)
             late = now - last[1]
             due = Due(late, is_missed=late > max(self.catch_up, LONGEST_NAP))
         self._next = self._first_after(handled, now)

@@ -172,13 +172,11 @@ class Schedule:
         shown = "" if not seconds else f" {offset if isinstance(offset, str) else f'{seconds:+g} s'}"
         return self._add_wall(times, f"{event}{shown}", handler, name, catch_up, mode, spread)
 
-    def read(self, name: str) -> date | None:
-        """Return the day of the last call of the job *name*."""
+    def _read_day(self, name: str) -> date | None:
         kept = self._kept(_DAYS).get(name)
         return None if kept is None else date.fromisoformat(kept)
 
-    def write(self, name: str, day: date) -> None:
-        """Remember the day of the last call of the job *name*."""
+    def _write_day(self, name: str, day: date) -> None:
         self._keep(_DAYS, name, day.isoformat())
 
     def _add_wall(
@@ -193,7 +191,7 @@ class Schedule:
     ) -> Job:
         late = _catch_up(catch_up)
         facts = self._facts(self._name(name, handler, text), text, handler, mode)
-        return self._add(WallJob(facts, times, self, late, jitter))
+        return self._add(WallJob(facts, times, self._read_day, self._write_day, late, jitter))
 
     def _interval(
         self,

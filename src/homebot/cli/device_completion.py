@@ -69,7 +69,7 @@ def _names(words: Sequence[str]) -> list[str]:
     address = door_of(parser.parse_known_args(words[:-1])[0])
     begin = _unquoted(words[-1])
     devices: list[dict[str, Any]] = []  # as they come
-    with open_door(address.host, address.port, address.token) as door:
+    with open_door(address) as door:
         while page := cast("list[dict[str, Any]]", door.call(LIST_DEVICES, {"offset": len(devices)})["devices"]):
             devices += page
             if len(devices) >= _MOST:

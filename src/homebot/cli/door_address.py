@@ -45,7 +45,7 @@ class DoorAddress(NamedTuple):
 
     host: str
     port: int
-    token: str
+    token: str = ""
     source: str = ""
     home: str = ""
 

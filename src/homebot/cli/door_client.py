@@ -73,7 +73,7 @@ def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
         HomebotError: No answer came, the server refuses us, or the command failed.
     """
     address = door_of(options)
-    with open_door(address.host, address.port, address.token, address.source) as door:
+    with open_door(address) as door:
         _check_home(door, address)
         if options.acts and door.home and sys.stderr.isatty():
             print(f"in {door.home} on {door.where}", file=sys.stderr)
@@ -93,29 +93,26 @@ def _check_home(door: DoorClient, address: DoorAddress) -> None:
 
 
 @contextmanager
-def open_door(host: str, port: int, token: str = "", source: str = "") -> Iterator[DoorClient]:
-    """Connect to the homebot that listens on *host* and *port*.
-
-    Args:
-        token: The token to show; empty for none.
-        source: The file that names the address, for errors; empty for none.
+def open_door(address: DoorAddress) -> Iterator[DoorClient]:
+    """Connect to the homebot that listens at *address*.
 
     Raises:
         LinkError: No answer came from there, or it is no homebot.
         RefusedError: The server wants another token, or refuses us.
     """
+    host, port = address.host, address.port
     where = f"{f'[{host}]' if ':' in host else host}:{port}"
     try:
         connection = socket.create_connection((host, port), _OPEN_TIMEOUT)
     except OSError as exc:
-        by = f", which {source} names" if source else ""
+        by = f", which {address.source} names" if address.source else ""
         if isinstance(exc, socket.gaierror):
             raise LinkError(f"no homebot is running on {where}{by}: {connect_problem(exc)}") from exc
         raise LinkError(f"no homebot is running on {where}{by}; start one with `homebot run`") from exc
     with connection:
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         client = DoorClient(connection, where)
-        client.shake_hands(token)
+        client.shake_hands(address.token)
         try:
             yield client
         finally:

@@ -8,7 +8,6 @@ twice. Python's cache of compiled files is not read: it takes two saves within a
 from __future__ import annotations
 
 import importlib
-import importlib.util
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -61,7 +60,7 @@ class FreshCode:
         plugins.check_file(file, name)
         module_name = plugins.module_name_of(file.resolve())
         plugins.look_in(file.resolve().parent)
-        return self._load(name, module_name, class_name, lambda: _run_file(module_name, file.resolve()))
+        return self._load(name, module_name, class_name, lambda: plugins.run_file(module_name, file.resolve()))
 
     def _load(self, name: str, module_name: str, class_name: str | None, run: Callable[[], ModuleType]) -> type[Any]:
         self._take_out(module_name)
@@ -73,7 +72,11 @@ class FreshCode:
                 raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - one way back for all
         except (Exception, SystemExit) as exc:
             self.restore()
-            raise exc if isinstance(exc, PluginError) else PluginError(name, _problem(exc)) from exc
+            raise (
+                exc
+                if isinstance(exc, PluginError)
+                else PluginError(name, f"cannot be loaded: {plugins.error_text(exc)}")
+            ) from exc
         return kind
 
     def restore(self) -> None:
@@ -108,22 +111,9 @@ def _modules_of(prefix: str) -> tuple[str, ...]:
     return tuple(name for name in sys.modules if name == prefix or name.startswith(f"{prefix}."))
 
 
-def _problem(error: Exception | SystemExit) -> str:
-    return f"cannot be loaded: {plugins.error_text(error)}"
-
-
 def _import(name: str) -> ModuleType:
     importlib.invalidate_caches()
     return importlib.import_module(name)
-
-
-def _run_file(name: str, file: Path) -> ModuleType:
-    spec = importlib.util.spec_from_file_location(name, file)
-    assert spec is not None  # noqa: S101 - for the type checker: it has a loader
-    assert spec.loader is not None  # noqa: S101 - likewise
-    module = sys.modules[name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @contextmanager

@@ -227,7 +227,9 @@ class Runtime:
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
         self._network_services = main.create_publisher(NetworkService, NETWORK_SERVICES, NETWORK_SERVICES_QOS)
         await self._start_services(stack)
-        gateways = tuple(self._resolved(gateway) for gateway in self._plan.gateways)
+        gateways = tuple(
+            replace(one, settings=one.kind.resolve(one.settings, self._context)) for one in self._plan.gateways
+        )
         await to_thread.run_sync(read_zone, self._plan.home_settings.zone)
         await self.app_host.read_stores(main)
         stack.push_async_callback(self.app_host.close_stores)
@@ -284,9 +286,6 @@ class Runtime:
                 running[service.kind] = await stack.enter_async_context(service.start(self.graph, self._clock))
         plugins = frozenset(str(table.get("class", name)) for name, table in self.config.gateways.items())
         self._context = replace(self._context, services=running, gateways=plugins)
-
-    def _resolved(self, gateway: PlannedComponent[Gateway]) -> PlannedComponent[Gateway]:
-        return replace(gateway, settings=gateway.kind.resolve(gateway.settings, self._context))
 
     async def _gateway(self, component: PlannedComponent[Gateway], *, task_status: TaskStatus[None]) -> None:
         async with self._gateway_node(self.graph, component.name) as node:
