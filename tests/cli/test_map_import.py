@@ -22,7 +22,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Point, Pose, Quaternion
 from homebot.messages.json import message_to_json
 from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.places import read_places
 
 ROOMS = {

@@ -12,7 +12,7 @@ from homebot.devices.robot_owners import RobotOwners
 from homebot.errors import UsageError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 
 ONE = RobotOwners({"rosie": ()})

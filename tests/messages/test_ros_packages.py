@@ -88,7 +88,7 @@ def test_a_service_is_of_its_package(name: str) -> None:
     assert service.Response.ros_type.startswith(f"{name.partition('/')[0]}/srv/")
 
 
-@pytest.mark.parametrize("name", ["cdr/Message", "../graph/Node", "std_msgs.values/Bool", "std_msgs/../Bool", "Bool"])
+@pytest.mark.parametrize("name", ["cdr/Message", "../graph/Node", "std_msgs.Bool/Bool", "std_msgs/../Bool", "Bool"])
 def test_no_other_module_or_file_is_loaded_for_a_name(name: str) -> None:
     with pytest.raises(UnknownTypeError):
         find_message(name)

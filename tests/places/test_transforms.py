@@ -11,7 +11,7 @@ import pytest
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.places.transforms import (
     MAX_DEPTH,
     ConnectivityException,

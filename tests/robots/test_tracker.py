@@ -34,7 +34,7 @@ from homebot.messages.geometry_msgs import (
 )
 from homebot.messages.message import Message
 from homebot.messages.nav_msgs import Odometry
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places import HousePlan, HouseRoom
 from homebot.robots.settings import RobotSettings

@@ -28,7 +28,7 @@ from homebot.messages.geometry_msgs import Point, Pose, PoseStamped, PoseWithCov
 from homebot.messages.interfaces import find_action, find_message
 from homebot.messages.message import Message
 from homebot.messages.nav_msgs import OccupancyGrid
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.mqtt.clients import HostedBroker
 from homebot.mqtt.memory_broker import MemoryBroker

@@ -26,7 +26,7 @@ from homebot.messages.geometry_msgs import (
 )
 from homebot.messages.interfaces import find_message
 from homebot.messages.nav_msgs import MapMetaData, OccupancyGrid
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.rigid import MapPose
 

@@ -5,7 +5,7 @@ from typing import Annotated, TypeAlias
 from pydantic import Field
 
 from homebot.messages.message import Float64Array, Message
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.text_messages import text_messages
 
 __all__ = [

@@ -3,7 +3,7 @@
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Pose, PoseWithCovariance, TwistWithCovariance
 from homebot.messages.message import Float32, Int8Array, Message, UInt32
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.text_messages import text_messages
 
 __all__ = ["MapMetaData", "OccupancyGrid", "Odometry"]

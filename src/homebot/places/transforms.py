@@ -14,7 +14,7 @@ from typing import NamedTuple, final
 from homebot.errors import HomebotError
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.geometry_msgs import Quaternion, Transform, TransformStamped, Vector3
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.places.rigid import IDENTITY, Rigid
 
 __all__ = [

@@ -23,7 +23,7 @@ from homebot.log import LogLimit
 from homebot.messages.geometry_msgs import Pose, PoseStamped, PoseWithCovarianceStamped
 from homebot.messages.message import Message
 from homebot.messages.nav_msgs import Odometry
-from homebot.messages.std_msgs.header import Header
+from homebot.messages.std_msgs import Header
 from homebot.messages.tf2_msgs import TFMessage
 from homebot.places.rigid import MapPose
 from homebot.places.transforms import TransformException

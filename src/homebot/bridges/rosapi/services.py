@@ -13,7 +13,6 @@ from pydantic import create_model
 
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosapi import parameters
-from homebot.bridges.rosapi.typedefs import TypeDef, typedefs_of
 from homebot.bridges.rosbridge.types import (
     define_type,
     find_action_type,
@@ -26,7 +25,7 @@ from homebot.devices.access_messages import DefineType
 from homebot.devices.names import DEFINE_TYPE
 from homebot.graph import EntityKind, Graph, Node
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.definition import definition_text
+from homebot.messages.definition import FieldDefinition, definition_text, fields_of, nested_types
 from homebot.messages.message import Int32, Message, ServiceType, UInt8, UInt32
 from homebot.names import absolute_name, is_hidden
 
@@ -34,6 +33,8 @@ __all__ = ["RosApi"]
 
 _Answer: TypeAlias = Mapping[str, object]
 _Answerer: TypeAlias = Callable[[Graph, Any], object]
+
+_EXAMPLES: Final = {"bool": "False", "string": "", "wstring": "", "float32": "0.0", "float64": "0.0"}
 
 
 class TimeOfBothKinds(Message):
@@ -43,6 +44,28 @@ class TimeOfBothKinds(Message):
     nanosec: UInt32
     secs: Int32
     nsecs: UInt32
+
+
+class TypeDef(Message, ros_type="rosapi_msgs/msg/TypeDef"):
+    """The fields of a message type.
+
+    Attributes:
+        type: Its name, as ``package/Name``.
+        fieldnames: Its fields.
+        fieldtypes: The fields' types; of one element where the field is an array.
+        fieldarraylen: -1 for one value, 0 for any number of values, else exactly that many.
+        examples: A value of each field, as text.
+        constnames: Its constants.
+        constvalues: Their values, as text.
+    """
+
+    type: str
+    fieldnames: tuple[str, ...]
+    fieldtypes: tuple[str, ...]
+    fieldarraylen: tuple[Int32, ...]
+    examples: tuple[str, ...]
+    constnames: tuple[str, ...]
+    constvalues: tuple[str, ...]
 
 
 def _topics(graph: Graph, _request: Message) -> _Answer:
@@ -90,9 +113,39 @@ def _typedefs(find: Callable[[Graph, str], Any], part: str = "") -> _Answerer:
 
     def answer(graph: Graph, request: Any) -> tuple[TypeDef, ...]:
         found = find(graph, request.type)
-        return typedefs_of(getattr(found, part) if part else found)
+        message_type: type[Message] = getattr(found, part) if part else found
+        return tuple(_typedef(one) for one in (message_type, *nested_types(message_type)))
 
     return answer
+
+
+def _typedef(message_type: type[Message]) -> TypeDef:
+    fields = fields_of(message_type)
+    constants = {name: str(value) for name, value in vars(message_type).items() if name.isupper()}
+    return TypeDef(
+        type=_short(message_type.ros_type),
+        fieldnames=tuple(field.name for field in fields),
+        fieldtypes=tuple(_short(field.ros_type) for field in fields),
+        fieldarraylen=tuple(_array_length(field) for field in fields),
+        examples=tuple(_example(field) for field in fields),
+        constnames=tuple(constants),
+        constvalues=tuple(constants.values()),
+    )
+
+
+def _short(ros_type: str) -> str:
+    package, slash, rest = ros_type.partition("/")
+    return f"{package}{slash}{rest.rpartition('/')[2]}"
+
+
+def _array_length(field: FieldDefinition) -> int:
+    return -1 if not field.is_array else field.size or 0
+
+
+def _example(field: FieldDefinition) -> str:
+    if field.is_array:
+        return "[]"
+    return "{}" if field.message is not None else _EXAMPLES.get(field.ros_type, "0")
 
 
 def _node_details(graph: Graph, request: Any) -> _Answer:

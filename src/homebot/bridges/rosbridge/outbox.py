@@ -7,10 +7,11 @@ is cut off.
 
 from __future__ import annotations
 
-import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Protocol, final
+
+import anyio
 
 from homebot.bridges.rosbridge.packing import PLAIN, Packing
 from homebot.bridges.turns import ServerTurns
@@ -54,8 +55,8 @@ class Outbox:
         self._waiting = 0
         self._frames = 0
         self._sources: dict[MessageSource, None] = {}
-        self._arrival: asyncio.Future[None] | None = None
-        self._rooms: deque[asyncio.Future[None]] = deque()
+        self._arrival = anyio.Event()
+        self._room = anyio.Event()
 
     @property
     def has_room(self) -> bool:
@@ -69,20 +70,18 @@ class Outbox:
             return
         self._answers.append((frame, packing))
         self._waiting += len(frame)
-        self._wake()
+        self._arrival.set()
 
     def ready(self, source: MessageSource) -> None:
         """Register that *source* has a frame to send."""
         if source not in self._sources:
             self._sources[source] = None
-            self._wake()
+            self._arrival.set()
 
     async def room(self) -> None:
         """Wait until the client has taken enough of its answers."""
         while not self.has_room:
-            waiter: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-            self._rooms.append(waiter)
-            await waiter
+            await self._room.wait()
 
     async def run(self) -> None:
         """Send until cancelled.
@@ -92,7 +91,8 @@ class Outbox:
         """
         while True:
             while not self._answers and not self._sources:
-                await self._something()
+                self._arrival = anyio.Event()
+                await self._arrival.wait()
             await self._turns.turn()
             if self._answers:
                 await self._send_answer()
@@ -114,10 +114,9 @@ class Outbox:
             await self._send_text(text, packing)
         finally:
             self._waiting -= len(text)
-        while self._rooms and self.has_room:
-            waiter = self._rooms.popleft()
-            if not waiter.done():
-                waiter.set_result(None)
+        if self.has_room:
+            self._room.set()
+            self._room = anyio.Event()
 
     async def _send_text(self, text: str, packing: Packing) -> None:
         self._frames += 1
@@ -125,14 +124,3 @@ class Outbox:
             if number:
                 await self._turns.turn()
             await self._send(part)
-
-    async def _something(self) -> None:
-        self._arrival = arrival = asyncio.get_running_loop().create_future()
-        try:
-            await arrival
-        finally:
-            self._arrival = None
-
-    def _wake(self) -> None:
-        if self._arrival is not None and not self._arrival.done():
-            self._arrival.set_result(None)

@@ -31,6 +31,7 @@ class _SentGoal:
 
     def __init__(self, op: SendActionGoal, client: ActionClient[Any, Any, Any]) -> None:
         self.op = op
+        self.key: object = self if op.id is None else op.id
         self.client = client
         self.goal: ClientGoal[Any, Any] | None = None
         self.is_unwanted = False
@@ -72,7 +73,7 @@ class SentGoals:
         if name not in self._clients:
             self._clients[name] = ActionClient(self._node, action_type, name)
         sent = _SentGoal(op, self._clients[name])
-        self._goals[sent if op.id is None else op.id] = sent
+        self._goals[sent.key] = sent
         self._tasks.start_soon(self._run, sent, request)
 
     def cancel(self, op: ActionOperation) -> None:
@@ -120,7 +121,7 @@ class SentGoals:
         except HomebotError as exc:
             frame = failure_frame(op, str(exc), int(status))
         finally:
-            self._goals.pop(sent if op.id is None else op.id, None)
+            self._goals.pop(sent.key, None)
             if not any(one.client is client for one in self._goals.values()):
                 self._clients.pop(client.action_name, None)
                 client.close()
@@ -128,7 +129,7 @@ class SentGoals:
 
     def _forward(self, sent: _SentGoal, feedback: Message) -> None:
         op = sent.op
-        if self._goals.get(sent if op.id is None else op.id) is not sent:
+        if self._goals.get(sent.key) is not sent:
             return
         if self._outbox.has_room:
             frame = frame_text("action_feedback", op.id, {"action": op.action}, values=message_to_text(feedback))

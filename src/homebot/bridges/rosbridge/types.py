@@ -75,13 +75,11 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
         PeerError: There is no such topic and the type is empty or unknown.
     """
     carried = graph.get_message_type(topic)
-    if carried is None:
-        if not ros_type:
-            raise PeerError(f"there is no topic {topic} yet, so its type must be given")
-        return find_message_type(graph, ros_type)
-    if ros_type:
+    if carried is not None:
         _check(f"topic {topic} carries", carried.ros_type, ros_type)
-    return carried
+    elif not ros_type:
+        raise PeerError(f"there is no topic {topic} yet, so its type must be given")
+    return carried or find_message_type(graph, ros_type)
 
 
 def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[Any, Any]:
@@ -92,10 +90,9 @@ def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[An
         PeerError: The type is unknown.
     """
     used = graph.get_service_type(service)
-    if used is None:
-        return find_service_type(graph, ros_type)
-    _check(f"service {service} is a", used.ros_type, ros_type)
-    return used
+    if used is not None:
+        _check(f"service {service} is a", used.ros_type, ros_type)
+    return used or find_service_type(graph, ros_type)
 
 
 def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
@@ -106,11 +103,9 @@ def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, 
         PeerError: The type is unknown.
     """
     used = graph.get_action_type(action)
-    if used is None:
-        return find_action_type(graph, ros_type)
-    if ros_type:
+    if used is not None:
         _check(f"action {action} is a", used.ros_type, ros_type)
-    return used
+    return used or find_action_type(graph, ros_type)
 
 
 def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
@@ -150,7 +145,7 @@ def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
 
 
 def _check(subject: str, used: str, ros_type: str) -> None:
-    if not same_type(used, ros_type):
+    if ros_type and not same_type(used, ros_type):
         article = "a " if subject.endswith(" a") else ""
         raise TypeMismatchError(f"{subject} {used}, not {article}{ros_type}")
 

@@ -6,7 +6,6 @@ An action NAME is five hidden endpoints below ``NAME/_action``: the services ``s
 
 from homebot.graph.actions.action_client import ActionClient, ClientGoal
 from homebot.graph.actions.action_server import ActionServer, Preemption
-from homebot.graph.actions.goal_state import GoalState
-from homebot.graph.actions.server_goal import ServerGoal
+from homebot.graph.actions.goals import GoalState, ServerGoal
 
 __all__ = ["ActionClient", "ActionServer", "ClientGoal", "GoalState", "Preemption", "ServerGoal"]

@@ -12,7 +12,7 @@ from functools import partial
 from typing import Any, Generic, TypeAlias
 
 from homebot.errors import ClosedError, GoalAbortedError, GoalCanceledError, GoalRejectedError
-from homebot.graph.actions.goal_state import GoalState, endpoint_name
+from homebot.graph.actions.goals import GoalState, endpoint_name
 from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.node import Node

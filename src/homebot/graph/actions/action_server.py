@@ -14,8 +14,7 @@ from typing import Any, Final, Generic
 
 import anyio
 
-from homebot.graph.actions.goal_state import GoalState, endpoint_name
-from homebot.graph.actions.server_goal import ServerGoal, check_type
+from homebot.graph.actions.goals import GoalState, ServerGoal, check_type, endpoint_name
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.node import Node
 from homebot.graph.qos import qos_profile_latched

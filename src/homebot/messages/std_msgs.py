@@ -1,9 +1,20 @@
-"""ROS ``std_msgs`` of one value each."""
+"""ROS ``std_msgs``: one value each, and the header of others; the rest of the package is made of its text."""
 
 from homebot.messages import message as fields
+from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
+from homebot.messages.text_messages import text_messages
 
-__all__ = ["Bool", "Empty", "Float32", "Float64", "Int32", "Int64", "String", "UInt8"]
+__all__ = ["Bool", "Empty", "Float32", "Float64", "Header", "Int32", "Int64", "String", "UInt8"]
+
+__getattr__ = text_messages("std_msgs")
+
+
+class Header(Message, ros_type="std_msgs/msg/Header"):
+    """The time and place to which the other fields of a message belong."""
+
+    stamp: Time
+    frame_id: str
 
 
 class String(Message, ros_type="std_msgs/msg/String"):

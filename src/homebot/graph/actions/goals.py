@@ -1,24 +1,60 @@
-"""A goal at its server."""
+"""Goals of an action: their states, and a goal at its server.
+
+Source: ROS 2, rcl_action ``goal_state_machine.c`` and ``names.c``, action_msgs/GoalStatus.
+"""
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from enum import IntEnum
+from typing import Final, Generic, TypeVar
 
 import anyio
 
 from homebot.errors import TypeMismatchError, UsageError
-from homebot.graph.actions.goal_state import GoalState
 from homebot.messages.action import ActionType, FeedbackT, GoalT, ResultT
 from homebot.messages.action_msgs import GoalInfo
 from homebot.messages.definition import zero_message
 from homebot.messages.message import Message
 from homebot.messages.unique_identifier_msgs import UUID
 
-__all__ = ["ServerGoal", "check_type"]
+__all__ = ["GoalState", "ServerGoal", "check_type", "endpoint_name"]
 
 MessageT = TypeVar("MessageT", bound=Message)
+
+
+class GoalState(IntEnum):
+    """The state of a goal, by the numbers of ``action_msgs/msg/GoalStatus``."""
+
+    UNKNOWN = 0
+    ACCEPTED = 1
+    EXECUTING = 2
+    CANCELING = 3
+    SUCCEEDED = 4
+    CANCELED = 5
+    ABORTED = 6
+
+    @property
+    def is_terminal(self) -> bool:
+        """True if the goal has ended."""
+        return self >= GoalState.SUCCEEDED
+
+    def can_become(self, state: GoalState) -> bool:
+        """Return whether *state* may follow."""
+        return state in _NEXT.get(self, ())
+
+
+_NEXT: Final = {
+    GoalState.ACCEPTED: (GoalState.EXECUTING, GoalState.CANCELING),
+    GoalState.EXECUTING: (GoalState.CANCELING, GoalState.SUCCEEDED, GoalState.ABORTED),
+    GoalState.CANCELING: (GoalState.SUCCEEDED, GoalState.CANCELED, GoalState.ABORTED),
+}
+
+
+def endpoint_name(action: str, endpoint: str) -> str:
+    """Return the full name of one of the five endpoints of *action*."""
+    return f"{action}/_action/{endpoint}"
 
 
 class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
