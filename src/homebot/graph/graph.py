@@ -194,11 +194,7 @@ class Graph:
                     yield change.entity.name
 
     def add_node(self, node: Node) -> None:
-        """Add *node*.
-
-        Raises:
-            DuplicateNameError: The name is used.
-        """
+        """Add *node*, or raise DuplicateNameError if the name is used."""
         if node.full_name in self._nodes:
             raise DuplicateNameError(f"a node {node.full_name} is already running; give one of the two another name")
         self._nodes[node.full_name] = node

@@ -40,11 +40,7 @@ class Topic:
         return not self.publishers and not self.subscriptions
 
     def check_type(self, message_type: type[Message], node: str) -> None:
-        """Refuse a second type on the topic.
-
-        Raises:
-            TypeMismatchError: *message_type* is not the topic's.
-        """
+        """Refuse a second type on the topic."""
         if message_type is not self.message_type:
             raise TypeMismatchError(
                 f"{node} uses {self.name} with {message_type.ros_type}, but it carries {self.message_type.ros_type}"

@@ -193,11 +193,7 @@ class TransformBuffer:
         return above
 
     def _latest_common(self, target: str, source: str) -> int:
-        """Return the newest time at which all transforms between two frames are known; 0 if all are static.
-
-        Raises:
-            ConnectivityException: The frames are not part of one tree.
-        """
+        """Return the newest time at which all transforms between two frames are known; 0 if all are static."""
         above_target, above_source = set(self._walk(target)[0]), set(self._walk(source)[0])
         if above_target.isdisjoint(above_source):
             raise _unconnected(target, source)
@@ -206,12 +202,7 @@ class TransformBuffer:
         return min(filter(None, stamps), default=0)
 
     def _between(self, target: str, source: str, time: int) -> Rigid:
-        """Return the transform of points of *source* into *target*.
-
-        Raises:
-            ExtrapolationException: A transform on the way is not known at that time.
-            ConnectivityException: The frames are not part of one tree at that time.
-        """
+        """Return the transform of points of *source* into *target*."""
         up, first_problem = self._walk(source, time)
         down, problem = self._walk(target, time)
         for frame, way in down.items():
@@ -254,11 +245,7 @@ def rigid_of(transform: Transform) -> Rigid:
 
 
 def _at(samples: Sequence[Sample], time: int) -> Sample:
-    """Return the transform at *time*, the newest for 0, one between two that have the same parent.
-
-    Raises:
-        ExtrapolationException: It would have to be guessed.
-    """
+    """Return the transform at *time*, the newest for 0, one between two that have the same parent."""
     first, last = samples[0].stamp, samples[-1].stamp
     if not time:
         return samples[-1]

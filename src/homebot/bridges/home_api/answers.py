@@ -88,11 +88,7 @@ async def device_details(home: HomeCalls, asked: shapes.DeviceQuestion) -> shape
 
 
 async def command(home: HomeCalls, asked: shapes.CommandQuestion) -> shapes.OutcomeAnswer:
-    """Command one device, and return the outcome.
-
-    Raises:
-        ProblemError: There is no such device, there are several, or the client has no right to it.
-    """
+    """Command one device, and return the outcome."""
     device, target = await meant_device(home, asked.device)
     found = await home.call(names.COMMAND_DEVICES, {"target": target, "command": asked.do})
     answer = cast("CommandDevicesResponse", found)

@@ -88,11 +88,7 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:
-    """Return the ids of the first devices that fit the query *text*.
-
-    Raises:
-        ProblemError: There is none, with similar ones named.
-    """
+    """Return the ids of the first devices that fit the query *text*."""
     answer = await listed(home, query=text, limit=_MOST_NAMED)
     if not answer.success:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)
@@ -104,11 +100,7 @@ async def _fitting(home: HomeCalls, text: str) -> list[str]:
 
 
 async def listed(home: HomeCalls, *, query: str = "", **request: object) -> ListDevicesResponse:
-    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short.
-
-    Raises:
-        UsageError: *query* is no query.
-    """
+    """Return the devices that fit the fields of a :class:`homebot.devices.services.ListDevicesRequest`, in short."""
     parse_query(query)
     request["query"] = query
     return cast("ListDevicesResponse", await home.call(LIST_DEVICES, request))

@@ -197,11 +197,7 @@ class ClientAccess:
             )
 
     def _right_to_publish(self, name: str) -> Right:
-        """Return the right to publish that the client needs; that to be the robot of *name* is checked.
-
-        Raises:
-            MissingRightError: It is a robot's that the client may not be.
-        """
+        """Return the right to publish that the client needs; that to be the robot of *name* is checked."""
         right = right_to_publish(name)
         robot = self.owners.of_topic(name)
         if right is Right.RAW or robot is None:

@@ -42,14 +42,7 @@ class ProvidedActions:
         self._goals = 0
 
     def advertise(self, op: AdvertiseAction) -> None:
-        """Offer an action of the client; the same once more is fine.
-
-        Raises:
-            InvalidNameError: The name is illegal.
-            DuplicateNameError: Another node serves it.
-            TypeMismatchError: It is of another type.
-            PeerError: The type is unknown.
-        """
+        """Offer an action of the client; the same once more is fine."""
         name = self._node.resolve_name(op.action, "action name")
         action_type = action_type_of(self._node.graph, name, op.type)
         create = partial(ActionServer[Any, Any, Any], on_goal=lambda _: self._has_room(), on_cancel=self._cancel)
@@ -57,21 +50,12 @@ class ProvidedActions:
         self._provisions.add(_key(name), lambda: create(self._node, action_type, name, execute))
 
     def unadvertise(self, op: ActionOperation) -> None:
-        """Withdraw an action; its goals are aborted.
-
-        Raises:
-            PeerError: The client does not serve it.
-        """
+        """Withdraw an action; its goals are aborted."""
         if not self._provisions.remove(_key(self._node.resolve_name(op.action, "action name"))):
             raise PeerError(f"action {op.action} is not served by this client")
 
     def publish_feedback(self, op: ActionFeedback) -> None:
-        """Publish feedback of a goal; that of an ended one is ignored.
-
-        Raises:
-            TypeMismatchError: The values do not fit the action.
-            PeerError: The goal is none of this client's.
-        """
+        """Publish feedback of a goal; that of an ended one is ignored."""
         running = self._find(op)
         if running is not None:
             feedback_type = running.goal.action_type.Feedback

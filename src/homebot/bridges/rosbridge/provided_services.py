@@ -28,14 +28,7 @@ class ProvidedServices:
         self._calls = 0
 
     def advertise(self, op: AdvertiseService) -> None:
-        """Offer a service of the client; the same once more is fine, and one of its older connection is taken over.
-
-        Raises:
-            InvalidNameError: The name is illegal.
-            DuplicateNameError: Another node serves it.
-            TypeMismatchError: It is of another type.
-            PeerError: The type is unknown.
-        """
+        """Offer a service of the client; the same once more is fine, and one of its older connection is taken over."""
         name = self._node.resolve_name(op.service, "service name")
         service_type = service_type_of(self._node.graph, name, op.type)
         ask = partial(self._ask, op.service, service_type)
@@ -43,20 +36,12 @@ class ProvidedServices:
         self._provisions.add(name, lambda: create(service_type, name, ask))
 
     def unadvertise(self, op: ServiceOperation) -> None:
-        """Withdraw a service; calls under way fail.
-
-        Raises:
-            PeerError: The client does not provide it.
-        """
+        """Withdraw a service; calls under way fail."""
         if not self._provisions.remove(self._node.resolve_name(op.service, "service name")):
             raise PeerError(f"service {op.service} is not provided by this client")
 
     def answer(self, op: ServiceResponse) -> None:
-        """Take the client's answer to a call.
-
-        Raises:
-            PeerError: No call waits for it.
-        """
+        """Take the client's answer to a call."""
         pending = self._pending.get(str(op.id))
         if pending is None or pending.done():
             raise PeerError(f"no call of {op.service} with the id {op.id!r} is waiting for a response")

@@ -92,21 +92,11 @@ class Publications:
         return topic in self._topics
 
     def advertise(self, op: Advertise) -> None:
-        """Take up a topic; once more under another id is fine.
-
-        Raises:
-            InvalidNameError: The name is illegal.
-            TypeMismatchError: The topic carries another type.
-            PeerError: The type is unknown.
-        """
+        """Take up a topic; once more under another id is fine."""
         self._open(op.topic, op.type, latched=op.latch).ids.add(op.id)
 
     def unadvertise(self, op: TopicOperation) -> None:
-        """Give a topic up.
-
-        Raises:
-            PeerError: The client does not publish on it.
-        """
+        """Give a topic up."""
         publication = self._topics.get(op.topic)
         if publication is None:
             raise PeerError(f"topic {op.topic} was not advertised by this client")
@@ -119,11 +109,6 @@ class Publications:
 
         A topic that exists need not be advertised. On homebot's own topics a message has to have all fields. Of a
         stream that nobody reads ten messages a second are checked.
-
-        Raises:
-            TypeMismatchError: The message does not fit the topic.
-            PeerError: There is no such topic.
-            MissingRightError: The message is of a robot that the client may not be.
         """
         publication = self._topics.get(op.topic)
         if publication is None:

@@ -54,13 +54,7 @@ class SentGoals:
         return len(self._goals)
 
     def send(self, op: SendActionGoal) -> None:
-        """Send a goal; its result is answered later.
-
-        Raises:
-            InvalidNameError: The name of the action is illegal.
-            PeerError: There is no such action, or the client has too many goals.
-            TypeMismatchError: The action is of another type, or the goal does not fit it.
-        """
+        """Send a goal; its result is answered later."""
         if op.id is not None and op.id in self._goals:
             raise PeerError(f"a goal with the id {op.id!r} is under way already; its id is not answered twice")
         if len(self._goals) >= self._limit:
@@ -77,11 +71,7 @@ class SentGoals:
         self._tasks.start_soon(self._run, sent, request)
 
     def cancel(self, op: ActionOperation) -> None:
-        """Cancel a goal, at once or when it is accepted; its result says how it ended.
-
-        Raises:
-            PeerError: The client has no goal with this id.
-        """
+        """Cancel a goal, at once or when it is accepted; its result says how it ended."""
         sent = self._goals.get(op.id)
         if sent is None:
             raise PeerError(f"no goal of {op.action} with the id {op.id!r} is under way")

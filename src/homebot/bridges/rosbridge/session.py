@@ -84,6 +84,7 @@ class ClientSession:
         self._provisions = Provisions(client.access.name, shared.providers, self._report_taken)
         self._services = services = ProvidedServices(shared, self._outbox, self._provisions)
         self._goals: SentGoals | None = None
+        # Each raises a HomebotError to refuse its operation; the client is told why.
         self._handlers: dict[str, Callable[[Any], object]] = {
             "advertise": self._publications.advertise,
             "unadvertise": self._publications.unadvertise,

@@ -47,10 +47,6 @@ class Subscriptions:
 
         An unknown type is an error and a missing one a warning; in both cases messages come as soon as the topic
         is used.
-
-        Raises:
-            InvalidNameError: The name is illegal.
-            TypeMismatchError: The topic carries another type than the client expects.
         """
         full_name = self._node.resolve_name(op.topic)
         is_absent = self._node.graph.get_message_type(full_name) is None
@@ -65,12 +61,7 @@ class Subscriptions:
         return None
 
     def unsubscribe(self, op: TopicOperation) -> None:
-        """Stop sending a topic.
-
-        Raises:
-            InvalidNameError: The name is illegal.
-            PeerError: The client did not subscribe to it.
-        """
+        """Stop sending a topic."""
         full_name, feed = self._node.resolve_name(op.topic), self._feeds.get(op.topic)
         early = [key for key in self._early.get(full_name, ()) if key[0] == op.topic]
         if not early and feed is None:

@@ -4,6 +4,8 @@
 ``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none. A header without a stamp
 is of now, as is the header that a message itself lacks, and a time that is the text ``now``.
 
+A type that is unknown is a PeerError, and another one than the type in use a TypeMismatchError.
+
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 3.2.3; for ``now`` its ``message_conversion.py``.
 """
 
@@ -69,10 +71,6 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
 
     Args:
         ros_type: The type that the client expects; may be empty where the topic exists.
-
-    Raises:
-        TypeMismatchError: The topic carries another type.
-        PeerError: There is no such topic and the type is empty or unknown.
     """
     carried = graph.get_message_type(topic)
     if carried is not None:
@@ -83,12 +81,7 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
 
 
 def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[Any, Any]:
-    """Return the type that a new server of *service* has.
-
-    Raises:
-        TypeMismatchError: The service is of another type.
-        PeerError: The type is unknown.
-    """
+    """Return the type that a new server of *service* has."""
     used = graph.get_service_type(service)
     if used is not None:
         _check(f"service {service} is a", used.ros_type, ros_type)
@@ -96,12 +89,7 @@ def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[An
 
 
 def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
-    """Return the type that *action* has, or that a new server of it has.
-
-    Raises:
-        TypeMismatchError: The action is of another type.
-        PeerError: The type is unknown.
-    """
+    """Return the type that *action* has, or that a new server of it has."""
     used = graph.get_action_type(action)
     if used is not None:
         _check(f"action {action} is a", used.ros_type, ros_type)
@@ -109,11 +97,7 @@ def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, 
 
 
 def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
-    """Return the message type called *ros_type*, from those that topics of *graph* carry, or by its definition.
-
-    Raises:
-        PeerError: It is unknown; the message suggests similar names.
-    """
+    """Return the message type called *ros_type*, from those that topics of *graph* carry, or by its definition."""
     in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
     known = ((one.ros_type, one) for one in chain(in_use, inside))
@@ -213,9 +197,6 @@ def request_from_client(message_type: type[Message], value: Mapping[str, object]
     """Return the part of a service or action that *value* spells; what it lacks is zero or empty, as in ROS.
 
     One of homebot's own types has to be whole: it may be a command.
-
-    Raises:
-        TypeMismatchError: As :func:`message_from_client`, and :func:`partial_message_from_client`.
     """
     if message_type.ros_type.startswith("homebot/"):
         return message_from_client(message_type, value)

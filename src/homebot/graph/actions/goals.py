@@ -126,11 +126,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         self._end(GoalState.ABORTED, result)
 
     def canceled(self, result: ResultT | None = None) -> None:
-        """End the goal as CANCELED; see :meth:`succeed`.
-
-        Raises:
-            UsageError: No request to cancel it was accepted.
-        """
+        """End the goal as CANCELED, if a request for that was accepted; see :meth:`succeed`."""
         self._end(GoalState.CANCELED, result)
 
     # The methods below are for the server.
@@ -170,11 +166,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
 
 
 def check_type(message: MessageT | None, message_type: type[MessageT]) -> MessageT | None:
-    """Return *message* if it is of *message_type*, or None.
-
-    Raises:
-        TypeMismatchError: It is something else.
-    """
+    """Return *message* if it is of *message_type*, or None."""
     if message is None or type(message) is message_type:
         return message
     raise TypeMismatchError(f"expected a {message_type.ros_type}, got a {type(message).__name__}")
