@@ -15,11 +15,11 @@ from homebot.cli.main import main
 def test_a_new_folder_passes(tmp_path: Path) -> None:
     assert main(["new", str(tmp_path / "Hall-Light")]) == 0
     folder = tmp_path / "Hall-Light"
-    found = sorted(path.name for path in folder.iterdir())
-    assert found == ["hall_light.py", "hall_light.service", "homebot.toml", "house.toml", "test_hall_light.py"]
+    code = "hall_light.py", "hall_light.service", "test_hall_light.py"
+    assert {path.name for path in folder.iterdir()} == {*code, "homebot.toml", "house.toml", "pytest.ini"}
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, cwd=folder)
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert (done.returncode, done.stderr) == (0, ""), done.stdout
     unit = (folder / "hall_light.service").read_text()
     assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
 

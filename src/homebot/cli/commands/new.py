@@ -25,6 +25,7 @@ _EXAMPLES = """\
 _FILES: Final = {
     "app.py.template": "$module.py",
     "test.py.template": "test_$module.py",
+    "pytest.ini.template": "pytest.ini",
     "homebot.toml.template": "homebot.toml",
     "house.toml.template": "house.toml",
     "service.template": "$module.service",
