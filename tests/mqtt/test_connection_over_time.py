@@ -12,10 +12,9 @@ import pytest
 
 from homebot.errors import RefusedError
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
+from homebot.mqtt.connection import OFFLINE, ONLINE, ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.status import OFFLINE, ONLINE
 from homebot.support.backoff import REFUSED_BACKOFF
 
 pytestmark = pytest.mark.virtual_time

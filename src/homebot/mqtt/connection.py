@@ -10,11 +10,12 @@ from __future__ import annotations
 import enum
 import math
 from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from operator import attrgetter
 from random import Random
 from types import TracebackType
-from typing import NamedTuple, Self, final
+from typing import Final, NamedTuple, Self, final
 
 import anyio
 from anyio.abc import TaskGroup
@@ -22,17 +23,23 @@ from anyio.lowlevel import checkpoint
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import ClosedError, HomebotError, LinkError, RefusedError, UsageError
-from homebot.mqtt.client import MqttClient, MqttCounters, MqttSubscription, SessionGrant
+from homebot.mqtt.client import MqttClient, MqttSubscription, SessionGrant
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import Will
-from homebot.mqtt.status import OFFLINE, ONLINE, StatusPublisher
 from homebot.mqtt.subscriptions import SubscriptionSet
 from homebot.mqtt.topics import validate_filter
 from homebot.support.backoff import LINK_BACKOFF, REFUSED_BACKOFF, Backoff, BackoffCounter
 from homebot.support.logger import get_logger
 
-__all__ = ["ConnectionState", "LinkPhase", "MqttConnection"]
+__all__ = ["OFFLINE", "ONLINE", "ConnectionState", "LinkPhase", "MqttConnection"]
+
+ONLINE: Final = b"online"
+OFFLINE: Final = b"offline"
+"""The status of a client on its broker."""
+
+_OFFLINE_WITHIN = 1.0
+"""Seconds for the last "offline" at a clean close; the broker publishes it otherwise, as the will."""
 
 _STABLE = 5.0
 """A link that broke sooner than this many seconds counts as a failed try, so that a broker which throws us out right
@@ -93,6 +100,10 @@ class MqttConnection:
     Attributes:
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
         publish: Publishes; see `MqttClient.publish`. Raises LinkError at once while the link is down.
+        url: The broker's address, without user and password.
+        state: Current state of the connection.
+        counters: Messages received and dropped, over all links.
+        limits: Limits of the client, as text; see `MqttClient`.
     """
 
     def __init__(
@@ -111,37 +122,22 @@ class MqttConnection:
             status_topic = f"homebot/{options.client_id.replace('+', '_').replace('#', '_')}/status"
         if status_topic is not None and options.will is None:
             options = replace(options, will=Will(status_topic, OFFLINE, qos=1, retain=True))
-        self._url = options.url
+        self.url = options.url
+        self.status_topic = status_topic
         self._client = make_client(options)
-        self.ack = self._client.ack
-        self.publish = self._client.publish
-        self._status = StatusPublisher(self._client, status_topic, self._url)
+        self.ack, self.publish = self._client.ack, self._client.publish
+        self.counters, self.limits = self._client.counters, self._client.limits
         self._clock = LoopClock() if clock is None else clock
         self._retries = BackoffCounter(self._clock, random or Random())  # noqa: S311 - jitter is no secret
         self._link_backoff = link_backoff
         self._refused_backoff = refused_backoff
         self._standing = SubscriptionSet(self._client, is_paced=is_paced)
-        self._state = ConnectionState(LinkPhase.CLOSED)
+        self.state = ConnectionState(LinkPhase.CLOSED)
         self._changed = anyio.Event()
         self._tasks: TaskGroup | None = None
         self._links = 0
         self._protocol = ""
         self._made_again_at = -math.inf
-
-    @property
-    def url(self) -> str:
-        """The broker's address, without user and password."""
-        return self._url
-
-    @property
-    def status_topic(self) -> str | None:
-        """Topic for "online" and "offline"."""
-        return self._status.topic
-
-    @property
-    def state(self) -> ConnectionState:
-        """Current state of the connection."""
-        return self._state
 
     @property
     def refused(self) -> Mapping[str, str]:
@@ -157,24 +153,14 @@ class MqttConnection:
         """True if the broker of the last link drops expired messages (MQTT 5)."""
         return self._protocol == "5"
 
-    @property
-    def counters(self) -> MqttCounters:
-        """Messages received and dropped, over all links."""
-        return self._client.counters
-
-    @property
-    def limits(self) -> tuple[str, ...]:
-        """Limits of the client, as text; see `MqttClient.limits`."""
-        return self._client.limits
-
     async def states(self) -> AsyncIterator[ConnectionState]:
         """Yield the state now and each later one, until CLOSED; a slow reader misses some but never the latest."""
         seen: ConnectionState | None = None
         while True:
-            if self._state is seen:
+            if self.state is seen:
                 await self._changed.wait()
                 continue
-            seen = self._state
+            seen = self.state
             yield seen
             if seen.phase is LinkPhase.CLOSED:
                 return
@@ -186,11 +172,11 @@ class MqttConnection:
             RefusedError: The broker refused; the supervisor goes on trying, slowly.
             ClosedError: The connection is closed.
         """
-        while self._state.phase is not LinkPhase.CONNECTED:
-            if self._state.phase is LinkPhase.REFUSED:
-                raise RefusedError(f"the connection to {self._url}", self._state.reason)
-            if self._state.phase is LinkPhase.CLOSED:
-                raise ClosedError(f"the connection to {self._url} is closed")
+        while self.state.phase is not LinkPhase.CONNECTED:
+            if self.state.phase is LinkPhase.REFUSED:
+                raise RefusedError(f"the connection to {self.url}", self.state.reason)
+            if self.state.phase is LinkPhase.CLOSED:
+                raise ClosedError(f"the connection to {self.url} is closed")
             await self._changed.wait()
 
     async def require_peer(self, heard_at: float, answers: Callable[[], bool]) -> None:
@@ -204,13 +190,13 @@ class MqttConnection:
                 the peer was not heard since: it may not be back.
         """
         problem, since = "", self._made_again_at
-        if self._state.phase is not LinkPhase.CONNECTED:
+        if self.state.phase is not LinkPhase.CONNECTED:
             problem = "not connected"
         elif heard_at < since and self._clock.monotonic() - since < _BACK_WITHIN and not answers():
             problem = "the broker has just come back, and the device was not heard since"
         if problem:
             await checkpoint()  # as in publish
-            raise LinkError(f"{self._url}: {problem}")
+            raise LinkError(f"{self.url}: {problem}")
 
     async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
@@ -239,10 +225,8 @@ class MqttConnection:
     async def unsubscribe(self, *filters: str) -> None:
         """Take subscriptions back, now and for every later link."""
         self._standing.drop(filters)
-        try:
+        with suppress(LinkError):
             await self._standing.unsubscribe_from(filters)
-        except LinkError:
-            return
 
     async def receive(self) -> list[MqttMessage]:
         """Return all received messages in order, from any link; wait for the first.
@@ -255,16 +239,14 @@ class MqttConnection:
                 return await self._client.receive()
             except LinkError:
                 changed = self._changed
-                if self._state.phase is LinkPhase.CLOSED:
-                    raise ClosedError(f"the connection to {self._url} is closed") from None
+                if self.state.phase is LinkPhase.CLOSED:
+                    raise ClosedError(f"the connection to {self.url} is closed") from None
                 await changed.wait()
 
     async def announce_online(self) -> None:
         """Publish "online" again, as where another client of the same status topic left; nothing without a link."""
-        try:
-            await self._status.publish(ONLINE)
-        except LinkError:
-            return  # it is published on the next link
+        with suppress(LinkError):  # it is published on the next link
+            await self._publish_status(ONLINE)
 
     def drop(self) -> None:
         """Cut the link without a DISCONNECT, as a power failure does; the next try is made as after any loss."""
@@ -272,7 +254,7 @@ class MqttConnection:
 
     async def __aenter__(self) -> Self:
         if self._tasks is not None:
-            raise UsageError(f"the connection to {self._url} is already open")
+            raise UsageError(f"the connection to {self.url} is already open")
         self._tasks = anyio.create_task_group()
         await self._tasks.__aenter__()
         self._enter(LinkPhase.CONNECTING)
@@ -296,7 +278,7 @@ class MqttConnection:
     async def _supervise(self) -> None:
         try:
             while True:
-                self._enter(LinkPhase.CONNECTING, self._state.reason)
+                self._enter(LinkPhase.CONNECTING, self.state.reason)
                 delay = await self._try_once()
                 if delay > 0:
                     await anyio.sleep(delay)
@@ -318,14 +300,14 @@ class MqttConnection:
                     self._enter(LinkPhase.CONNECTED)
                     _log.debug(
                         "mqtt.connected",
-                        message=f"connected to {self._url} with MQTT {session.protocol}",
-                        broker=self._url,
+                        message=f"connected to {self.url} with MQTT {session.protocol}",
+                        broker=self.url,
                         protocol=session.protocol,
                         resumed=session.resumed,
                     )
                     reason = await self._client.wait_lost()
                 except anyio.get_cancelled_exc_class():
-                    await self._status.publish_offline()
+                    await self._publish_offline()
                     raise
         except (LinkError, RefusedError, UsageError) as error:  # UsageError: a certificate file
             reason = error
@@ -335,11 +317,30 @@ class MqttConnection:
         if refused := await self._standing.begin_link(resumed=session.resumed):
             _log.debug(
                 "mqtt.subscriptions_refused",
-                message=f"{self._url}: {_join(refused)}",
-                broker=self._url,
+                message=f"{self.url}: {_join(refused)}",
+                broker=self.url,
                 filters=list(refused),
             )
-        await self._status.publish(ONLINE)
+        await self._publish_status(ONLINE)
+
+    async def _publish_status(self, status: bytes) -> None:
+        """Publish *status*; a refusal is only logged: being visible is a courtesy, and all else still works."""
+        if self.status_topic is None:
+            return
+        try:
+            await self.publish(self.status_topic, status, qos=1, retain=True)
+        except RefusedError as error:
+            _log.warning(
+                "mqtt.status_refused",
+                message=f"{self.url}: cannot publish the status of homebot: {error}",
+                broker=self.url,
+                reason=error.reason,
+            )
+
+    async def _publish_offline(self) -> None:
+        """Publish "offline" at a clean close, also where it was cancelled; without a link the will is published."""
+        with anyio.CancelScope(shield=True), anyio.move_on_after(_OFFLINE_WITHIN), suppress(LinkError):
+            await self._publish_status(OFFLINE)
 
     def _plan(self, reason: HomebotError, up_since: float | None) -> float:
         refused = not isinstance(reason, LinkError)
@@ -353,22 +354,19 @@ class MqttConnection:
         if refused:
             phase, event = LinkPhase.REFUSED, "mqtt.refused"
         self._enter(phase, str(reason), delay)
-        self._report(event, reason, delay)
-        return delay
-
-    def _report(self, event: str, reason: HomebotError, delay: float) -> None:
         _log.debug(
             event,
             message=f"{reason}; next try {'at once' if delay == 0 else f'in {delay:.1f} s'}",
-            broker=self._url,
+            broker=self.url,
             reason=str(reason),
             retry_in=round(delay, 2),
         )
+        return delay
 
     def _enter(self, phase: LinkPhase, reason: str = "", retry_in: float | None = None) -> None:
         if phase is not LinkPhase.CONNECTED:
             self._standing.link_ended()
-        self._state = ConnectionState(phase, reason, retry_in)
+        self.state = ConnectionState(phase, reason, retry_in)
         self._changed.set()
         self._changed = anyio.Event()
 

@@ -6,7 +6,7 @@ come due as soon as nothing else is to be done.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from random import Random, SystemRandom
 from typing import Final, final
 
@@ -55,12 +55,11 @@ class MemoryBroker(EmbeddedBroker):
         limits: BrokerLimits | None = None,
         credentials: Mapping[str, str] | None = None,
         keep_alive: int | None = None,
-        refuse_filters: Collection[str] = (),
         policy: BrokerPolicy | None = None,
         random: Random | None = None,
     ) -> None:
         self._client_random = random or SystemRandom()
-        super().__init__(clock, limits, credentials, keep_alive, refuse_filters, policy, random=self._client_random)
+        super().__init__(clock, limits, credentials, keep_alive, policy, random=self._client_random)
         self._links: dict[MemoryLink, None] = {}
         self._dialled = 0
         self._empty = anyio.Event()

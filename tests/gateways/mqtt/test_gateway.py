@@ -22,7 +22,7 @@ from homebot.errors import LinkError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription, qos_profile_latched
 from homebot.messages import Time
-from homebot.mqtt.broker import Broker
+from homebot.mqtt.broker import Broker, RefusedFilters
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.connection import LinkPhase, MqttConnection
@@ -338,7 +338,7 @@ async def test_a_broker_that_refuses_subscriptions_is_told_in_one_line(
 ) -> None:
     """Connected is not enough to be well."""
     with capture_logs() as lines:
-        async with Broker(refuse_filters=refused) as broker, gateway_on(broker.url) as house:
+        async with Broker(policy=RefusedFilters(refused)) as broker, gateway_on(broker.url) as house:
             states = house.watcher.create_subscription(
                 GatewayState, "/gateway/mqtt/state", qos_profile=qos_profile_latched
             )

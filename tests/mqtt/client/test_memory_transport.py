@@ -217,12 +217,6 @@ async def test_too_many_links_are_turned_away(options: MqttOptions) -> None:
         assert len(strangers) == len(broker.links) == 2
 
 
-@pytest.mark.parametrize("bad", [{"keep_alive": 0}, {"policy": object(), "refuse_filters": ["a"]}])
-def test_what_cannot_be_is_refused(bad: dict[str, object]) -> None:
-    with pytest.raises(UsageError):
-        MemoryBroker(**bad)  # type: ignore[arg-type] # wrong on purpose
-
-
 def test_a_seed_fixes_the_packet_identifiers() -> None:
     """Without one they begin anywhere, so that a restarted process does not meet those of its predecessor."""
     first, again, other = (Requests(Random(seed), 1.0).new_id() for seed in (1, 1, 2))  # noqa: S311 - no secret

@@ -14,7 +14,7 @@ from homebot.cli.arguments import address, seconds, set_command
 from homebot.cli.serve import on_an_event_loop, serve
 from homebot.errors import InvalidNameError, UsageError
 from homebot.log import configure_logging
-from homebot.mqtt.broker import Broker
+from homebot.mqtt.broker import Broker, RefusedFilters
 from homebot.mqtt.broker.stats import loss_text
 from homebot.mqtt.certificate import load_certificate
 from homebot.mqtt.topics import validate_filter
@@ -117,7 +117,7 @@ def make_broker(options: argparse.Namespace) -> Broker:
         credentials=credentials,
         tls=_tls(options),
         keep_alive=options.keep_alive and math.ceil(options.keep_alive),
-        refuse_filters=options.refuse_filter,
+        policy=RefusedFilters(options.refuse_filter),
     )
 
 

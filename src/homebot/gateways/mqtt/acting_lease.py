@@ -19,9 +19,8 @@ from homebot.errors import HomebotError
 from homebot.gateways.base import Gateway
 from homebot.log import LogLimit
 from homebot.mqtt.client import MqttSubscription
-from homebot.mqtt.connection import ConnectionState, LinkPhase, MqttConnection
+from homebot.mqtt.connection import OFFLINE, ConnectionState, LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
-from homebot.mqtt.status import OFFLINE
 
 __all__ = ["ActingLease"]
 

@@ -7,7 +7,7 @@ its acknowledgements and pings are still handled, everything else waits in its o
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import ClassVar, Final, final
+from typing import Final, final
 
 from homebot.mqtt.broker.backpressure import Backpressure
 from homebot.mqtt.broker.filter_requests import FilterRequests
@@ -156,10 +156,28 @@ class ClientPackets:
             if slow:
                 self._holding.wait_for(slow)
         else:
-            handler = self._HANDLERS.get(type(packet))
-            if handler is None:
+            self._act_on_rare(packet)
+
+    def _act_on_rare(self, packet: Packet) -> None:
+        match packet:
+            case Pubrel():
+                self._inbound.release(packet)
+            case Pubrec():
+                self._taken(packet)
+            case Pubcomp():
+                self._session.completed(packet.packet_id)
+            case Pingreq():
+                self._outbound.send(Pingresp())
+            case Subscribe():
+                self._filters.subscribe(packet)
+            case Unsubscribe():
+                self._filters.unsubscribe(packet)
+            case Disconnect():
+                self._disconnect(packet)
+            case Auth():
+                raise PacketError("extended authentication is not supported", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
+            case _:
                 raise _protocol_error(f"a client must not send {type(packet).__name__}")
-            handler(self, packet)
 
     def _wait_for_room(self, packet: Publish) -> bool:
         """Return whether *packet* has to wait because a queue is full."""
@@ -174,21 +192,6 @@ class ClientPackets:
         if not packet.reason.failed:
             self._outbound.send(Pubrel(packet.packet_id, reason))
 
-    def _released(self, packet: Pubrel) -> None:
-        self._inbound.release(packet)
-
-    def _completed(self, packet: Pubcomp) -> None:
-        self._session.completed(packet.packet_id)
-
-    def _ping(self, _packet: Pingreq) -> None:
-        self._outbound.send(Pingresp())
-
-    def _subscribe(self, packet: Subscribe) -> None:
-        self._filters.subscribe(packet)
-
-    def _unsubscribe(self, packet: Unsubscribe) -> None:
-        self._filters.unsubscribe(packet)
-
     def _disconnect(self, packet: Disconnect) -> None:
         seconds = packet.properties.session_expiry_interval
         if seconds is not None:
@@ -196,9 +199,6 @@ class ClientPackets:
                 raise _protocol_error("a session that ends with its connection cannot be extended")
             self._session.expiry = expiry_of(seconds)
         self._on_disconnect(packet.reason is not ReasonCode.SUCCESS)
-
-    def _auth(self, _packet: Auth) -> None:
-        raise PacketError("extended authentication is not supported", code=ReasonCode.BAD_AUTHENTICATION_METHOD)
 
     def _resume(self) -> None:
         """Handle the packets that waited behind one that took long."""
@@ -218,17 +218,6 @@ class ClientPackets:
                 self._act(packet)
         except PacketError as error:
             self._on_failure(error)
-
-    _HANDLERS: ClassVar[dict[type, Callable[..., None]]] = {
-        Pubrel: _released,
-        Pubrec: _taken,
-        Pubcomp: _completed,
-        Pingreq: _ping,
-        Subscribe: _subscribe,
-        Unsubscribe: _unsubscribe,
-        Disconnect: _disconnect,
-        Auth: _auth,
-    }
 
 
 _NEVER_HELD = (Pubrec, Pubrel, Pubcomp, Pingreq)

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from random import Random
 from types import TracebackType
-from typing import Self, final
+from typing import Self
 
 from homebot.clock import Clock, LoopClock
 from homebot.errors import UsageError
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.limits import BrokerLimits, checked_keep_alive
 from homebot.mqtt.broker.message import BrokerMessage
-from homebot.mqtt.broker.ports import BrokerPolicy, policy_of
+from homebot.mqtt.broker.ports import BrokerPolicy
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.broker.stats import BrokerStats
 from homebot.support.logger import get_logger
@@ -34,7 +34,6 @@ class EmbeddedBroker(ABC):
         credentials: Passwords by user name; None lets everybody in.
         keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
             is replaced.
-        refuse_filters: Filters with subscriptions answered by 0x80; only without *policy*.
         on_message: Called with each message that is forwarded, wills included; must not raise.
         random: Source of assigned client ids; by default unpredictable.
 
@@ -48,7 +47,6 @@ class EmbeddedBroker(ABC):
         limits: BrokerLimits | None = None,
         credentials: Mapping[str, str] | None = None,
         keep_alive: int | None = None,
-        refuse_filters: Collection[str] = (),
         policy: BrokerPolicy | None = None,
         on_message: Callable[[BrokerMessage], None] | None = None,
         random: Random | None = None,
@@ -57,11 +55,12 @@ class EmbeddedBroker(ABC):
         self._limits = limits or BrokerLimits()
         self._authentication = Authentication(credentials)
         self._keep_alive = checked_keep_alive(keep_alive)
-        self._policy = policy_of(policy, refuse_filters)
+        self._policy = policy
         self._on_message = on_message
         self._random = random
         self._state: BrokerState | None = None
-        self._timer: _DeadlineTimer | None = None
+        self._timer: asyncio.TimerHandle | None = None  # set to the earliest deadline
+        self._is_running = False
 
     @property
     @abstractmethod
@@ -79,7 +78,7 @@ class EmbeddedBroker(ABC):
     @property
     def running(self) -> bool:
         """True while it takes connections."""
-        return self._timer is not None
+        return self._is_running
 
     @property
     def stats(self) -> BrokerStats:
@@ -112,12 +111,11 @@ class EmbeddedBroker(ABC):
 
     async def start(self) -> None:
         """Take connections, with the sessions and retained messages that :meth:`stop` left; nothing where it runs."""
-        if self._timer is not None:
+        if self._is_running:
             return
         if self._state is None:
-            clock = self._clock or LoopClock()
             self._state = BrokerState(
-                clock,
+                self._clock or LoopClock(),
                 self._limits,
                 self._authentication,
                 self._policy,
@@ -127,8 +125,9 @@ class EmbeddedBroker(ABC):
                 _call_soon,
             )
         await self._open(self._state)
-        self._timer = _DeadlineTimer(self._state)
-        self._timer.start()
+        self._is_running = True
+        self._state.deadlines.wake = self._wake_at
+        self.tick()
         _log.debug("broker.listening", url=self.url)
 
     async def stop(self, *, abrupt: bool = False) -> None:
@@ -140,11 +139,13 @@ class EmbeddedBroker(ABC):
             abrupt: As if the process were killed: no DISCONNECT, buffers thrown away. Otherwise MQTT 5 clients
                 get a DISCONNECT with 0x8B.
         """
-        timer, self._timer = self._timer, None
-        if timer is None:
+        if not self._is_running:
             return
+        self._is_running = False
         await self._close(abrupt=abrupt)
-        timer.stop()
+        self.state.deadlines.wake = None
+        if self._timer is not None:
+            self._timer.cancel()
         _log.debug("broker.stopped", url=self.url)
 
     async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
@@ -161,46 +162,19 @@ class EmbeddedBroker(ABC):
 
     def tick(self) -> None:
         """Do the work due by the clock; needed only with a manual clock."""
-        if self._timer is not None:
-            self._timer.tick()
-
-
-def _call_soon(call: Callable[[], None]) -> None:
-    asyncio.get_running_loop().call_soon(call)
-
-
-@final
-class _DeadlineTimer:
-    """One timer of the running event loop, set to the earliest deadline; works from :meth:`start` on."""
-
-    def __init__(self, state: BrokerState) -> None:
-        self._state = state
-        self._timer: asyncio.TimerHandle | None = None
-
-    def start(self) -> None:
-        """Do overdue work and wait for the next."""
-        self._state.deadlines.wake = self._wake_at
-        self.tick()
-
-    def tick(self) -> None:
-        """Do the work due by the broker's clock."""
-        state = self._state
+        deadlines = self.state.deadlines
         try:
-            state.deadlines.run(state.clock.monotonic())
+            deadlines.run(self.state.clock.monotonic())
         finally:
-            earliest = state.deadlines.earliest
-            if earliest is not None:
-                self._wake_at(earliest)
-
-    def stop(self) -> None:
-        """Run nothing more."""
-        self._state.deadlines.wake = None
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+            if deadlines.earliest is not None:
+                self._wake_at(deadlines.earliest)
 
     def _wake_at(self, when: float) -> None:
         if self._timer is not None:
             self._timer.cancel()
-        delay = max(0.0, when - self._state.clock.monotonic())
+        delay = max(0.0, when - self.state.clock.monotonic())
         self._timer = asyncio.get_running_loop().call_later(delay, self.tick)
+
+
+def _call_soon(call: Callable[[], None]) -> None:
+    asyncio.get_running_loop().call_soon(call)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Final, Protocol, final
 
-from homebot.errors import UsageError
 from homebot.mqtt.packets import ReasonCode
 from homebot.mqtt.topics import topic_matches
 
-__all__ = ["BrokerPolicy", "ConnectedClient", "ConnectionHandler", "RefusedFilters", "Transport", "policy_of"]
+__all__ = ["BrokerPolicy", "ConnectedClient", "ConnectionHandler", "RefusedFilters", "Transport"]
 
 _BRIDGE_STATE: Final = "$SYS/broker/connection/+/state"
 
@@ -139,14 +138,3 @@ class RefusedFilters:
         if topic.startswith("$SYS/") and not topic_matches(_BRIDGE_STATE, topic):
             return ReasonCode.NOT_AUTHORIZED
         return ReasonCode.SUCCESS
-
-
-def policy_of(policy: BrokerPolicy | None, refuse_filters: Collection[str]) -> BrokerPolicy:
-    """Return the policy a broker is given: itself, or as filters to refuse.
-
-    Raises:
-        UsageError: Both are given.
-    """
-    if policy is not None and refuse_filters:
-        raise UsageError("give refuse_filters or policy, not both")
-    return policy or RefusedFilters(refuse_filters)

@@ -6,7 +6,7 @@ import asyncio
 import errno
 import socket
 import ssl
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Final, final
 
 import anyio
@@ -73,7 +73,6 @@ class Broker(EmbeddedBroker):
         credentials: Mapping[str, str] | None = None,
         tls: ssl.SSLContext | None = None,
         keep_alive: int | None = None,
-        refuse_filters: Collection[str] = (),
         policy: BrokerPolicy | None = None,
         endpoint: Callable[[BrokerState, Transport], ConnectionHandler] = Peer,
         on_message: Callable[[BrokerMessage], None] | None = None,
@@ -84,7 +83,7 @@ class Broker(EmbeddedBroker):
             )
         if not 0 <= port <= 65_535:
             raise UsageError(f"{port} is not a TCP port")
-        super().__init__(clock, limits, credentials, keep_alive, refuse_filters, policy, on_message)
+        super().__init__(clock, limits, credentials, keep_alive, policy, on_message)
         self._host = host
         self._port = port
         self._tls = tls

@@ -114,7 +114,6 @@ class _AiomqttLink(ClientLink):
             await self.transport.wait_closed()
 
     async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
-        self._check_alive()
         extra = None if properties is NO_PROPERTIES or not self._is_v5 else values.publish_properties(properties)
         qos = min(qos, values.MOST_QOS)
         self._check_granted(topic, len(payload) + values.packed_size(extra), qos, retain=retain)

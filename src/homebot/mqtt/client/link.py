@@ -186,8 +186,10 @@ class ClientLink(ABC):
         """Refuse a publish that the broker would answer by closing the link; *size* is of payload and properties.
 
         Raises:
+            LinkError: The link is lost.
             RefusedError: The broker does not take such messages.
         """
+        self._check_alive()
         limit = self.grant.maximum_packet_size
         if qos > self.grant.maximum_qos:
             code = ReasonCode.QOS_NOT_SUPPORTED

@@ -108,7 +108,6 @@ class ClientProtocol(ClientLink):
 
     async def publish(self, topic: str, payload: bytes, qos: int, properties: Properties, *, retain: bool) -> int:
         """Publish; see `ClientLink.publish`."""
-        self._check_alive()
         encoded = _encoded(properties) if self._is_v5 else b""
         head, tail = encode_publish_parts(topic, payload, qos, retain, encoded)
         self._check_granted(topic, len(tail), qos, retain=retain)
