@@ -6,11 +6,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import anyio
+from anyio.abc import TaskStatus
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.support.isolation import run_as
 
-__all__ = ["ConnectedDevice", "ServedDevice"]
+__all__ = ["ConnectedDevice", "HubDevice", "ServedDevice"]
 
 
 class ConnectedDevice(ABC):
@@ -88,3 +89,32 @@ class ServedDevice(ConnectedDevice):
                 while self._has_power:
                     await self._switched.wait()
                 tasks.cancel_scope.cancel()
+
+
+class HubDevice(ServedDevice):
+    """A device that others reach through a hub: a bridge, or a server with its nodes.
+
+    Attributes:
+        is_there: Whether it has power, so that the hub reaches it.
+    """
+
+    is_there = False
+
+    @abstractmethod
+    async def join(self) -> None:
+        """Have the hub reach it."""
+
+    @abstractmethod
+    def leave(self) -> None:
+        """Have the hub miss it."""
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        """Be reachable by the hub until cancelled."""
+        self.is_there = True
+        await self.join()
+        task_status.started()
+        try:
+            await anyio.sleep_forever()
+        finally:
+            self.is_there = False
+            self.leave()

@@ -15,7 +15,7 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["Fields", "HueBody", "HueResources", "HueRow", "at"]
+__all__ = ["Fields", "HueBody", "HueResources", "HueRow", "at", "merged"]
 
 Fields: TypeAlias = Mapping[str, object]
 """A resource, or an object in one, as the bridge sends it."""
@@ -112,7 +112,7 @@ class HueResources:
             case "delete":
                 return self._set(rid, {})
             case "update" if before:
-                after = _merged(before, fields)
+                after = merged(before, fields)
                 if fields.keys() & _DESCRIBING or before.get("type") == "zigbee_connectivity":
                     return self._set(rid, after)
                 self._by_id[rid] = after
@@ -165,9 +165,10 @@ def _id_of(resource: object) -> str:
     return rid
 
 
-def _merged(before: Fields, change: Fields) -> Fields:
-    merged = dict(before)
+def merged(before: Fields, change: Fields) -> Fields:
+    """Return a resource, or an object in one, after a change of some of its fields."""
+    after = dict(before)
     for name, value in change.items():
-        old = merged.get(name)
-        merged[name] = _merged(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
-    return merged
+        old = after.get(name)
+        after[name] = merged(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
+    return after

@@ -20,11 +20,11 @@ from pyhap.accessory import Accessory, Bridge
 from pyhap.accessory_driver import AccessoryDriver
 from pyhap.loader import Loader
 
-from homebot.house.connected_device import ServedDevice
+from homebot.house.connected_device import HubDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import hardware_address
 from homebot.house.dns_sd import DnsSdService, announce_service
-from homebot.house.homekit.services import SERVICES, orders_of, values_of
+from homebot.house.homekit.services import SERVICES, VALUES, orders_of
 
 __all__ = ["BridgedAccessory", "ServedAccessory", "SimulatedHomekitBridge"]
 
@@ -184,7 +184,7 @@ def _public(key: Ed25519PrivateKey) -> str:
     return key.public_key().public_bytes(Encoding.Raw, PublicFormat.Raw).hex()
 
 
-class ServedAccessory(ServedDevice):
+class ServedAccessory(HubDevice):
     """A lamp, window, cover, lock, thermostat or sensor behind the bridge of the house."""
 
     def __init__(
@@ -195,22 +195,22 @@ class ServedAccessory(ServedDevice):
         self._accessory: BridgedAccessory | None = None
         bridge.add(device, self._on_write)
 
-    async def serve(self) -> None:
-        """Be reachable by the bridge until cancelled."""
+    async def join(self) -> None:
+        """Have the bridge reach it, and report its state."""
         self._accessory = await self._bridge.reach(self.device)
         self._accessory.is_there = True
         self.show()
-        try:
-            await anyio.sleep_forever()
-        finally:
+
+    def leave(self) -> None:
+        """Have the bridge miss it."""
+        if self._accessory is not None:
             self._accessory.is_there = False
 
     def show(self) -> None:
         """Report the characteristics that have changed."""
-        if self._accessory is not None and self._accessory.is_there:
-            self._accessory.show(values_of(self.device.kind, self.state))
+        if self.is_there and self._accessory is not None:
+            self._accessory.show(VALUES[self.device.kind](self.state))
 
     def _on_write(self, values: Mapping[str, float]) -> None:
-        if self._accessory is not None and self._accessory.is_there:
-            for order in orders_of(values):
-                self.on_command(order)
+        for order in orders_of(self.device.kind, values) if self.is_there else ():
+            self.on_command(order)

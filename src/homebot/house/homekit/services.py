@@ -9,10 +9,9 @@ from collections.abc import Callable, Mapping
 from typing import Final
 
 from homebot.house.dialect import DeviceState
-from homebot.house.dialects.wire import lamp_order
-from homebot.house.simulated_device import number_text
+from homebot.house.dialects.wire import device_orders, mired_kelvin, scaled
 
-__all__ = ["SERVICES", "orders_of", "values_of"]
+__all__ = ["SERVICES", "VALUES", "orders_of"]
 
 SERVICES: Final[Mapping[str, tuple[str, ...]]] = {
     "lamp": ("Lightbulb", "Brightness", "ColorTemperature"),
@@ -27,32 +26,20 @@ SERVICES: Final[Mapping[str, tuple[str, ...]]] = {
 """By kind: the service, and its optional characteristics."""
 
 _MIREDS: Final = 1e6
+_LOCKS: Final = {0: "unlock", 1: "lock"}
 
 
-def values_of(kind: str, state: DeviceState) -> Mapping[str, object]:
-    """Return the values of the characteristics that say how a device of this *kind* is."""
-    return _VALUES[kind](state)
-
-
-def orders_of(values: Mapping[str, float]) -> tuple[str, ...]:
-    """Return the orders that written characteristics give a device."""
-    found: list[str] = []
-    if values.keys() & {"On", "Brightness", "ColorTemperature"}:
-        brightness, mireds = values.get("Brightness"), values.get("ColorTemperature")
-        found += lamp_order(
-            is_on=bool(values["On"]) if "On" in values else None,
-            brightness=None if brightness is None else brightness / 100,
-            kelvin=None if mireds is None else _MIREDS / mireds,
-        )
-    if "TargetPosition" in values:
-        found.append(number_text(values["TargetPosition"] / 100))
-    if values.get("HoldPosition"):
-        found.append("stop")
-    if "LockTargetState" in values:
-        found.append("lock" if values["LockTargetState"] else "unlock")
-    if "TargetTemperature" in values:
-        found.append(number_text(values["TargetTemperature"]))
-    return tuple(found)
+def orders_of(kind: str, values: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the orders that written characteristics give a device of this *kind*."""
+    return device_orders(
+        kind,
+        is_on=bool(values["On"]) if "On" in values else None,
+        brightness=scaled(values.get("Brightness"), 100),
+        kelvin=mired_kelvin(values.get("ColorTemperature")),
+        position=scaled(values.get("TargetPosition"), 100),
+        action="stop" if values.get("HoldPosition") else _LOCKS.get(int(values.get("LockTargetState", -1)), ""),
+        target=values.get("TargetTemperature"),
+    )
 
 
 def _lamp(lamp: DeviceState) -> Mapping[str, object]:
@@ -78,7 +65,7 @@ def _thermostat(thermostat: DeviceState) -> Mapping[str, object]:
     }
 
 
-_VALUES: Final[Mapping[str, Callable[[DeviceState], Mapping[str, object]]]] = {
+VALUES: Final[Mapping[str, Callable[[DeviceState], Mapping[str, object]]]] = {
     "lamp": _lamp,
     "window": _motor,
     "cover": _motor,
@@ -88,3 +75,4 @@ _VALUES: Final[Mapping[str, Callable[[DeviceState], Mapping[str, object]]]] = {
     "lux": lambda lux: {"CurrentAmbientLightLevel": max(0.0001, lux.value)},
     "thermostat": _thermostat,
 }
+"""By kind: the values of the characteristics that say how a device is."""

@@ -16,6 +16,7 @@ import anyio
 import anyio.to_thread
 from anyio.abc import TaskStatus
 
+from homebot.conventions.hue.resources import merged
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_object, hardware_address
 from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
@@ -114,7 +115,8 @@ class SimulatedHueBridge:
     def change(self, rid: str, fields: Mapping[str, object]) -> None:
         """Report the fields of a resource, if it is still there, that are different now."""
         resource = self.resources.get(rid, {})
-        changed = {name: value for name, value in fields.items() if resource.get(name) != value}
+        now = merged(resource, fields)
+        changed = {name: now[name] for name in fields if resource.get(name) != now[name]}
         if resource and changed:
             resource |= changed
             about = {name: resource[name] for name in ("id", "type", "owner") if name in resource}

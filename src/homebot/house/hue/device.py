@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-import anyio
-from anyio.abc import TaskStatus
-
-from homebot.house.connected_device import ServedDevice
+from homebot.conventions.hue.resources import at
+from homebot.house.connected_device import HubDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.hue.bridge import SimulatedHueBridge
 from homebot.house.hue.resources import Resource, device_resources, light_orders, resource_uuid, state_fields
@@ -15,7 +13,7 @@ from homebot.house.hue.resources import Resource, device_resources, light_orders
 __all__ = ["HueHouseDevice"]
 
 
-class HueHouseDevice(ServedDevice):
+class HueHouseDevice(HubDevice):
     """A lamp or sensor of the house in the radio network of a bridge.
 
     Args:
@@ -33,7 +31,6 @@ class HueHouseDevice(ServedDevice):
         super().__init__(device, on_command)
         self.kind = kind or device.kind
         self._bridge = bridge
-        self._is_there = False
 
     @property
     def owner_id(self) -> str:
@@ -44,20 +41,17 @@ class HueHouseDevice(ServedDevice):
         """Return the id of one of its services."""
         return resource_uuid(self.device.home, self.device.device_id, service)
 
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be reachable by the bridge until cancelled."""
-        self._is_there = True
+    async def join(self) -> None:
+        """Have the bridge reach it."""
         self._bridge.add(device_resources(self.device, self.kind, self.state), self, self.device.room)
-        task_status.started()
-        try:
-            await anyio.sleep_forever()
-        finally:
-            self._is_there = False
-            self._bridge.change(self.resource_id("zigbee_connectivity"), {"status": "connectivity_issue"})
+
+    def leave(self) -> None:
+        """Have the bridge miss it."""
+        self._bridge.change(self.resource_id("zigbee_connectivity"), {"status": "connectivity_issue"})
 
     def show(self) -> None:
         """Report the fields that have changed."""
-        if not self._is_there:
+        if not self.is_there:
             return
         for rid, one in tuple(self._bridge.resources.items()):
             owner = one.get("owner")
@@ -66,23 +60,18 @@ class HueHouseDevice(ServedDevice):
 
     def obey(self, body: Mapping[str, object]) -> None:
         """Carry out a command to its light; the house knows nothing of colours and effects."""
-        light = self._bridge.resources[self.resource_id("light")]
         changed: Resource = {}
-        color = _first_color(body)
-        if "gradient" in light and (color or "color_temperature" in body):
-            changed["gradient"] = _joined(light["gradient"], body.get("gradient", {"points": []}))
+        points = at(body, "gradient", "points")
+        color = at(points[0] if isinstance(points, list) and points else body, "color")
+        if "gradient" in self._bridge.resources[self.resource_id("light")] and (color or "color_temperature" in body):
+            changed["gradient"] = body.get("gradient", {"points": []})
         if color:
-            changed["color"] = _joined(light["color"], color)
-            changed["color_temperature"] = _joined(light["color_temperature"], {"mirek": None, "mirek_valid": False})
+            changed |= {"color": color, "color_temperature": {"mirek": None, "mirek_valid": False}}
         elif "color_temperature" in body:
-            changed["color_temperature"] = _joined(light["color_temperature"], {"mirek_valid": True})
-        if (effect := _effect(body)) is not None:
-            changed["effects"] = _joined(light["effects"], {"status": effect})
-            changed["effects_v2"] = _joined(
-                light["effects_v2"], {"status": _joined(_status(light), {"effect": effect})}
-            )
-        if changed:
-            self._bridge.change(self.resource_id("light"), changed)
+            changed["color_temperature"] = {"mirek_valid": True}
+        if effect := at(body, "effects_v2", "action", "effect") or at(body, "effects", "effect"):
+            changed |= {"effects": {"status": effect}, "effects_v2": {"status": {"effect": effect}}}
+        self._bridge.change(self.resource_id("light"), changed)
         for order in light_orders(body):
             self.on_command(order)
 
@@ -93,26 +82,3 @@ class HueHouseDevice(ServedDevice):
             if isinstance(now, dict) and now.get("mirek_valid") is False:  # it has a colour, which no state tells
                 found["color_temperature"] = now
         return found
-
-
-def _first_color(body: Mapping[str, object]) -> object:
-    """Return the colour that a request asks for; of a gradient that of its first point."""
-    points = _joined(None, body.get("gradient")).get("points")
-    first = points[0] if isinstance(points, list) and points else body
-    return first.get("color") if isinstance(first, dict) else None
-
-
-def _joined(before: object, change: object) -> Resource:
-    return {**(before if isinstance(before, dict) else {}), **(change if isinstance(change, dict) else {})}
-
-
-def _status(light: Mapping[str, object]) -> object:
-    effects = light.get("effects_v2")
-    return effects.get("status") if isinstance(effects, dict) else None
-
-
-def _effect(body: Mapping[str, object]) -> str | None:
-    newer, older = body.get("effects_v2"), body.get("effects")
-    action = newer.get("action") if isinstance(newer, dict) else older
-    effect = action.get("effect") if isinstance(action, dict) else None
-    return effect if isinstance(effect, str) else None

@@ -8,11 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypedDict
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.dialects.wire import hardware_address, lamp_order
-from homebot.house.simulated_device import number_text
+from homebot.house.dialects.wire import device_orders, hardware_address, mired_kelvin, scaled
 
 __all__ = [
     "DEVICE_TYPES",
@@ -93,22 +92,17 @@ def state_attributes(kind: str, state: DeviceState) -> Attributes:
 
 def command_orders(kind: str, cluster: int, command: str, payload: Mapping[str, object]) -> tuple[str, ...] | None:
     """Return the orders that a command gives a device; None for a command that it does not have."""
-    if order := _COMMANDS.get((cluster, command)):
-        kinds, text = order
-        return (text,) if kind in kinds else None
-    numbers = _NUMBERS.get((cluster, command))
-    number = _number(payload.get(numbers[1])) if numbers is not None and kind in numbers[0] else None
-    return None if numbers is None or number is None else numbers[2](number)
+    wanted = _COMMANDS.get((cluster, command))
+    if wanted is None or not any(path.startswith(f"{cluster}/") for path in _FIXED.get(kind, {})):
+        return None
+    return device_orders("lamp" if kind == "plug" else kind, **wanted(payload)) or None
 
 
 def write_orders(kind: str, path: str, value: object) -> tuple[str, ...] | None:
     """Return the orders that writing an attribute (``513/18``) gives a device; None where it cannot be written."""
-    if kind == "thermostat" and path == "513/18":
-        hundredths = _number(value)
-        return None if hundredths is None else (number_text(hundredths / 100),)
-    if kind == "thermostat" and path == "513/28":
-        return ()
-    return None
+    if kind != "thermostat":
+        return None
+    return {"513/18": device_orders(kind, target=scaled(value, 100)) or None, "513/28": ()}.get(path)
 
 
 def _endpoint(kind: str, state: DeviceState) -> Attributes:
@@ -122,37 +116,39 @@ def _endpoint(kind: str, state: DeviceState) -> Attributes:
     }
 
 
-_MOTORS: Final = frozenset({"window", "cover"})
-_SWITCHES: Final = frozenset({"lamp", "plug"})
-_COMMANDS: Final[Mapping[tuple[int, str], tuple[frozenset[str], str]]] = {
-    (6, "On"): (_SWITCHES, "on"),
-    (6, "Off"): (_SWITCHES, "off"),
-    (258, "UpOrOpen"): (_MOTORS, "open"),
-    (258, "DownOrClose"): (_MOTORS, "close"),
-    (258, "StopMotion"): (_MOTORS, "stop"),
-    (257, "LockDoor"): (frozenset({"lock"}), "lock"),
-    (257, "UnlockDoor"): (frozenset({"lock"}), "unlock"),
-}
-"""By cluster and command without fields: the kinds that have it, and its order."""
+class _Order(TypedDict, total=False):
+    """The arguments of :func:`homebot.house.dialects.wire.device_orders` that come from a command."""
 
-_NUMBERS: Final[Mapping[tuple[int, str], tuple[frozenset[str], str, Callable[[float], tuple[str, ...] | None]]]] = {
-    (8, "MoveToLevelWithOnOff"): (
-        frozenset({"lamp"}),
-        "level",
-        lambda level: lamp_order(brightness=level / _LEVELS) if level else ("off",),
-    ),
-    (768, "MoveToColorTemperature"): (
-        frozenset({"lamp"}),
-        "colorTemperatureMireds",
-        lambda mireds: lamp_order(kelvin=_MIREDS / mireds) if mireds else None,
-    ),
-    (258, "GoToLiftPercentage"): (
-        _MOTORS,
-        "liftPercent100thsValue",
-        lambda closed: (number_text(1 - closed / 10_000),),
-    ),
+    is_on: bool | None
+    brightness: float | None
+    kelvin: float | None
+    position: float | None
+    action: str
+
+
+def _level(payload: Mapping[str, object]) -> _Order:
+    level = scaled(payload.get("level"), _LEVELS)
+    return {"is_on": None if level is None else level > 0, "brightness": level}
+
+
+def _lift(payload: Mapping[str, object]) -> _Order:
+    closed = scaled(payload.get("liftPercent100thsValue"), 10_000)
+    return {"position": None if closed is None else 1 - closed}
+
+
+_COMMANDS: Final[Mapping[tuple[int, str], Callable[[Mapping[str, object]], _Order]]] = {
+    (6, "On"): lambda _: {"is_on": True},
+    (6, "Off"): lambda _: {"is_on": False},
+    (8, "MoveToLevelWithOnOff"): _level,
+    (257, "LockDoor"): lambda _: {"action": "lock"},
+    (257, "UnlockDoor"): lambda _: {"action": "unlock"},
+    (258, "UpOrOpen"): lambda _: {"action": "open"},
+    (258, "DownOrClose"): lambda _: {"action": "close"},
+    (258, "StopMotion"): lambda _: {"action": "stop"},
+    (258, "GoToLiftPercentage"): _lift,
+    (768, "MoveToColorTemperature"): lambda payload: {"kelvin": mired_kelvin(payload.get("colorTemperatureMireds"))},
 }
-"""By cluster and command with a number: the kinds that have it, the field, and its orders."""
+"""By cluster and command."""
 
 
 def _lamp(lamp: DeviceState) -> Attributes:
@@ -213,7 +209,3 @@ _STATES: Final[Mapping[str, Callable[[DeviceState], Attributes]]] = MappingProxy
         "thermostat": _thermostat,
     }
 )
-
-
-def _number(value: object) -> float | None:
-    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None

@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final
 
-import anyio
-from anyio.abc import TaskStatus
-
-from homebot.house.connected_device import ServedDevice
+from homebot.house.connected_device import HubDevice, ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.matter.clusters import (
     Attributes,
@@ -29,7 +26,7 @@ _AGGREGATOR_TYPE: Final = 0x000E
 _REACHABLE: Final = "57/17"
 
 
-class ServedMatterNode(ServedDevice, CommissionedNode):
+class ServedMatterNode(HubDevice, CommissionedNode):
     """A lamp, window, cover, lock, thermostat or sensor as a node of a Matter fabric.
 
     Args:
@@ -45,23 +42,22 @@ class ServedMatterNode(ServedDevice, CommissionedNode):
         kind: str = "",
         setup_code: str = "",
     ) -> None:
-        ServedDevice.__init__(self, device, on_command)
+        HubDevice.__init__(self, device, on_command)
         CommissionedNode.__init__(self)
         self.server = server
         self.setup_code = setup_code
         self._kind = kind or device.kind
 
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be reachable until cancelled; without a setup code it is commissioned the first time."""
+    async def join(self) -> None:
+        """Have the server reach it; without a setup code it is commissioned the first time."""
         self.attributes = attributes_of(self.device, self.state, self._kind)
         self.is_available = True
         self.server.reach(self)
-        task_status.started()
-        try:
-            await anyio.sleep_forever()
-        finally:
-            self.is_available = False
-            self.server.miss(self)
+
+    def leave(self) -> None:
+        """Have the server miss it."""
+        self.is_available = False
+        self.server.miss(self)
 
     def show(self) -> None:
         """Report the attributes that have changed."""
@@ -88,7 +84,7 @@ class ServedMatterNode(ServedDevice, CommissionedNode):
         return True
 
 
-class BridgedMatterDevice(ServedDevice):
+class BridgedMatterDevice(HubDevice):
     """Such a device behind the bridge of the house, which is a node.
 
     Args:
@@ -100,30 +96,27 @@ class BridgedMatterDevice(ServedDevice):
     ) -> None:
         super().__init__(device, on_command)
         self._bridge = _bridge_of(server)
-        self._is_there = False
 
-    async def serve(self) -> None:
-        """Be reachable by the bridge until cancelled."""
-        self._is_there = True
+    async def join(self) -> None:
+        """Have the bridge reach it."""
         self._bridge.reach(self)
-        try:
-            await anyio.sleep_forever()
-        finally:
-            self._is_there = False
-            self._bridge.miss(self)
+
+    def leave(self) -> None:
+        """Have the bridge miss it."""
+        self._bridge.miss(self)
 
     def show(self) -> None:
         """Report the attributes that have changed."""
-        if self._is_there:
+        if self.is_there:
             self._bridge.update(self, state_attributes(self.device.kind, self.state))
 
     def invoke(self, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
         """Carry out a command; return false for one that it does not have."""
-        return self._is_there and _obey(self, command_orders(self.device.kind, cluster, command, payload))
+        return self.is_there and _obey(self, command_orders(self.device.kind, cluster, command, payload))
 
     def write(self, path: str, value: object) -> bool:
         """Write an attribute (``513/18``); return false for one that cannot be written."""
-        return self._is_there and _obey(self, write_orders(self.device.kind, path, value))
+        return self.is_there and _obey(self, write_orders(self.device.kind, path, value))
 
 
 class MatterBridge(CommissionedNode):
