@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -11,9 +12,10 @@ import anyio
 import anyio.lowlevel
 import pytest
 from aiohttp import web
-from anyio.abc import TaskGroup
+from anyio.abc import TaskGroup, TaskStatus
+from pydantic import ValidationError
 from tests.gateways.http_servers import serving
-from tests.gateways.watched_gateway import WatchedGateway, reading
+from tests.gateways.watched_gateway import WatchedGateway, reading, receive
 from tests.patience import PATIENCE
 from tests.sizes import size
 
@@ -23,6 +25,7 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.http.web_server import WebPeer
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
@@ -50,8 +53,8 @@ class House(WatchedGateway):
 
 
 @asynccontextmanager
-async def house(**settings: object) -> AsyncIterator[House]:
-    graph, server = Graph(), SimulatedMatterServer()
+async def house(server: SimulatedMatterServer | None = None, **settings: object) -> AsyncIterator[House]:
+    graph, server = Graph(), server or SimulatedMatterServer()
     async with (
         anyio.create_task_group() as tasks,
         Node(graph, "matter", namespace="/gateway") as node,
@@ -183,3 +186,47 @@ async def test_a_server_that_is_not_understood_makes_it_unavailable_with_the_rea
                 state = await states.receive()
         assert state.state == "unavailable"
         assert reason in state.reason
+
+
+class LeavingServer(SimulatedMatterServer):
+    """A server that loses its power with the first command for a device."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._power = anyio.CancelScope()
+
+    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
+        with self._power:
+            await super().serve(task_status=task_status)
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        if json.loads(message).get("command") == "device_command":
+            self._power.cancel()
+        else:
+            super().receive(peer, message)
+
+
+async def test_a_server_that_leaves_while_it_is_told_did_not_answer_and_its_devices_stay() -> None:
+    async with house(LeavingServer()) as home:
+        reports, states = home.reports(), home.states()
+        await home.commission("lamp", DeviceState(text="off"))
+        await reading(reports, "on_off", lambda one: one is False)
+        response = await home.send("node-1", "on_off", True)
+        await receive(states, lambda one: one.state == "unavailable")
+        assert (response.success, response.problem) == (False, "unanswered")
+        assert home.gateway.devices.keys == ("node-1",)
+
+
+@pytest.mark.parametrize(
+    ("url", "reason"),
+    [
+        ("127.0.0.1:5580", "written like"),
+        ("mqtt://127.0.0.1", "written like"),
+        ("ws:///ws", "written like"),
+        ("ws://me:secret@host/ws", "no password"),
+        ("ws://[::1", "url"),
+    ],
+)
+def test_an_address_that_is_none_is_refused_with_the_reason(url: str, reason: str) -> None:
+    with pytest.raises(ValidationError, match=reason):
+        MatterGatewaySettings(url=url)

@@ -44,6 +44,9 @@ _MAX_AGE: Final = 60.0
 _MARGIN: Final = 10.0
 """Seconds after the age of a notification at which the observation is registered again; RFC 7641, section 3.3.1."""
 
+LEISURE: Final = 5.0
+"""Seconds for answers to a multicast question; RFC 7252, section 8.2."""
+
 _TRIES = 5
 """Sendings of a request that the network refuses: it tells the next sender, whomever that sends to."""
 
@@ -179,33 +182,24 @@ class CoapClient:
                         request.observation.cancel()
             await anyio.sleep(1.0)  # a server that ends each observation at once is not asked at full speed
 
-    async def ask_group(
-        self,
-        version: str,
-        interface: str,
-        port: int,
-        path: tuple[str, ...],
-        take: Callable[[GroupAnswer], None],
-        wait: float,
-    ) -> None:
-        """Ask all CoAP nodes on one network interface, and give each answer to *take*.
+    async def ask_group(self, version: str, interface: str, port: int, take: Callable[[GroupAnswer], None]) -> None:
+        """Ask all CoAP nodes on one network interface for their resources, and give each answer to *take*.
 
         Args:
             version: ``ipv4`` or ``ipv6``.
             take: Receives each answer; never raises. Other messages are passed over.
-            wait: Seconds to wait for answers; RFC 7252, section 8.2, lets them take their time.
 
         Raises:
             LinkError: The question could not be sent.
         """
         message = aiocoap.Message(code=Code.GET, _mtype=aiocoap.NON, _mid=int.from_bytes(os.urandom(2), "big"))
         message.token = os.urandom(8)
-        message.opt.uri_path = path
+        message.opt.uri_path = (".well-known", "core")
         with _group_socket(version, interface) as opened:
             loop = asyncio.get_running_loop()
             try:
                 await loop.sock_sendto(opened, message.encode(), (_GROUPS[version], port))
-                with anyio.move_on_after(wait):
+                with anyio.move_on_after(LEISURE):
                     while True:
                         data, address = await loop.sock_recvfrom(opened, _DATAGRAM)
                         answer = _group_answer(message.token, data, address)

@@ -39,9 +39,6 @@ MAX_PER_HOST = 32
 
 OWN_DIRECTORY = "homebot's own resource directory"
 
-LEISURE = 5.0
-"""Seconds for answers to a multicast question; RFC 7252, section 8.2."""
-
 _TOO_MANY = "coap.endpoint_refused"
 
 
@@ -63,8 +60,7 @@ class CoapGateway(Gateway):
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
         self._keys_at: dict[str, set[str]] = {}
-        self._ways: dict[str, str] = {}
-        self._tried: set[str] = set()
+        self._ways: dict[str, str | None] = {}  # the problem of each; None before the first attempt
         self._all_tried = anyio.Event()
         self._client: CoapClient | None = None
         self._tasks: TaskGroup | None = None
@@ -103,7 +99,7 @@ class CoapGateway(Gateway):
         self._client = client
         async with anyio.create_task_group() as tasks:
             self._tasks = tasks
-            self._ways = dict.fromkeys(self._names_of_ways(), "")
+            self._ways = dict.fromkeys(self._names_of_ways())
             for uri in settings.resource_directory:
                 tasks.start_soon(run_as, "a resource directory", self._directory_client(uri, client).run)
             for interface in settings.interfaces:
@@ -131,11 +127,10 @@ class CoapGateway(Gateway):
 
     def _report(self, way: str, problem: str) -> None:
         """Record the problem of one way to find devices; empty for none."""
-        self._tried.add(way)
         if problem and self._ways.get(way) != problem:
             self.node.log.warning("coap.way_lost", message=f"{way} finds no devices: {problem[:200]}", way=way)
         self._ways[way] = problem
-        if len(self._tried) == len(self._ways):
+        if None not in self._ways.values():
             self._all_tried.set()
         self._report_ways()
 
@@ -199,9 +194,7 @@ class CoapGateway(Gateway):
         way = f"{interface} {version}"
         while True:
             try:
-                await client.ask_group(
-                    version, interface, self._settings.group_port, (".well-known", "core"), self._answered, LEISURE
-                )
+                await client.ask_group(version, interface, self._settings.group_port, self._answered)
                 self._report(way, "")
             except LinkError as exc:
                 self._report(way, str(exc))

@@ -61,8 +61,7 @@ class MatterGateway(LinkedGateway):
         super().__init__(node, settings, context)
         self._settings = settings
         self._nodes: dict[int, MatterNode] = {}
-        self._described: dict[int, tuple[NodeDevice, ...]] = {}
-        self._node_of: dict[str, int] = {}
+        self._node_of: dict[str, MatterNode] = {}
         self._missed: set[int] = set()
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
@@ -91,13 +90,15 @@ class MatterGateway(LinkedGateway):
         Raises:
             UnableError: There is none, or the device is behind a bridge.
         """
-        node_id = self._node_of.get(key)
-        if node_id is None:
+        node = self._node_of.get(key)
+        if node is None:
             raise UnableError(f"the Matter gateway has no device {key[:100]!r}")
-        node = self._described[node_id][0].device
-        if node.key != key:
-            raise UnableError(f"{key} is behind the bridge {node.key} ({node.name}); only the bridge can be removed")
-        return node_id, node.name
+        device = node.published[0].device
+        if device.key != key:
+            raise UnableError(
+                f"{key} is behind the bridge {device.key} ({device.name}); only the bridge can be removed"
+            )
+        return node.id, device.name
 
     async def add_commissioned(self, data: object) -> tuple[str, str]:
         """Take a node as the answer to its commissioning describes it, and return its key and name.
@@ -107,11 +108,11 @@ class MatterGateway(LinkedGateway):
             UnableError: The gateway has as many nodes as its settings allow.
         """
         node_id = node_id_of(as_fields(data).get("node_id"))
-        if node_id not in self._described:  # python-matter-server announces it before it answers
+        if node_id not in self._nodes:  # python-matter-server announces it before it answers
             await self._add_node(data, "it was commissioned")
-        if node_id not in self._described:
+        if node_id not in self._nodes:
             raise UnableError(f"node {node_id} was commissioned, but the gateway has max_nodes already")
-        device = self._described[node_id][0].device
+        device = self._nodes[node_id].published[0].device
         return device.key, device.name
 
     async def connect(self) -> None:
@@ -173,35 +174,37 @@ class MatterGateway(LinkedGateway):
             node_id = data[0] if data else None
         elif isinstance(data, dict):
             node_id = data.get("node_id")
-        known = self._described.get(node_id) if isinstance(node_id, int) else None
-        return known[0].device.key if known else shown(node_id)
+        known = self._nodes.get(node_id) if isinstance(node_id, int) else None
+        return shown(node_id) if known is None else known.published[0].device.key
 
     async def _add_node(self, data: object, why: str) -> None:
         node = MatterNode.parse(data)
-        if node.id not in self._nodes and len(self._nodes) >= self._settings.max_nodes:
+        if node.id in self._nodes:
+            node.published = self._nodes[node.id].published
+        elif len(self._nodes) >= self._settings.max_nodes:
             self.devices.counters.devices_refused += 1
             return
         self._nodes[node.id] = node
         self._describe(node, why)
-        for one in self._described[node.id]:
+        for one in node.published:
             for part in one.rows:
                 await self._report(one, part, None, is_old=not node.is_available)
 
     def _describe(self, node: MatterNode, why: str) -> None:
         """Publish the devices of a node, and remove those that it no longer has."""
-        before = self._described.get(node.id, ())
-        self._described[node.id] = now = node.devices("" if self._connecting is None else self._connecting.fabric)
-        for gone in {one.device.key for one in before} - {one.device.key for one in now}:
+        before = node.published
+        node.published = node.devices("" if self._connecting is None else self._connecting.fabric)
+        for gone in {one.device.key for one in before} - {one.device.key for one in node.published}:
             self._node_of.pop(gone, None)
             self.devices.remove(gone, "its bridge no longer has it")
-        for one in now:
-            self._node_of[one.device.key] = node.id
+        for one in node.published:
+            self._node_of[one.device.key] = node
             self.devices.put(one.device, why, confirmed=node.is_available)
             self.devices.report_reachable(one.device.key, reachable=node.is_reachable(one))
 
     def _remove_node(self, node_id: int, why: str) -> None:
-        self._nodes.pop(node_id, None)
-        for one in self._described.pop(node_id, ()):
+        node = self._nodes.pop(node_id, None)
+        for one in () if node is None else node.published:
             self._node_of.pop(one.device.key, None)
             self.devices.remove(one.device.key, why)
 
@@ -217,7 +220,7 @@ class MatterGateway(LinkedGateway):
         if self.devices.admits(source):
             await (self._on_attribute if is_attribute else self._on_node_event)(event.data, payload)
         elif is_attribute and source in self._node_of:
-            self._missed.add(self._node_of[source])
+            self._missed.add(self._node_of[source].id)
 
     async def _on_attribute(self, data: object, payload: bytes) -> None:
         if not isinstance(data, list) or len(data) != 3:
@@ -231,13 +234,11 @@ class MatterGateway(LinkedGateway):
 
     def _has_other_parts(self, node: MatterNode, endpoint: MatterEndpoint) -> bool:
         """Return whether the parts of an endpoint differ from those published: a limit may have changed."""
-        published = [
-            part for one in self._described[node.id] for part in one.device.parts if one.rows[part.id][0] is endpoint
-        ]
+        published = [part for one in node.published for part in one.device.parts if one.rows[part.id][0] is endpoint]
         return published != [part for part, _ in parts_of(endpoint)]
 
     async def _report_cluster(self, node: MatterNode, endpoint: MatterEndpoint, cluster: int, payload: bytes) -> None:
-        for one in self._described[node.id]:
+        for one in node.published:
             parts = [part for part, (of, _) in one.rows.items() if of is endpoint]
             if not parts and one.root is not endpoint:
                 continue
@@ -267,7 +268,7 @@ class MatterGateway(LinkedGateway):
         if fields.get("cluster_id") != SWITCH or not isinstance(event, int):
             return
         press = press_of(endpoint, event, fields.get("data"))
-        for one in self._described[node.id]:
+        for one in node.published:
             if str(endpoint.id) in one.rows:
                 self.devices.put(one.device, "it reported")
                 await self.devices.deliver_raw(one.device.key, payload)
@@ -295,8 +296,8 @@ class MatterGateway(LinkedGateway):
 
     async def _perform(self, command: Command) -> None:
         link = self.connected_link()
-        node = self._nodes[self._node_of[command.key]]
-        device = next(one for one in self._described[node.id] if one.device.key == command.key)
+        node = self._node_of[command.key]
+        device = next(one for one in node.published if one.device.key == command.key)
         if not node.is_reachable(device):
             raise LinkError(f"{device.device.name} does not answer the Matter server")
         endpoint, rows = device.rows[command.part]

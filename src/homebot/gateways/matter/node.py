@@ -59,12 +59,17 @@ class NodeDevice:
 
 
 class MatterNode:
-    """A commissioned node."""
+    """A commissioned node.
+
+    Attributes:
+        published: Its devices as the gateway has published them, itself first.
+    """
 
     def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id
         self.is_available = False
         self.endpoints: dict[int, MatterEndpoint] = {}
+        self.published: tuple[NodeDevice, ...] = ()
         self._attribute_count = 0
 
     @classmethod

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Awaitable, Callable, Mapping
-from typing import Final, NoReturn, Protocol
+from typing import TYPE_CHECKING, Final
 
 import anyio
 
@@ -27,27 +27,15 @@ from homebot.gateways.matter.server_messages import (
 )
 from homebot.gateways.pending_calls import PendingCalls
 
-__all__ = ["MatterServerLink", "ServerSocket"]
+if TYPE_CHECKING:
+    from homebot.gateways.http_streams import WebSocket
+
+__all__ = ["MatterServerLink"]
 
 GREETS_WITHIN: Final = 10.0
 LISTS_WITHIN: Final = 120.0
 ANSWERS_WITHIN: Final = 30.0
 """All in seconds; the server asks a sleepy device several times."""
-
-
-class ServerSocket(Protocol):
-    """An open WebSocket."""
-
-    async def send(self, message: str | bytes) -> None:
-        """Send a message."""
-
-    async def receive(self) -> str | bytes:
-        """Wait for a message."""
-
-    async def receive_all(
-        self, take: Callable[[bytes], Awaitable[None]], reject: Callable[[bytes, str], None]
-    ) -> NoReturn:
-        """Pass each message to *take*, and those that it refuses to *reject*, until the connection is lost."""
 
 
 class MatterServerLink:
@@ -65,7 +53,7 @@ class MatterServerLink:
 
     def __init__(
         self,
-        socket: ServerSocket,
+        socket: WebSocket,
         on_nodes: Callable[[object], Awaitable[None]],
         on_event: Callable[[MatterEvent, bytes], Awaitable[None]],
         on_invalid: Callable[[bytes, str], None],
