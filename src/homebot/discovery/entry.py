@@ -6,7 +6,6 @@ import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
 from homebot.devices import (
     Device,
@@ -27,7 +26,7 @@ from homebot.discovery.echoes import Echoes
 from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts
-from homebot.discovery.merging.trust import NOBODY_TRUSTED, EndpointKey
+from homebot.discovery.merging.trust import NOBODY_TRUSTED, Agreement, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability
 from homebot.discovery.report_interval import ReportInterval
@@ -35,9 +34,6 @@ from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
-
-if TYPE_CHECKING:
-    from homebot.discovery.merging.agreement import Agreement
 
 __all__ = ["Entry"]
 

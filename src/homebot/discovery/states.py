@@ -16,7 +16,7 @@ from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.parts import MergedParts
-from homebot.discovery.merging.trust import EndpointKey, can_hurt, endpoint_of, takes_commands
+from homebot.discovery.merging.trust import Agreement, EndpointKey, can_hurt, endpoint_of, takes_commands
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.source_record import LostLink, Reach, SourceRecord
 from homebot.messages import Time
@@ -155,10 +155,7 @@ class StateRecorder:
             return
         if can_hurt(one.sighting for one in entry.sources.values()):
             return
-        if entry.agreement is None:
-            from homebot.discovery.merging.agreement import Agreement  # noqa: PLC0415 - few devices are only claimed
-
-            entry.agreement = Agreement()
+        entry.agreement = entry.agreement or Agreement()  # few devices are only claimed
         change = number, reading.capability, value
         if agreeing := entry.agreement.record(change, endpoint_of(source), entry.claimed, self._liveness.now):
             self._trust(entry, agreeing)

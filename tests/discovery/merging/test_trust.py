@@ -14,8 +14,7 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.part import Capability, Part
 from homebot.devices.value import PlainValue, Reading, Value
 from homebot.discovery import DeviceIndex
-from homebot.discovery.merging.agreement import WINDOW, Agreement
-from homebot.discovery.merging.trust import MAX_TRUSTED
+from homebot.discovery.merging.trust import MAX_TRUSTED, WINDOW, Agreement
 from homebot.discovery.record import entry_record, read_entry, read_tombstone, tombstone_record
 from homebot.errors import RefusedError
 from homebot.messages import Time

@@ -1,4 +1,4 @@
-from homebot.gateways.announced.deferred import MAX_WORK_EACH, DeferredMessages
+from homebot.gateways.announced.quarantine import MAX_WORK_EACH, DeferredMessages
 from homebot.gateways.announced.work_budget import MESSAGE_WORK
 from homebot.mqtt.message import MqttMessage
 

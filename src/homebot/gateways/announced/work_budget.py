@@ -4,7 +4,7 @@ The sender of a message is known by its *source*: the address it came from, or c
 not name the publisher, and a radio address is soon another one. So no sender can be shut out without shutting out an
 honest device as well. The work is bounded instead: a message that breaks the rules is paid for out of the budget of its
 source, if it has a registered device, and else out of one that all other sources of a *group* share. While a
-budget is used up, messages charged to it wait; see :mod:`homebot.gateways.announced.deferred`.
+budget is used up, messages charged to it wait; see :mod:`homebot.gateways.announced.quarantine`.
 """
 
 from __future__ import annotations

@@ -13,9 +13,8 @@ from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, 
 from homebot.conventions.payload import DuplicateKeys
 from homebot.errors import WireError
 from homebot.gateways.announced.announcement import AnnouncedPart, AvailabilityReader, StoredAnnouncement
-from homebot.gateways.announced.derived import LISTED
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.registry import Readers, RegistryChange
+from homebot.gateways.announced.registry import LISTED, Readers, RegistryChange
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
 from homebot.gateways.mqtt.reserved import ReservedTopics
 from homebot.gateways.mqtt.subscriber import Subscriber
