@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TypeAlias, final, get_args
 
 from homebot.config import UNNAMED
@@ -32,17 +32,23 @@ MAX_STATEMENTS = 100_000
 """Announcements, ids and hardware addresses of which something is stated; further ones are refused."""
 
 _Facts: TypeAlias = tuple[OwnerFact, ...]
+_Name: TypeAlias = SourceKey | str
+"""A key of an announcement; or an id, or a hardware address, of a device."""
+
 _NONE: _Facts = ()
 _MOST_NAMED = 5
 
 
 @dataclass(slots=True, eq=False)
 class _Statement:
-    """Facts that commands and imports state of the device of some announcements, or of some names."""
+    """Facts that commands and imports state of the device of these names."""
 
     facts: _Facts
-    keys: dict[SourceKey, None] = field(default_factory=dict)
-    names: dict[str, None] = field(default_factory=dict)
+    names: dict[_Name, None]
+
+    def announcements(self) -> list[SourceKey]:
+        """Return those of its names that are keys of announcements."""
+        return [name for name in self.names if not isinstance(name, str)]
 
 
 @final
@@ -63,7 +69,6 @@ class OwnerFacts:
     """
 
     __slots__ = (
-        "_by_key",
         "_by_name",
         "_configured",
         "_known_as",
@@ -85,8 +90,7 @@ class OwnerFacts:
         self.prefer: tuple[str, ...] = ()
         self.read_at = read_at
         self._configured = _configured(given, read_at)
-        self._by_key: dict[SourceKey, _Statement] = {}
-        self._by_name: dict[str, _Statement] = {}
+        self._by_name: dict[_Name, _Statement] = {}
         self._known_as: dict[SourceKey, str] = {}
         self.is_empty = not self._configured
 
@@ -106,13 +110,9 @@ class OwnerFacts:
 
     def stated(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
         """Return the facts that commands and imports stated of a device: those of commands first, later ones first."""
-        by_key = self._by_key
-        found = dict.fromkeys(by_key[source.key] for source in sources if source.key in by_key)
-        if found:
-            return _once(sorted((fact for statement in found for fact in statement.facts), key=_rank))
         if not self._by_name:
             return _NONE
-        return self.stated_of(_names(device_id, sources))
+        return self.stated_of(source.key for source in sources) or self.stated_of(_names(device_id, sources))
 
     def known_as(self, key: SourceKey) -> str:
         """Return the name by which the configuration states something of an announcement; empty for none."""
@@ -134,30 +134,26 @@ class OwnerFacts:
         Raises:
             RefusedError: There are too many statements.
         """
-        stated = _Statement(tuple(facts), {source.key: None for source in sources}, {device_id: None})
+        own: dict[_Name, None] = {**dict.fromkeys(source.key for source in sources), device_id: None}
+        stated = _Statement(tuple(facts), own)
         if stated.facts:
-            new = sum(key not in self._by_key for key in stated.keys) + (device_id not in self._by_name)
-            self.check_room(new)
-        replaced = [self._by_key.pop(key) for key in stated.keys if key in self._by_key]
-        replaced += [self._by_name[name] for name in _names(device_id, sources) if name in self._by_name]
-        for statement in replaced:
-            self._take_back(
-                statement, device_id, [key for key in statement.keys if key in stated.keys or key not in present]
-            )
-        self._by_name.pop(device_id, None)
+            self.check_room(sum(name not in self._by_name for name in own))
+        for statement in self._statements((*own, *_names(device_id, sources))):
+            gone = [key for key in statement.announcements() if key not in present]
+            self._take_back(statement, (*own, *gone))
         if stated.facts:
             self._put(stated)
         self.is_unsaved = True
 
-    def _take_back(self, statement: _Statement, device_id: str, keys: Iterable[SourceKey]) -> None:
-        """Remove a device with the announcements *keys* from those that a statement is about."""
-        for key in keys:
-            del statement.keys[key]
-            self._by_key.pop(key, None)
-        statement.names.pop(device_id, None)
-        if not statement.keys:  # else a device with one of the same hardware addresses has it too
+    def _take_back(self, statement: _Statement, names: Iterable[_Name]) -> None:
+        """Remove *names* from those that a statement is about."""
+        for name in names:
+            if name in statement.names:
+                del statement.names[name], self._by_name[name]
+        if not statement.announcements():  # else a device with one of the same hardware addresses has it too
             for name in statement.names:
-                self._by_name.pop(name, None)
+                del self._by_name[name]
+            statement.names = {}
 
     def approve(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
         """Approve the announcements of a device as they are; return the differences from the approvals before.
@@ -185,33 +181,25 @@ class OwnerFacts:
         Raises:
             RefusedError: There are too many statements.
         """
-        stated = _Statement(tuple(facts), names=dict.fromkeys(names))
+        stated = _Statement(tuple(facts), dict.fromkeys(names))
         self.check_room(sum(name not in self._by_name for name in stated.names))
-        for name in stated.names:
-            if (before := self._by_name.get(name)) is not None:
-                before.names.pop(name)
-                stated.keys.update((key, None) for key in before.keys if key not in present)
-                for key in stated.keys:
-                    before.keys.pop(key, None)
+        for before in self._statements(tuple(stated.names)):
+            stated.names |= dict.fromkeys(key for key in before.announcements() if key not in present)
+            for name in before.names.keys() & stated.names.keys():
+                del before.names[name], self._by_name[name]
         if stated.facts:
             self._put(stated)
-        else:
-            for name in stated.names:
-                self._by_name.pop(name, None)
-            for key in stated.keys:
-                self._by_key.pop(key, None)
         self.is_unsaved = True
 
     def unknown(self, known: Collection[str]) -> Iterator[tuple[str, _Facts]]:
         """Yield each name of which something is stated that is not among the *known* ids and hardware addresses."""
         for name in dict.fromkeys((*self._by_name, *self._configured)):
-            if name not in known:
+            if isinstance(name, str) and name not in known:
                 yield name, _once((*self.stated_of((name,)), *self._configured.get(name, ())))
 
-    def stated_of(self, names: Iterable[str]) -> _Facts:
-        """Return the facts that commands and imports stated of a device that is not there now, by its *names*."""
-        statements = dict.fromkeys(self._by_name[name] for name in names if name in self._by_name)
-        return _once(sorted((fact for statement in statements for fact in statement.facts), key=_rank))
+    def stated_of(self, names: Iterable[_Name]) -> _Facts:
+        """Return the facts that commands and imports stated of a device by these *names*."""
+        return _once(sorted((fact for statement in self._statements(names) for fact in statement.facts), key=_rank))
 
     def import_rooms(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> None:
         """Add *rooms* and *doors* to the plan.
@@ -233,7 +221,7 @@ class OwnerFacts:
         Raises:
             RefusedError: No import stated it, the configuration does, or devices were placed in it.
         """
-        if placed := sorted(str(next(iter(one.names or one.keys))) for one in self._in(name)):
+        if placed := sorted(str(min(one.names, key=lambda name: not isinstance(name, str))) for one in self._in(name)):
             named = ", ".join(placed[:_MOST_NAMED]) + (", …" if len(placed) > _MOST_NAMED else "")
             reason = f"devices were placed in it: {named}; place them elsewhere first"
             raise RefusedError(f"removing the room {name!r}", reason)
@@ -255,12 +243,13 @@ class OwnerFacts:
             one.facts = tuple(fact._replace(value=new) if _is_room(fact, name) else fact for fact in one.facts)
         self.is_unsaved = True
 
-    def _statements(self) -> Iterable[_Statement]:
-        return dict.fromkeys((*self._by_key.values(), *self._by_name.values()))
+    def _statements(self, names: Iterable[_Name]) -> Iterable[_Statement]:
+        """Return the statements on devices of these *names*, each once."""
+        return dict.fromkeys(self._by_name[name] for name in names if name in self._by_name)
 
     def _in(self, room: str) -> list[_Statement]:
         """Return the statements on devices that were placed in *room*."""
-        return [one for one in self._statements() if any(_is_room(fact, room) for fact in one.facts)]
+        return [one for one in self._statements(self._by_name) if any(_is_room(fact, room) for fact in one.facts)]
 
     def check_room(self, count: int) -> None:
         """Check that there is room for *count* more statements.
@@ -268,7 +257,7 @@ class OwnerFacts:
         Raises:
             RefusedError: There is not.
         """
-        if count + len(self._by_key) + len(self._by_name) > MAX_STATEMENTS:
+        if count + len(self._by_name) > MAX_STATEMENTS:
             raise RefusedError("a statement", f"there are {MAX_STATEMENTS:,} already; take some back")
 
     def adopt(self, device_id: str, sources: Collection[SourceRecord]) -> None:
@@ -277,12 +266,12 @@ class OwnerFacts:
         Statements on the device that it was split off are from now on stated of each by itself.
         """
         keys = [source.key for source in sources]
-        for statement in dict.fromkeys(self._by_key[key] for key in keys if key in self._by_key):
-            own = dict.fromkeys(key for key in keys if key in statement.keys)
-            if device_id not in statement.names and len(own) < len(statement.keys) and self._has_room():
+        for statement in self._statements(keys):
+            own: dict[_Name, None] = dict.fromkeys(key for key in keys if key in statement.names)
+            if device_id not in statement.names and len(own) < len(statement.announcements()) and self._has_room():
                 for key in own:
-                    del statement.keys[key]
-                self._put(_Statement(statement.facts, own, {device_id: None}))
+                    del statement.names[key]
+                self._put(_Statement(statement.facts, {**own, device_id: None}))
                 self.is_unsaved = True
         for source in sources:
             self._adopt_by_name(source.key, tuple(_names(device_id, (source,))))
@@ -293,14 +282,13 @@ class OwnerFacts:
         if configured and self._known_as.get(key) != configured and self._has_room():
             self._known_as[key] = configured
             self.is_unsaved = True
-        stated = next((self._by_name[name] for name in names if name in self._by_name), None)
-        if stated is not None and key not in self._by_key:
+        for stated in self._statements(names):
             self._add_key(stated, key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
         """Give the announcement *key* the statements on *sibling*, which is of the same device."""
-        if sibling in self._by_key and key not in self._by_key:
-            self._add_key(self._by_key[sibling], key)
+        if sibling in self._by_name:
+            self._add_key(self._by_name[sibling], key)
         if sibling in self._known_as and key not in self._known_as and self._has_room():
             self._known_as[key] = self._known_as[sibling]
             self.is_unsaved = True
@@ -309,8 +297,12 @@ class OwnerFacts:
         """Return all but the configuration as text, for the index file."""
         record = PlacesRecord.model_construct(
             statements=tuple(
-                StatementRecord.model_construct(facts=one.facts, announcements=tuple(one.keys), names=tuple(one.names))
-                for one in self._statements()
+                StatementRecord.model_construct(
+                    facts=one.facts,
+                    announcements=tuple(one.announcements()),
+                    names=tuple(name for name in one.names if isinstance(name, str)),
+                )
+                for one in self._statements(self._by_name)
             ),
             rooms=self.rooms.imported,
             doors=self.rooms.imported_doors,
@@ -329,8 +321,7 @@ class OwnerFacts:
         read = read_places_record(record)
         for statement in read.statements:
             if self._has_room():
-                keys, names = dict.fromkeys(statement.announcements), dict.fromkeys(statement.names)
-                self._put(_Statement(statement.facts, keys, names))
+                self._put(_Statement(statement.facts, dict.fromkeys((*statement.announcements, *statement.names))))
         self._known_as = {(gateway, key): name for gateway, key, name in read.known_as[:MAX_STATEMENTS]}
         self.approvals.restore(read.approvals)
         self.is_empty = self.is_empty and not self.approvals
@@ -345,18 +336,17 @@ class OwnerFacts:
         return tuple(fact for name in names for fact in self._configured.get(name, ()))
 
     def _put(self, statement: _Statement) -> None:
-        self._by_key.update(dict.fromkeys(statement.keys, statement))
         self._by_name.update(dict.fromkeys(statement.names, statement))
         self.is_empty = False
 
     def _add_key(self, statement: _Statement, key: SourceKey) -> None:
-        if self._has_room():
-            statement.keys[key] = None
-            self._by_key[key] = statement
+        if key not in self._by_name and self._has_room():
+            statement.names[key] = None
+            self._by_name[key] = statement
             self.is_unsaved = True
 
     def _has_room(self) -> bool:
-        return len(self._by_key) + len(self._by_name) + len(self._known_as) < MAX_STATEMENTS
+        return len(self._by_name) + len(self._known_as) < MAX_STATEMENTS
 
 
 def _configured(places: Places, read_at: float) -> dict[str, _Facts]:
