@@ -155,7 +155,7 @@ class Directory:
         if not gateway or publisher.name in self._sources:
             return
         if (publisher.name, publisher.ros_type) == (names.received_topics, Sighting.ros_type):
-            self._listen(Sighting, publisher, partial(self._ingest, gateway, self._observe))
+            self._listen(Sighting, publisher, partial(self._ingest, gateway, self.index.observe))
         elif (publisher.name, publisher.ros_type) == (names.readings, Report.ros_type):
             self._listen(Report, publisher, partial(self._ingest, gateway, self.index.report))
         elif (publisher.name, publisher.ros_type) == (names.state, GatewayState.ros_type):
@@ -220,7 +220,7 @@ class Directory:
         messages: Iterator[MessageT],
     ) -> None:
         """Pass *messages* of *gateway* to *ingest* for *slice_of* seconds, or all; one kept for late joiners is old."""
-        monotonic = self._clock.monotonic
+        monotonic, counters = self._clock.monotonic, self.index.counters
         now = monotonic()
         until = now + slice_of
         self._publisher.collect()
@@ -229,6 +229,8 @@ class Directory:
                 if message.gateway == gateway:
                     heard_at = message.heard_at
                     ingest(message, heard_at if heard_at and heard_at < now else now)
+                    if counters.rejected > self._rejected:
+                        self._log_rejected(message.key)
                 else:
                     self._reject_foreign(gateway, message)
                 if (now := monotonic()) >= until:
@@ -237,11 +239,6 @@ class Directory:
             self._publisher.wake()
             if self.index.deadlines.earliest < self._wakes_at:
                 self._earlier_deadline.set()
-
-    def _observe(self, sighting: Sighting, now: float) -> None:
-        self.index.observe(sighting, now)
-        if self.index.counters.rejected > self._rejected:
-            self._log_rejected(sighting)
 
     async def _expire(self) -> None:
         while True:
@@ -255,9 +252,7 @@ class Directory:
                     await anyio.lowlevel.checkpoint()
                 await anyio.lowlevel.checkpoint()
 
-    def _log_rejected(self, sighting: Sighting) -> None:
+    def _log_rejected(self, key: str) -> None:
         self._rejected = self.index.counters.rejected
         if self._limit.allows(REJECTED) is not None:
-            self._node.log.warning(
-                REJECTED, message=f"{sighting.key} was not added: the index is full", rejected=self._rejected
-            )
+            self._node.log.warning(REJECTED, message=f"{key} was not added: the index is full", rejected=self._rejected)

@@ -11,8 +11,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
-from homebot.devices import Device, Sighting
-from homebot.devices.gateway_messages import Report
+from homebot.devices import Device
 from homebot.devices.query import Query, facets_of, type_is
 from homebot.discovery.device_table import DeviceTable, IndexCounters
 from homebot.discovery.entry import Entry
@@ -22,7 +21,7 @@ from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue
-from homebot.discovery.source_record import SourceKey, SourceRecord
+from homebot.discovery.source_record import SourceKey
 from homebot.discovery.states import SettingChanges, StateRecorder
 from homebot.errors import RefusedError
 
@@ -53,7 +52,8 @@ class DeviceIndex:
         next_deadline: Returns the first of them; None for never.
         decisions: Decisions of the owner on which announcements are one device, for the index file.
         settings: Settings that changed and were not taken yet.
-        record_link: Its :meth:`StateRecorder.record_link`.
+        observe, report: Those of :class:`SightingIntake`.
+        record_link: That of :class:`StateRecorder`.
     """
 
     def __init__(
@@ -74,10 +74,11 @@ class DeviceIndex:
         self.next_deadline = self.deadlines.next
         self._merger = DeviceMerger(table, self._liveness, self._pending)
         self.decisions = self._merger.decisions
-        self._intake = SightingIntake(table, self._liveness, self._merger, self._pending, max_devices)
         self.settings = SettingChanges(table)
-        self._states = StateRecorder(table, self._liveness, self._merger.trust, self.settings)
-        self.record_link = self._states.record_link
+        states = StateRecorder(table, self._liveness, self._merger.trust, self.settings)
+        self.record_link = states.record_link
+        self._intake = SightingIntake(table, self._liveness, self._merger, states, self._pending, max_devices)
+        self.observe, self.report = self._intake.observe, self._intake.report
 
     def __len__(self) -> int:
         return len(self.table.entries)
@@ -100,53 +101,6 @@ class DeviceIndex:
     def sequence(self) -> int:
         """Number of the last change that was taken."""
         return self.changes.sequence
-
-    def observe(self, sighting: Sighting, now: float | None = None) -> None:
-        """Take *sighting* in.
-
-        Args:
-            now: When, in seconds of the clock that :meth:`expire` is asked with, one that is never set; by default its
-                stamp is the time, as of something recorded.
-        """
-        self._liveness.now = sighting.seen_at.to_seconds() if now is None else now
-        key = (sighting.gateway, sighting.key)
-        source = self.table.sources.get(key)
-        if sighting.kind == "removed":
-            if source is not None:
-                self._intake.withdraw(key, sighting.why)
-        elif source is None:
-            self._add(key, sighting)
-        else:
-            self._intake.refresh(source, sighting)
-
-    def report(self, report: Report, now: float | None = None) -> None:
-        """Take in the report of a device; that of an unannounced one waits a moment, and is counted.
-
-        Args:
-            now: As for :meth:`observe`.
-        """
-        self._liveness.now = report.received_at.to_seconds() if now is None else now
-        key = (report.gateway, report.key)
-        source = self.table.sources.get(key) or self._revived(key, report)
-        if source is None:
-            self._pending.put(key, report, self._liveness.now)
-        else:
-            self._states.record(self.table.owners[key], source, report)
-
-    def _add(self, key: SourceKey, sighting: Sighting) -> None:
-        """Take in a new announcement, and the reports that waited for it."""
-        self._intake.add(key, sighting)
-        if key in self._pending.reports and key in self.table.sources:
-            now = self._liveness.now
-            for report in self._pending.pop(key, now):
-                self.report(report, now)
-
-    def _revived(self, key: SourceKey, report: Report) -> SourceRecord | None:
-        """Return the announcement of a device that was forgotten, where *report* shows that it is alive."""
-        sighting = self._pending.revive(report)
-        if sighting is not None:
-            self._add(key, sighting)
-        return self.table.sources.get(key)
 
     def expire(self, now: float, at_most: int | None = None) -> int:
         """Mark devices as stale that are silent for too long at *now*, and forget those that are stale for too long.

@@ -81,7 +81,7 @@ def sighting(one: DeviceAnnounced) -> Sighting:
     """As the gateway publishes it."""
     claim = StoredAnnouncement("mqtt", one.full_key, one)
     begin, end = Time(sec=0, nanosec=0), Time(sec=3600, nanosec=0)
-    return claim.sighting("updated", "it was announced", at=begin, until=end, heard_at=0.0, confirmed=False)
+    return claim.template.model_copy(update={"why": "it was announced", "seen_at": begin, "expires_at": end})
 
 
 def devices(*announcements: DeviceAnnounced) -> tuple[Device, ...]:

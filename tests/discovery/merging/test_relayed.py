@@ -21,7 +21,7 @@ from homebot.messages import Time
 def sighted(gateway: str, described: DeviceAnnounced) -> Sighting:
     stored = StoredAnnouncement(gateway, described.full_key, described)
     now, later = Time.from_seconds(1.0), Time.from_seconds(3600.0)
-    return stored.sighting("appeared", "", at=now, until=later, heard_at=1.0, confirmed=True)
+    return stored.template.model_copy(update={"seen_at": now, "expires_at": later, "heard_at": 1.0, "confirmed": True})
 
 
 def relayed(shelly: str) -> list[Sighting]:

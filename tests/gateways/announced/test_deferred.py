@@ -20,10 +20,10 @@ def test_messages_of_a_topic_are_taken_in_their_order_once_their_payer_may() -> 
     deferred: DeferredMessages[MqttMessage] = DeferredMessages()
     for number in range(3):
         add(deferred, message("a", number), "a", is_like=False)
-    assert "a" in deferred
+    assert "a" in deferred.sources
     assert numbers(deferred, "b") == []
     assert numbers(deferred, "a") == [("a", 0), ("a", 1), ("a", 2)]
-    assert not deferred
+    assert not deferred.sources
     assert deferred.bytes == 0
 
 
@@ -60,7 +60,7 @@ def test_a_withdrawn_announcement_waits_no_more() -> None:
     add(deferred, message("a", 0), "a", is_like=False)
     deferred.drop("a")
     deferred.drop("a")
-    assert "a" not in deferred
+    assert "a" not in deferred.sources
     assert deferred.bytes == 0
 
 

@@ -71,9 +71,8 @@ def in_home_assistant(*devices: SubDevice) -> list[Sighting]:
 def sighting(described: DeviceAnnounced, gateway: str) -> Sighting:
     """Return the first sighting of a device at its gateway, to which it has proved its identity."""
     stored = StoredAnnouncement(gateway, described.key, described)
-    now = {"at": Time.from_seconds(0.0), "until": Time.from_seconds(3600.0), "heard_at": 0.0}
-    seen = stored.sighting("appeared", "it was announced", confirmed=True, **now)  # type: ignore[arg-type]
-    return seen.model_copy(update={"authenticated": True})
+    seen = {"kind": "appeared", "why": "it was announced", "confirmed": True, "authenticated": True}
+    return stored.template.model_copy(update={**seen, "expires_at": Time.from_seconds(3600.0)})
 
 
 def devices_of(*sightings: Sighting) -> tuple[Device, ...]:

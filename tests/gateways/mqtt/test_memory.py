@@ -60,7 +60,8 @@ def known(make: Callable[[int], tuple[str, dict[str, object]]], count: int) -> f
         for heard in convention.read_message(topic, json.dumps(config).encode(), retained=False):
             assert isinstance(heard, DeviceAnnounced)
             change = registry.put(heard)
-            index.observe(change.stored.sighting("appeared", "", at=at, until=until, heard_at=1.0, confirmed=True), 1.0)
+            seen = {"seen_at": at, "expires_at": until, "heard_at": 1.0, "confirmed": True}
+            index.observe(change.stored.template.model_copy(update=seen), 1.0)
         index.pop_changes()
 
     for number in range(10):

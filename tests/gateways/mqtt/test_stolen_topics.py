@@ -111,7 +111,8 @@ class House:
             described, _ = understood().without(one)
             stored = StoredAnnouncement("mqtt", described.full_key, described)
             house.parts.update({(stored.key, part.part.id): part for part in described.parts})
-            house.index.observe(stored.sighting("appeared", "", at=now, until=later, heard_at=1.0, confirmed=True))
+            heard = {"seen_at": now, "expires_at": later, "heard_at": 1.0, "confirmed": True}
+            house.index.observe(stored.template.model_copy(update=heard))
         return house
 
     def has(self, device: str, key: str) -> bool:

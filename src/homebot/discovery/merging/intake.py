@@ -1,16 +1,18 @@
-"""Intake of sightings: an announcement is added, described again, heard again or withdrawn. Pure."""
+"""Intake of sightings and reports: an announcement is added, described again, heard again or withdrawn. Pure."""
 
 from __future__ import annotations
 
 from typing import final
 
 from homebot.devices import Sighting
+from homebot.devices.gateway_messages import Report
 from homebot.discovery.device_table import DeviceTable
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.source_record import SourceKey, SourceRecord, is_described_anew, record_description
+from homebot.discovery.states import StateRecorder
 
 __all__ = ["MAX_SOURCES", "SightingIntake"]
 
@@ -23,27 +25,69 @@ _SOURCES_PER_DEVICE = 10
 
 @final
 class SightingIntake:
-    """Takes in sightings.
+    """Takes in sightings and reports.
 
     Args:
-        pending: Where the announcements of devices that were forgotten are kept.
+        pending: Where reports of unknown devices, and the announcements of devices that were forgotten, are kept.
     """
 
-    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_restored", "_table")
+    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_restored", "_states", "_table")
 
     def __init__(
-        self, table: DeviceTable, liveness: Liveness, merger: DeviceMerger, pending: PendingReports, max_devices: int
+        self,
+        table: DeviceTable,
+        liveness: Liveness,
+        merger: DeviceMerger,
+        states: StateRecorder,
+        pending: PendingReports,
+        max_devices: int,
     ) -> None:
         self._table = table
         self._liveness = liveness
         self._merger = merger
+        self._states = states
         self._pending = pending
         self._max_devices = max_devices
         self._number = 0
         self._restored: set[SourceKey] = set()  # not announced since the start
 
-    def add(self, key: SourceKey, sighting: Sighting) -> None:
-        """Take in an announcement that is not known yet; it may be rejected, which is counted."""
+    def observe(self, sighting: Sighting, now: float | None = None) -> None:
+        """Take *sighting* in.
+
+        Args:
+            now: When, in seconds of the clock that :meth:`DeviceIndex.expire` is asked with, one that is never set; by
+                default its stamp is the time, as of something recorded.
+        """
+        self._liveness.now = sighting.seen_at.to_seconds() if now is None else now
+        key = (sighting.gateway, sighting.key)
+        source = self._table.sources.get(key)
+        if sighting.kind == "removed":
+            if source is not None:
+                self._withdraw(key, sighting.why)
+        elif source is None:
+            self._add(key, sighting)
+        else:
+            self._refresh(source, sighting)
+
+    def report(self, report: Report, now: float | None = None) -> None:
+        """Take in the report of a device; that of an unannounced one waits a moment, and is counted.
+
+        Args:
+            now: As for :meth:`observe`.
+        """
+        self._liveness.now = report.received_at.to_seconds() if now is None else now
+        key = (report.gateway, report.key)
+        source = self._table.sources.get(key)
+        if source is None and (sighting := self._pending.revive(report)) is not None:
+            self._add(key, sighting)
+            source = self._table.sources.get(key)
+        if source is None:
+            self._pending.put(key, report, self._liveness.now)
+        else:
+            self._states.record(self._table.owners[key], source, report)
+
+    def _add(self, key: SourceKey, sighting: Sighting) -> None:
+        """Take in a new announcement, which may be rejected, and the reports that waited for it."""
         table, merger, now = self._table, self._merger, self._liveness.now
         if table.tombstones.by_id and self._is_forgotten(key, sighting):
             return
@@ -82,6 +126,9 @@ class SightingIntake:
         merger.join_repetitions(key)
         if sighting.confirmed and count > 1:
             self._liveness.mark_seen(table.owners[key], source, sighting.seen_at, why)
+        if key in self._pending.reports:
+            for report in self._pending.pop(key, now):
+                self.report(report, now)
 
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
         """Return whether *sighting* is only retained, of a device that the owner had forgotten, and remember it."""
@@ -93,7 +140,7 @@ class SightingIntake:
         self._pending.remember_forgotten(key, sighting)
         return True
 
-    def refresh(self, source: SourceRecord, sighting: Sighting) -> None:
+    def _refresh(self, source: SourceRecord, sighting: Sighting) -> None:
         """Take in a further sighting of a known announcement."""
         table, key = self._table, source.key
         before, source.sighting = source.sighting, sighting
@@ -118,7 +165,7 @@ class SightingIntake:
         if self._restored and sighting.native:
             self._withdraw_derived(entry, sighting)
 
-    def withdraw(self, key: SourceKey, why: str) -> None:
+    def _withdraw(self, key: SourceKey, why: str) -> None:
         """Forget a known announcement; its device goes with the last one."""
         self._restored.discard(key)
         entry = self._table.owners[key]
@@ -134,7 +181,7 @@ class SightingIntake:
             known = self._table.sources[key].sighting
             is_alike = not known.native and origin in known.metadata
             if is_alike and any(part.is_below(listed.owns) for part in known.parts):
-                self.withdraw(key, "the list of its bridge describes it")
+                self._withdraw(key, "the list of its bridge describes it")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
         """Take in a device of the index file; one that is known already, or too many, is left out.

@@ -209,21 +209,6 @@ class StoredAnnouncement:
             name = self.report_streams[address] = f"{self.key} {address}"
         return name
 
-    def sighting(
-        self, kind: SightingKind, why: str, *, at: Time, until: Time, heard_at: float, confirmed: bool
-    ) -> Sighting:
-        """Return a sighting of it."""
-        return self.template.model_copy(
-            update={
-                "kind": kind,
-                "why": why,
-                "confirmed": confirmed,
-                "seen_at": at,
-                "expires_at": until,
-                "heard_at": heard_at,
-            }
-        )
-
     def copy_state(self, before: StoredAnnouncement) -> None:
         """Take over the state of the device from the announcement *before* this one."""
         self.is_confirmed = before.is_confirmed

@@ -68,11 +68,14 @@ class DeferredMessages(Generic[MessageT]):
     If one source has too many, those that do not look like its accepted messages go first, the oldest of them first: an
     honest sender is heard among strangers that flood its topic. If there are too many in all, the budget with the most
     loses those of the source that was quiet the longest.
+
+    Attributes:
+        sources: The sources with messages that wait.
     """
 
     def __init__(self, max_bytes: int = MAX_BYTES) -> None:
         self.dropped = 0
-        self._sources: dict[str, _Source[MessageT]] = {}
+        self.sources: dict[str, _Source[MessageT]] = {}
         self._payers: dict[str, _Payer[MessageT]] = {}
         self._account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
 
@@ -81,21 +84,15 @@ class DeferredMessages(Generic[MessageT]):
         """Bytes of all that wait."""
         return self._account.used
 
-    def __contains__(self, source: str) -> bool:
-        return source in self._sources
-
-    def __bool__(self) -> bool:
-        return bool(self._sources)
-
     def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
         """Defer *message* of *length* bytes until the budget of *payer* has room.
 
         Args:
             is_like: Whether it looks like the accepted messages of its source.
         """
-        known = self._sources.get(source)
+        known = self.sources.get(source)
         if known is None:
-            known = self._sources[source] = _Source(payer)
+            known = self.sources[source] = _Source(payer)
         budget = self._payers.setdefault(known.payer, _Payer())
         budget.sources[source] = known
         budget.sources.move_to_end(source)
@@ -108,7 +105,7 @@ class DeferredMessages(Generic[MessageT]):
 
     def drop(self, source: str) -> None:
         """Drop all messages of *source*."""
-        while source in self._sources:
+        while source in self.sources:
             self._pop(source)
 
     def release(self, admits: Callable[[str], bool]) -> Iterator[MessageT]:
@@ -127,11 +124,11 @@ class DeferredMessages(Generic[MessageT]):
                     yield self._pop(next(reversed(budget.sources)))
 
     def _pop(self, name: str, index: int = 0) -> MessageT:
-        source = self._sources[name]
+        source = self.sources[name]
         message, length, _ = source.messages.pop(index)
         self._count(name, source, length, -1)
         if not source.messages:
-            del self._sources[name]
+            del self.sources[name]
             sources = self._payers[source.payer].sources
             del sources[name]
             if not sources:
@@ -191,10 +188,10 @@ class PeerQuarantine(Generic[MessageT]):
             message: The message, as :meth:`serve` is to hand it back.
         """
         now = self._reporter.now
-        if now >= self.budgets.clean_at and not self.waiting.bytes:
+        if now >= self.budgets.clean_at and not self.waiting.sources:
             return False
         payer = self.budgets.account_for(source)
-        if source not in self.waiting and self.budgets.admits(payer, now):
+        if source not in self.waiting.sources and self.budgets.admits(payer, now):
             return False
         self._counters.announcements_deferred += 1
         self.waiting.add(message, source, len(payload), payer, is_like=self.budgets.resembles(source, payload))
@@ -226,7 +223,7 @@ class PeerQuarantine(Generic[MessageT]):
         while True:
             await self._work_available.wait()
             self._work_available = anyio.Event()
-            while self.waiting:
+            while self.waiting.sources:
                 self._reporter.refresh_time()
                 messages = self.waiting.release(lambda payer: self.budgets.admits(payer, self._reporter.now))
                 while await read_next(messages):

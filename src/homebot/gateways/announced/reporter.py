@@ -59,9 +59,17 @@ class DeviceReporter:
         stale_after = device.stale_after or self._stale_after
         if stale_after != self._until[0]:  # nearly all devices have the same
             self._until = stale_after, Time.from_seconds(min(self._seconds + stale_after, _LAST))
-        until = self._until[1]
         self._gateway.publish_sighting(
-            device.sighting(kind, why, at=self.stamp, until=until, heard_at=self.now, confirmed=confirmed)
+            device.template.model_copy(
+                update={
+                    "kind": kind,
+                    "why": why,
+                    "confirmed": confirmed,
+                    "seen_at": self.stamp,
+                    "expires_at": self._until[1],
+                    "heard_at": self.now,
+                }
+            )
         )
 
     def publish_report(
