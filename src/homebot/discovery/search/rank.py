@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from collections.abc import Set as AbstractSet
 from functools import lru_cache
 from typing import TypeAlias
@@ -41,14 +41,13 @@ _GUESSED = (-1.0, "its type was guessed")
 
 def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]:
     """Return the devices *found* by *query*, best first, equally good ones by id."""
-    scorers = [scorer for term in _terms(query) if (scorer := _scorer(term)) is not None]
+    terms = tuple(_terms(query))
     scored = []
     for one in found:
         facets = postings.facets(one)
-        score = _status_score(facets)
-        for scorer in scorers:
-            score += scorer(facets)
-        scored.append((-score, one))
+        points = [score for score, _ in _status_scores(facets)]
+        points += [_weigh(term, facets)[0] for term in terms]
+        scored.append((-sum(points), one))
     return [(-score, one) for score, one in sorted(scored)]
 
 
@@ -102,21 +101,6 @@ def _terms(query: Query) -> Iterator[Query]:
             return
         case _:
             yield query
-
-
-def _scorer(term: Query) -> Callable[[Facets], float] | None:
-    """Return the function for the score of :func:`_weigh` for *term*, fast in the usual case; None if always 0."""
-    match term:
-        case TypeIs():
-            return lambda facets: _BEST if facets.main_type in term.types else _weigh_type(term, facets)[0]
-        case CanDo(name, settable):
-            return lambda facets: 1.0 if name in (facets.settable if settable else facets.capabilities) else 0.0
-        case InArea(area):
-            return lambda facets: _IN_AREA if area in facets.areas else _weigh(term, facets)[0]
-        case HasText() | NameIs() | FactIs():
-            return lambda facets: _weigh(term, facets)[0]
-        case _:
-            return None
 
 
 _BEST = 3.0
@@ -175,13 +159,6 @@ def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
 
 _is_near = lru_cache(maxsize=4096)(is_typo)
 """The words of a house are few, and many devices share them."""
-
-
-def _status_score(facets: Facets) -> float:
-    score = _FRESHNESS.get(facets.freshness, _STALE)[0]
-    if facets.reachable == "no":
-        score += _OFFLINE[0]
-    return score + _GUESSED[0] if facets.is_guessed else score
 
 
 def _status_scores(facets: Facets) -> Iterator[tuple[float, str]]:
