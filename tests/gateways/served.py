@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Protocol
 
 import anyio
-from anyio.abc import TaskStatus
+from anyio.abc import TaskGroup, TaskStatus
 
-__all__ = ["served"]
+from homebot.testing.gateway_contract import Lamp
+
+__all__ = ["ServedLamp", "served", "with_server"]
 
 
 class Server(Protocol):
@@ -25,4 +27,32 @@ async def served(*servers: Server) -> AsyncIterator[None]:
         for one in servers:
             await tasks.start(one.serve)
         yield
+        tasks.cancel_scope.cancel()
+
+
+class ServedLamp(Lamp):
+    """A lamp behind a simulated server; its link is lost when that stops."""
+
+    server: Server
+    tasks: TaskGroup
+
+    async def _serve(self, *, task_status: TaskStatus[None]) -> None:
+        with anyio.CancelScope() as self._serving:
+            await self.server.serve(task_status=task_status)
+
+    async def lose_link(self) -> None:
+        self._serving.cancel()
+        await anyio.sleep(0.05)
+
+    async def mend_link(self) -> None:
+        await self.tasks.start(self._serve)
+
+
+@asynccontextmanager
+async def with_server(make: Callable[[TaskGroup], ServedLamp]) -> AsyncIterator[Lamp]:
+    """Serve the server of the lamp inside the block."""
+    async with anyio.create_task_group() as tasks:
+        lamp = make(tasks)
+        await lamp.mend_link()
+        yield lamp
         tasks.cancel_scope.cancel()

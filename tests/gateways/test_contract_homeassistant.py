@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Mapping
+from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
 import anyio
 import pytest
-from anyio.abc import TaskGroup, TaskStatus
+from anyio.abc import TaskGroup
+from tests.gateways.served import ServedLamp, with_server
 
 from homebot.conventions.payload import compact_json
 from homebot.devices.value import PlainValue
@@ -53,7 +54,7 @@ class RecordingEntity(ServedEntity):
         return True
 
 
-class HomeAssistantLamp(Lamp):
+class HomeAssistantLamp(ServedLamp):
     """A lamp that is added to Home Assistant when it comes into the house."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {
@@ -62,6 +63,8 @@ class HomeAssistantLamp(Lamp):
         "color_temperature": 2700.0,
         "effect": "rainbow",
     }
+
+    server: SimulatedHomeAssistant
 
     def __init__(self, server: SimulatedHomeAssistant, tasks: TaskGroup, folder: Path) -> None:
         super().__init__("home-Hall", "light_home-Hall", address="homeassistant/home-Hall")
@@ -72,7 +75,6 @@ class HomeAssistantLamp(Lamp):
         self.token_file.write_text(server.token)
         self.entity = RecordingEntity(server)
         self.entity.begin(DeviceState(text="off"), has_power=True)
-        self._serving: anyio.CancelScope | None = None
 
     async def announce(self) -> None:
         await self.tasks.start(self.entity.serve)
@@ -98,18 +100,6 @@ class HomeAssistantLamp(Lamp):
     async def told_value(self, capability: str) -> PlainValue:
         return self.entity.values.get(capability)
 
-    async def _serve(self, *, task_status: TaskStatus[None]) -> None:
-        with anyio.CancelScope() as self._serving:
-            await self.server.serve(task_status=task_status)
-
-    async def lose_link(self) -> None:
-        assert self._serving is not None
-        self._serving.cancel()
-        await anyio.sleep(0.01)
-
-    async def mend_link(self) -> None:
-        await self.tasks.start(self._serve)
-
 
 class TestHomeAssistantGateway(GatewayContract):
     """One lamp."""
@@ -118,13 +108,8 @@ class TestHomeAssistantGateway(GatewayContract):
     def _folder(self, tmp_path: Path) -> None:
         self.folder = tmp_path
 
-    @asynccontextmanager
-    async def lamp(self) -> AsyncIterator[Lamp]:
-        async with anyio.create_task_group() as tasks:
-            lamp = HomeAssistantLamp(SimulatedHomeAssistant(), tasks, self.folder)
-            await lamp.mend_link()
-            yield lamp
-            tasks.cancel_scope.cancel()
+    def lamp(self) -> AbstractAsyncContextManager[Lamp]:
+        return with_server(lambda tasks: HomeAssistantLamp(SimulatedHomeAssistant(), tasks, self.folder))
 
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         assert isinstance(lamp, HomeAssistantLamp)

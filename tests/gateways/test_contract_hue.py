@@ -12,8 +12,9 @@ from typing import ClassVar
 import anyio
 import anyio.to_thread
 import pytest
-from anyio.abc import TaskGroup, TaskStatus
+from anyio.abc import TaskGroup
 from tests.gateways.hue.bridges import bridge_with_certificate, pairings_of
+from tests.gateways.served import ServedLamp, with_server
 
 from homebot.conventions.light_color import to_hue_saturation
 from homebot.devices.value import PlainValue
@@ -29,7 +30,7 @@ pytestmark = pytest.mark.slow
 INFO = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "")
 
 
-class HueLamp(Lamp):
+class HueLamp(ServedLamp):
     """A lamp behind a bridge that homebot is paired with."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {
@@ -40,23 +41,24 @@ class HueLamp(Lamp):
         "locate": True,
     }
 
+    server: SimulatedHueBridge
+
     def __init__(self, tasks: TaskGroup, folder: Path, bridge: SimulatedHueBridge, certificate: str) -> None:
         self.tasks = tasks
         self.folder = folder
-        self.bridge, self.certificate = bridge, certificate
-        self.bridge.resources.clear()  # the bridge itself is no device here: the suite knows one
-        self.device = HueHouseDevice(INFO, lambda _: None, self.bridge)
+        self.server, self.certificate = bridge, certificate
+        self.server.resources.clear()  # the bridge itself is no device here: the suite knows one
+        self.device = HueHouseDevice(INFO, lambda _: None, self.server)
         self.device.begin(DeviceState(text="off"), has_power=True)
         super().__init__(self.device.owner_id, "light", address=self.device.owner_id)
         self.light = self.device.resource_id("light")
-        self._serving: anyio.CancelScope | None = None
 
     async def announce(self) -> None:
         await self.tasks.start(self.device.serve)
 
     async def report(self, *, on: bool) -> None:
-        self.bridge.change(self.light, {"on": {"on": not on}})
-        self.bridge.change(self.light, {"on": {"on": on}})
+        self.server.change(self.light, {"on": {"on": not on}})
+        self.server.change(self.light, {"on": {"on": on}})
 
     def raw(self, *, on: bool) -> bytes:
         owner = {"rid": self.key, "rtype": "device"}
@@ -66,20 +68,20 @@ class HueLamp(Lamp):
     async def misbehave(self) -> None:
         for number in range(2000):
             change = {"id": f"stranger-{number}", "type": "light", "on": "?" * 5_000}
-            self.bridge.send_text(f"data: {json.dumps([{'type': 'update', 'data': [change]}])}")
+            self.server.send_text(f"data: {json.dumps([{'type': 'update', 'data': [change]}])}")
             if number % 50 == 49:
                 await anyio.sleep(0.02)
 
     async def withdraw(self) -> None:
-        rids = [rid for rid, one in self.bridge.resources.items() if self.key in {rid, _owner(one)}]
-        self.bridge.remove(rids)
+        rids = [rid for rid, one in self.server.resources.items() if self.key in {rid, _owner(one)}]
+        self.server.remove(rids)
 
     async def told(self) -> bool | None:
-        told = [body["on"] for kind, _, body in self.bridge.commands if kind == "light" and "on" in body]
+        told = [body["on"] for kind, _, body in self.server.commands if kind == "light" and "on" in body]
         return None if not told else told[-1] == {"on": True}
 
     async def told_value(self, capability: str) -> PlainValue:
-        for kind, _, body in reversed(self.bridge.commands):
+        for kind, _, body in reversed(self.server.commands):
             match body:
                 case {"dimming": {"brightness": level}} if capability == "level":
                     return float(level)
@@ -93,18 +95,6 @@ class HueLamp(Lamp):
                     return kind == "device"
         return None
 
-    async def _serve(self, *, task_status: TaskStatus[None]) -> None:
-        with anyio.CancelScope() as self._serving:
-            await self.bridge.serve(task_status=task_status)
-
-    async def lose_link(self) -> None:
-        assert self._serving is not None
-        self._serving.cancel()
-        await anyio.sleep(0.05)
-
-    async def mend_link(self) -> None:
-        await self.tasks.start(self._serve)
-
 
 def _owner(resource: Mapping[str, object]) -> object:
     owner = resource.get("owner")
@@ -117,13 +107,11 @@ class TestHueGateway(GatewayContract):
     @asynccontextmanager
     async def lamp(self) -> AsyncIterator[Lamp]:
         with TemporaryDirectory() as folder:
-            async with anyio.create_task_group() as tasks:
-                lamp = HueLamp(tasks, Path(folder), *await anyio.to_thread.run_sync(bridge_with_certificate))
-                await lamp.mend_link()
+            bridge = await anyio.to_thread.run_sync(bridge_with_certificate)
+            async with with_server(lambda tasks: HueLamp(tasks, Path(folder), *bridge)) as lamp:
                 yield lamp
-                tasks.cancel_scope.cancel()
 
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         assert isinstance(lamp, HueLamp)
-        path = pairings_of(lamp.bridge, lamp.certificate, lamp.folder)
+        path = pairings_of(lamp.server, lamp.certificate, lamp.folder)
         return HueGateway(node, HueGatewaySettings.model_validate({"pairings": path, **settings}))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Mapping
+from contextlib import AbstractAsyncContextManager
 from typing import ClassVar
 
 import anyio
 import pytest
-from anyio.abc import TaskGroup, TaskStatus
+from anyio.abc import TaskGroup
+from tests.gateways.served import ServedLamp, with_server
 
 from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
@@ -55,7 +56,7 @@ class RecordingNode(ServedMatterNode):
         return endpoint == 1
 
 
-class MatterLamp(Lamp):
+class MatterLamp(ServedLamp):
     """A lamp that is commissioned when it comes into the house."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {
@@ -65,13 +66,14 @@ class MatterLamp(Lamp):
         "locate": True,
     }
 
+    server: SimulatedMatterServer
+
     def __init__(self, server: SimulatedMatterServer, tasks: TaskGroup) -> None:
         super().__init__("node-1", "1", address="matter/node-1")
         self.server = server
         self.tasks = tasks
         self.node = RecordingNode(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), server)
         self.node.begin(DeviceState(text="off"), has_power=True)
-        self._serving: anyio.CancelScope | None = None
 
     async def announce(self) -> None:
         await self.tasks.start(self.node.serve)
@@ -97,29 +99,12 @@ class MatterLamp(Lamp):
     async def told_value(self, capability: str) -> PlainValue:
         return self.node.values.get(capability)
 
-    async def _serve(self, *, task_status: TaskStatus[None]) -> None:
-        with anyio.CancelScope() as self._serving:
-            await self.server.serve(task_status=task_status)
-
-    async def lose_link(self) -> None:
-        assert self._serving is not None
-        self._serving.cancel()
-        await anyio.sleep(0.01)
-
-    async def mend_link(self) -> None:
-        await self.tasks.start(self._serve)
-
 
 class TestMatterGateway(GatewayContract):
     """One lamp."""
 
-    @asynccontextmanager
-    async def lamp(self) -> AsyncIterator[Lamp]:
-        async with anyio.create_task_group() as tasks:
-            lamp = MatterLamp(SimulatedMatterServer(), tasks)
-            await lamp.mend_link()
-            yield lamp
-            tasks.cancel_scope.cancel()
+    def lamp(self) -> AbstractAsyncContextManager[Lamp]:
+        return with_server(lambda tasks: MatterLamp(SimulatedMatterServer(), tasks))
 
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         assert isinstance(lamp, MatterLamp)
