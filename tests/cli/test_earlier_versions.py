@@ -15,7 +15,7 @@ from homebot.apps.stores import StoreFile
 from homebot.cli import main
 from homebot.control.journal.journal_file import JournalFile
 from homebot.devices.journal_messages import ReadJournalRequest
-from homebot.discovery.persistence import _read
+from homebot.discovery.persistence import _understood
 from homebot.discovery.store import IndexFile
 from homebot.history.history_file import HistoryFile
 from homebot.history.settings import KeepSettings
@@ -51,7 +51,7 @@ def test_all_files_are_read(data: Path) -> None:
     files: tuple[SqliteFile, ...] = (index, journal, history, store)
     assert {one.path.name for one in files} == set(KEPT_FILES)
     assert [one.open(0.0) for one in files] == [None] * 4  # none is set aside as damaged
-    known = _read(index)
+    known = _understood(index.read())
     assert (sorted(one.id for one in known.entries), known.rejected) == (["desk_lamp", "front_door_sensor"], 0)
     assert "Study" in known.owner["places"]
     entries = journal.read_entries(ReadJournalRequest()).entries

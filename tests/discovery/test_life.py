@@ -277,7 +277,7 @@ def test_one_outage_does_not_make_a_rhythm() -> None:
         rhythm.record(now)
         now += gap
     rhythm.record(now)
-    assert rhythm.expected_silence() == 180.0
+    assert rhythm.expected_silence == 180.0
 
 
 def test_messages_of_one_moment_are_one_word() -> None:
@@ -292,7 +292,7 @@ def test_patience_is_bounded_whatever_was_heard(times: list[float]) -> None:
     rhythm = ReportInterval()
     for now in times:
         rhythm.record(now)
-    assert 0 <= rhythm.expected_silence() <= 7 * DAY
+    assert 0 <= rhythm.expected_silence <= 7 * DAY
     assert len(rhythm.gaps) <= 8
 
 

@@ -226,10 +226,12 @@ def with_approvals(
         approvals: The approved parts of the device, each with the changes since as text.
     """
     digests = {place: approval.description.digest for place, approval, change in approvals if not change}
-    facts = [_owner_fact(CHANGED, change, place, approval) for place, approval, change in approvals if change]
+    facts = [
+        _owner_fact(CHANGED, change, *place[:2], approval.said_at) for place, approval, change in approvals if change
+    ]
     if digests:
-        newest = max((approval for _, approval, change in approvals if not change), key=lambda one: one.said_at)
-        facts.insert(0, _owner_fact(APPROVED, "yes", ("", "command", ""), newest))
+        newest = max(approval.said_at for _, approval, change in approvals if not change)
+        facts.insert(0, _owner_fact(APPROVED, "yes", "", "command", newest))
     if not facts:
         return described
     parts = [_with_approved_routes(part, digests) for part in described.merged.parts]
@@ -259,14 +261,7 @@ def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], s
     named = [gateway for gateway in prefer if gateway in gateways]
     if len(gateways) == 1 or not named:
         return described
-    fact = Fact(
-        name=PREFER,
-        value=", ".join(named),
-        gateway="",
-        convention=OWNER,
-        key="configuration",
-        said_at=Time.from_seconds(said_at),
-    )
+    fact = _owner_fact(PREFER, ", ".join(named), "", "configuration", said_at)
     return replace(
         described,
         addresses=tuple(sorted(described.addresses, key=lambda one: rank_in(prefer, one[0][0]))),
@@ -275,25 +270,16 @@ def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], s
     )
 
 
-def _owner_fact(name: str, value: str, place: PartPlace, approval: Approval) -> Fact:
-    gateway, key, _ = place
-    said_at = Time.from_seconds(approval.said_at)
-    return Fact(name=name, value=value, gateway=gateway, convention=OWNER, key=key, said_at=said_at)
+def _owner_fact(name: str, value: str, gateway: str, key: str, said_at: float, convention: str = OWNER) -> Fact:
+    at = Time.from_seconds(said_at)
+    return Fact(name=name, value=value, gateway=gateway, convention=convention, key=key, said_at=at)
 
 
 def _stated_fact(fact: OwnerFact) -> Fact:
-    name, gateway, convention, key = fact.name.removeprefix(_TAUGHT), "", OWNER, fact.source
-    if name != fact.name:
-        convention = TAG
-        gateway, _, key = fact.source.partition("/")
-    return Fact(
-        name=name,
-        value=fact.value,
-        gateway=gateway,
-        convention=convention,
-        key=key,
-        said_at=Time.from_seconds(fact.said_at),
-    )
+    if not fact.name.startswith(_TAUGHT):
+        return _owner_fact(fact.name, fact.value, "", fact.source, fact.said_at)
+    gateway, _, key = fact.source.partition("/")
+    return _owner_fact(fact.name.removeprefix(_TAUGHT), fact.value, gateway, key, fact.said_at, TAG)
 
 
 def _service_types(sources: Sequence[SourceRecord], parts: tuple[DevicePart, ...]) -> tuple[str, ...]:

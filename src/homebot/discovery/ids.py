@@ -104,9 +104,6 @@ class Tombstones:
     def __len__(self) -> int:
         return len(self.by_id)
 
-    def __contains__(self, device_id: object) -> bool:
-        return device_id in self.by_id
-
     def __iter__(self) -> Iterator[Tombstone]:
         return iter(tuple(self.by_id.values()))
 
@@ -126,10 +123,6 @@ class Tombstones:
             if identifier in self._by_hardware:
                 return self.by_id[self._by_hardware[identifier]]
         return None
-
-    def get(self, device_id: str) -> Tombstone | None:
-        """Return the record of the removed device."""
-        return self.by_id.get(device_id)
 
     def pop(self, device_id: str) -> Tombstone | None:
         """Forget the removed device, and return its record."""

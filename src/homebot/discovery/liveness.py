@@ -116,10 +116,6 @@ class Liveness:
             due = min((due, *self._gateway_deadlines(entry).values()))
         self.deadlines.set(entry.id, due, None)
 
-    def discard(self, entry: Entry) -> None:
-        """Watch over *entry* no more."""
-        self.deadlines.discard(entry.id)
-
     def pop_silent(self, now: float) -> Entry | None:
         """Return a device that has been silent for too long at *now*; None if there is none.
 
@@ -147,7 +143,7 @@ class Liveness:
 
     def _gateway_deadlines(self, entry: Entry) -> dict[str, float]:
         """Return when *entry* is stale at each of its gateways that heard it since the start, and where it is not."""
-        usual = entry.report_interval.expected_silence()
+        usual = entry.report_interval.expected_silence
         found: dict[str, float] = {}
         for (gateway, _), source in entry.sources.items():
             if source.heard_at > -math.inf and gateway not in entry.stale_gateways:

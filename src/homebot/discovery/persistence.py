@@ -92,7 +92,8 @@ class IndexPersistence:
             return
         try:
             async with self._kept.opened() as file:
-                known = await to_thread.run_sync(_read, file)
+                # in a worker thread, for it takes a second for ten thousand devices
+                known = await to_thread.run_sync(lambda: _understood(file.read()))
         except LinkError:
             return
         await self._restore_entries(known)
@@ -204,7 +205,7 @@ class IndexPersistence:
         for device_id in batch:
             if (row := self._row(device_id)) is not None:
                 devices.append(row)
-            if (tombstone := self._index.tombstones.get(device_id)) is not None:
+            if (tombstone := self._index.tombstones.by_id.get(device_id)) is not None:
                 stones.append((tombstone.id, tombstone_record(tombstone)))
             if work.is_over:
                 await work.pause()
@@ -246,11 +247,6 @@ class _SavedState(NamedTuple):
     tombstones: tuple[Tombstone, ...]
     owner: Mapping[str, str]
     rejected: int
-
-
-def _read(file: IndexFile) -> _SavedState:
-    """Read and understand the whole file; in a worker thread, for it takes a second for ten thousand devices."""
-    return _understood(file.read())
 
 
 def _records_of(rows: Iterable[IndexRow]) -> Records:

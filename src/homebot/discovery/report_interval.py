@@ -27,46 +27,41 @@ class ReportInterval:
     """The gaps between the last few times that a device reported: at most eight, so that old habits are forgotten.
 
     The longest gap does not count once there are three: it may have been a power cut.
+
+    Attributes:
+        gaps: The gaps in seconds, oldest first.
+        expected_silence: Seconds for which silence after its last report is usual; 0 if nothing is known yet.
     """
 
-    __slots__ = ("_expected_silence", "_gaps", "_last")
+    __slots__ = ("_last", "expected_silence", "gaps")
 
     def __init__(self, gaps: Iterable[float] = ()) -> None:
         self._last: float | None = None
-        self._gaps: tuple[float, ...] = ()
-        self._expected_silence = 0.0
+        self.gaps: tuple[float, ...] = ()
+        self.expected_silence = 0.0
         if gaps:
             self._learn(tuple(gaps)[-_KEPT:])
 
-    @property
-    def gaps(self) -> tuple[float, ...]:
-        """The gaps in seconds, oldest first."""
-        return self._gaps
-
     def record(self, now: float) -> float:
-        """Note a report at *now*, in seconds; return :meth:`expected_silence`."""
+        """Note a report at *now*, in seconds; return the silence that is expected then."""
         last = self._last
         if last is None:
             self._last = now
         elif (gap := now - last) >= _BURST:
             self._last = now
-            self._learn((*self._gaps, gap)[-_KEPT:])
-        return self._expected_silence
-
-    def expected_silence(self) -> float:
-        """Return for how many seconds after its last report silence is usual; 0 if nothing is known yet."""
-        return self._expected_silence
+            self._learn((*self.gaps, gap)[-_KEPT:])
+        return self.expected_silence
 
     def join(self, other: ReportInterval) -> None:
         """Take over the interval that *other* learnt of the same device, if it is longer."""
-        if len(other._gaps) > len(self._gaps):
-            self._learn(other._gaps)
+        if len(other.gaps) > len(self.gaps):
+            self._learn(other.gaps)
         if other._last is not None:
             self._last = max(other._last, self._last or other._last)
 
     def _learn(self, gaps: tuple[float, ...]) -> None:
-        self._gaps = gaps
-        self._expected_silence = _usual_silence(gaps)
+        self.gaps = gaps
+        self.expected_silence = _usual_silence(gaps)
 
 
 def _usual_silence(gaps: tuple[float, ...]) -> float:

@@ -127,15 +127,11 @@ class DirectoryServices:
         )
 
     def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse | Awaitable[FindDevicesResponse]:
-        if "near" in map(_KIND, request.query):
-            return self._find_near(request)
-        return self._find_later(request) if self._index.is_behind else self._found(request)
-
-    async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
-        await self._catch_up()
+        if self._index.is_behind or "near" in map(_KIND, request.query):
+            return self._find_later(request)
         return self._found(request)
 
-    async def _find_near(self, request: FindDevicesRequest) -> FindDevicesResponse:
+    async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
         await self._catch_up()
         return self._found(request, await self._near_robot(request))
 

@@ -108,16 +108,6 @@ class RawDelivery:
         """Return whether *address* has a listener at this moment."""
         return bool(self.by_address.get(address))
 
-    def now(self, address: str) -> tuple[Publisher[RawMessage], ...]:
-        """Return the listeners of *address* at this moment."""
-        return tuple(self.by_address.get(address, ()))
-
-    def tidy(self, address: str) -> None:
-        """Forget *address* if it has no listener."""
-        if not self.by_address.get(address, True):
-            del self.by_address[address]
-            self._delivered.pop(address, None)
-
     async def deliver(self, message: RawMessage, *, wait_if_full: bool) -> None:
         """Hand *message* to the listeners of its address.
 
@@ -141,10 +131,11 @@ class RawDelivery:
             except ClosedError:
                 continue  # the listener left while this waited for another
 
-    def drop_nodes_that_left(self) -> tuple[str, ...]:
-        """Forget the nodes that left the graph; return the addresses without listeners."""
-        left = [name for name, asker in self._askers.items() if self._node.graph.get_node(name) is not asker.node]
-        return tuple(address for name in left for address in self._drop(name))
+    def drop_nodes_that_left(self) -> None:
+        """Forget the nodes that left the graph, and the addresses without listeners."""
+        for name, asker in tuple(self._askers.items()):
+            if self._node.graph.get_node(name) is not asker.node:
+                self._drop(name)
 
     async def watch_nodes(self) -> None:
         """Drop each node that leaves the graph, until cancelled."""
@@ -156,8 +147,7 @@ class RawDelivery:
                     lost = changes.lost
                     while changes.take() is not None:
                         pass
-                    for address in self.drop_nodes_that_left():
-                        self.tidy(address)
+                    self.drop_nodes_that_left()
 
     def _asker(self, listener: str) -> _Asker | None:
         node = self._node.graph.get_node(listener)
@@ -170,16 +160,18 @@ class RawDelivery:
         asker = self._askers[listener] = _Asker(node)
         return asker
 
-    def _drop(self, listener: str) -> list[str]:
+    def _drop(self, listener: str) -> None:
         asker = self._askers.pop(listener, None)
         publisher = self._by_topic.pop(f"{listener}/inbox", None)
         self._no_wait_until.pop(f"{listener}/inbox", None)
         if asker is None or publisher is None:
-            return []
+            return
         publisher.close()
         for address in asker.addresses:
             self.by_address[address].remove(publisher)
-        return [address for address in asker.addresses if not self.by_address[address]]
+            if not self.by_address[address]:
+                del self.by_address[address]
+                self._delivered.pop(address, None)
 
     def _may_wait(self, topic: str) -> bool:
         return self._node.graph.clock.monotonic() >= self._no_wait_until.get(topic, 0.0)

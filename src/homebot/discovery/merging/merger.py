@@ -303,7 +303,7 @@ class DeviceMerger:
 
     def _drop(self, entry: Entry) -> None:
         self._table.drop(entry)
-        self._liveness.discard(entry)
+        self._liveness.deadlines.discard(entry.id)
 
     def _split(self, group: Regrouped, why: str) -> None:
         for parent in group.parents:

@@ -115,15 +115,12 @@ class MergedParts(NamedTuple):
             return self.parts
         return tuple(part for number, part in enumerate(self.parts) if number not in self.claimed)
 
-    def part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
-        """Return which part of the device *part* of *source* is; None if it was left out."""
-        number = self.places.get((*source.key, part))
-        return None if number is None else self.parts[number]
-
     def shown_part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
         """Return the part that shows the values of *part* of *source*; None if they are not shown."""
-        found = self.part_of(source, part)
-        return None if found is None or (source.is_claimed and found.routes) else found
+        number = self.places.get((*source.key, part))
+        if number is None or (source.is_claimed and self.parts[number].routes):
+            return None
+        return self.parts[number]
 
     def ids(self) -> dict[PartPlace, str]:
         """Return which id the part has that each part of a source is."""

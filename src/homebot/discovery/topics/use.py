@@ -18,7 +18,7 @@ from homebot.devices.device_types import DEVICE_TYPES
 from homebot.discovery.merging.identity import is_generic
 from homebot.discovery.source_record import SourceKey, SourceRecord
 
-__all__ = ["Place", "TopicUse", "aliases_of", "is_called", "names", "place_of", "score", "topic_use"]
+__all__ = ["Place", "TopicUse", "aliases_of", "is_called", "place_of", "topic_use"]
 
 _SHORTEST = 4
 _HARDWARE_TAIL = 6
@@ -71,19 +71,6 @@ def place_of(topic: str) -> Place:
             leads |= _spellings(found[0])
     numbers = {word for word in words if len(word) >= _HARDWARE_TAIL and not word.isalpha()}
     return Place(frozenset(levels), frozenset(words), frozenset(leads), frozenset(numbers))
-
-
-def score(place: Place, topic: str) -> int:
-    """Return how many words and levels of *topic* are names in *place*: the more, the more it is its own."""
-    if not place.words and not place.levels:
-        return 0
-    words, levels = _words_of(topic)
-    return len(place.words & words) + len(place.levels & levels)
-
-
-def names(place: Place) -> frozenset[str]:
-    """Return by which names another place may be the same device's."""
-    return place.levels | place.leads
 
 
 def is_called(topic: str, aliases: frozenset[str]) -> bool:
@@ -166,8 +153,12 @@ class TopicUse(NamedTuple):
         return any(topic == prefix or topic.startswith(f"{prefix}/") for prefix in self.owns)
 
     def rank(self, topic: str) -> int:
-        """Return how well the place of the announcement names *topic*."""
-        return score(place_of(self.announced_on), topic)
+        """Return how many words and levels of *topic* its place names: the more, the more the topic is its own."""
+        place = place_of(self.announced_on)
+        if not place.words and not place.levels:
+            return 0
+        words, levels = _words_of(topic)
+        return len(place.words & words) + len(place.levels & levels)
 
     def repeats(self, other: TopicUse) -> bool:
         """Return whether it announces the part of *other* once more: the same commands on the same topics."""
@@ -179,7 +170,8 @@ class TopicUse(NamedTuple):
 
     def names(self) -> frozenset[str]:
         """Return the names by which announcements at other places may be the same device's."""
-        return names(place_of(self.announced_on))
+        place = place_of(self.announced_on)
+        return place.levels | place.leads
 
 
 def topic_use(source: SourceRecord, device: str) -> TopicUse:

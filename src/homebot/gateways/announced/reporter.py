@@ -101,27 +101,13 @@ class DeviceReporter:
         """
         states = tuple([one for one in readings if one.capability not in EVENTS])
         if states:
-            self.publish_states(device, states, source, address, retained=retained)
+            self.publish_report(device.key, states, address, device.report_stream(source), retained=retained)
         if len(states) < len(readings) and not retained:
             events = tuple([one for one in readings if one.capability in EVENTS])
-            self.report_events(device.key, events, address)
-
-    def publish_states(
-        self, device: StoredAnnouncement, states: tuple[Reading, ...], source: str, address: str, *, retained: bool
-    ) -> None:
-        """Publish a report without events, as :meth:`publish_readings` does."""
-        self._reports.publish(
-            _report_of(
-                gateway=self._gateway_name,
-                key=device.key,
-                readings=states,
-                address=address,
-                stream=device.report_streams.get(source) or device.report_stream(source),
-                retained=retained,
-                received_at=self.stamp,
-                heard_at=self.now,
-            )
-        )
+            self._events = (self._events + 1) % _EVENTS
+            stream = f"event {self._events}"  # nothing takes its place, and no late joiner gets it
+            self.publish_report(device.key, events, address, stream, retained=False)
+            self._reports.dispose(stream)
 
     def report_reachable(
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
@@ -131,17 +117,10 @@ class DeviceReporter:
         stream = device.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
         self.publish_report(device.key, (reading,), address, stream, retained=retained)
 
-    def report_events(self, key: str, readings: tuple[Reading, ...], address: str) -> None:
-        """Publish an event of the device *key*: nothing takes its place, and no late joiner gets it."""
-        self._events = (self._events + 1) % _EVENTS
-        stream = f"event {self._events}"
-        self.publish_report(key, readings, address, stream, retained=False)
-        self._reports.dispose(stream)
-
     def dispose_all(self, device: StoredAnnouncement) -> None:
         """Keep no report of a device for late joiners any more."""
         for stream in device.report_streams.values():
-            self.dispose(stream)
+            self._reports.dispose(stream)
         device.report_streams.clear()
 
     def dispose_left(self, device: StoredAnnouncement, before: StoredAnnouncement) -> None:
@@ -150,11 +129,7 @@ class DeviceReporter:
         for part in before.parts.values():
             for address in part.described.part.reads:
                 if address not in reads and (stream := device.report_streams.pop(address, "")):
-                    self.dispose(stream)
-
-    def dispose(self, stream: str) -> None:
-        """Keep no report of *stream* for late joiners any more."""
-        self._reports.dispose(stream)
+                    self._reports.dispose(stream)
 
 
 @lru_cache(maxsize=256)  # a bridge that comes or goes says the same of each announcement

@@ -146,10 +146,15 @@ class StateReader:
             stored.heard_at = now
             if now >= stored.refresh_at or not stored.is_confirmed:
                 self._reporter.publish_sighting(stored, "updated", f"message on {address}", confirmed=True)
-        decoded = self._decode(part, address, payload, retained=retained)
-        if decoded is not None:
+        try:
+            values = part.described.codec.read(address, payload, retained=retained)
+            readings = part.readings(values) if values else []
+        except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
+            self._record_failure(address, stored.described.convention, exc)
+            readings = []
+        if readings:
             self._counters.reports += 1
-            self._reporter.publish_readings(stored, decoded[1], address, address, retained=retained)
+            self._reporter.publish_readings(stored, readings, address, address, retained=retained)
         raw = RawMessage.of_checked(
             gateway=stored.gateway,
             key=stored.key,
@@ -216,16 +221,6 @@ class StateReader:
             self._record_failure(address, stored.described.convention, exc)
             return None
 
-    def _decode(
-        self, announced_part: AnnouncedPart, address: str, payload: bytes, *, retained: bool
-    ) -> tuple[Mapping[str, PlainValue], list[Reading]] | None:
-        try:
-            values = announced_part.described.codec.read(address, payload, retained=retained)
-            return (values, announced_part.readings(values)) if values else None
-        except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
-            self._record_failure(address, announced_part.stored.described.convention, exc)
-            return None
-
     def _report(
         self,
         stored: StoredAnnouncement,
@@ -249,7 +244,9 @@ class StateReader:
         if has_events:
             reporter.publish_readings(stored, readings, address or stream, address, retained=retained)
         else:
-            reporter.publish_states(stored, tuple(readings), address or stream, address, retained=retained)
+            source = address or stream
+            stream = stored.report_streams.get(source) or stored.report_stream(source)
+            reporter.publish_report(stored.key, tuple(readings), address, stream, retained=retained)
         if stored.reachable and not retained and False in stored.reachable.values():
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 
@@ -323,7 +320,7 @@ class StateReader:
         self._reporter.publish_report(announced_part.stored.key, (reading,), "", stream, retained=False)
         raw = self._as_text(announced_part, {capability: expiry.value}, retained=False)
         if raw is not None:
-            for listener in self._listeners.now(announced_part.address):
+            for listener in tuple(self._listeners.by_address.get(announced_part.address, ())):
                 listener.publish(raw)
 
 

@@ -109,12 +109,14 @@ class AnnouncedDevices:
 
     def filters(self) -> tuple[str, ...]:
         """Return the filters of all announcements."""
-        found = (one for one in self._conventions if not isinstance(one, TextConvention))
-        return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
+        return self._filters(of_texts=False)
 
     def text_filters(self) -> tuple[str, ...]:
         """Return the filters of all that devices say as text."""
-        found = (one for one in self._conventions if isinstance(one, TextConvention))
+        return self._filters(of_texts=True)
+
+    def _filters(self, *, of_texts: bool) -> tuple[str, ...]:
+        found = (one for one in self._conventions if isinstance(one, TextConvention) is of_texts)
         return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
 
     async def serve(self) -> None:

@@ -58,11 +58,9 @@ class Offers:
         """Return whether *topic* is one of our own, and of no device."""
         return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
-    def handle_command(self, message: MqttMessage) -> bool:
+    def handle_command(self, message: MqttMessage) -> None:
         """Forward *message* if it is a command to an exposed device; a retained one is none."""
-        for publisher in self._publishers:
-            if message.retain:
-                continue
+        for publisher in self._publishers if not message.retain else ():
             try:
                 commands = publisher.read_command(message.topic, message.payload)
             except BaseException as exc:  # noqa: BLE001 - recorded as its failure; a plug-in's fault must not be everybody's
@@ -71,8 +69,7 @@ class Offers:
             if commands and self._exposed is not None:
                 for command in commands:
                     self._exposed.command(command)
-                return True
-        return False
+                return
 
     async def serve(self, connection: MqttConnection) -> None:
         """Publish until cancelled."""
