@@ -14,7 +14,7 @@ from typing import Final, NamedTuple, final
 from homebot.clock import TimeSlice
 from homebot.devices.device import Device
 from homebot.devices.names import WHERE_IS_ROBOT
-from homebot.devices.query import IsNear, NameIs, Query, query_terms
+from homebot.devices.query import IsNear, IsUnapproved, NameIs, Query, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest
 from homebot.devices.services import QueryDevicesResponse
 from homebot.devices.value import PlainValue
@@ -110,7 +110,7 @@ class Nearness:
         index = self._index
         wanted = index.find(rest)
         asks_for_them = any(term.kind == "unapproved" for term in query_terms(rest))
-        forbidden = frozenset[str]() if asks_for_them else wanted & index.postings.unapproved
+        forbidden = frozenset[str]() if asks_for_them else wanted & index.find(IsUnapproved())
         wanted = wanted - forbidden if forbidden else wanted
         locked = frozenset(one.name for one in self._doors.values() if one.lock and math.isinf(self._toll(one.name)))
 

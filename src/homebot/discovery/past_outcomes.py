@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final, final
 
@@ -71,14 +70,11 @@ class PastOutcomes:
             except ServiceError:
                 return
             new = [one for one in page.entries if one not in seen]
-            self._add_all(new)
+            for one in new:
+                self._add(one)
             if page.complete or not new:
                 return
             seen, until = set(page.entries), page.entries[0].at
-
-    def _add_all(self, entries: Iterable[JournalEntry]) -> None:
-        for one in entries:
-            self._add(one)
 
     def _add(self, entry: JournalEntry) -> None:
         if entry.kind not in {"outcome", "reverted"} or not entry.results:

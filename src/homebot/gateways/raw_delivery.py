@@ -50,7 +50,7 @@ class RawDelivery:
         inboxes: Whether nodes get inboxes.
 
     Attributes:
-        by_address: The listeners of each address, for :meth:`has_listeners`, which needs no call.
+        by_address: The listeners of each address, none of an address without.
     """
 
     def __init__(self, node: Node, names: GatewayNames, *, inboxes: bool) -> None:
@@ -103,10 +103,6 @@ class RawDelivery:
         if asker is not None:
             asker.addresses.add(address)
         return publisher
-
-    def has_listeners(self, address: str) -> bool:
-        """Return whether *address* has a listener at this moment."""
-        return bool(self.by_address.get(address))
 
     async def deliver(self, message: RawMessage, *, wait_if_full: bool) -> None:
         """Hand *message* to the listeners of its address.

@@ -20,11 +20,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain, combinations
 from operator import attrgetter
-from typing import Final, TypeAlias, final
+from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.devices import Sighting
 from homebot.devices.identity import HOST
@@ -57,11 +56,7 @@ def is_generic(word: str) -> bool:
     return word in _GENERIC
 
 
-_IdentityKey: TypeAlias = tuple[str, str, tuple[str, ...], str, bool | None]
-
-
-@dataclass(slots=True, eq=False)
-class Identity:
+class Identity(NamedTuple):
     """An identity; announcements of the same identity are about one device.
 
     Attributes:
@@ -74,11 +69,6 @@ class Identity:
     identifiers: tuple[str, ...]
     key: str
     offers_parts: bool | None
-
-    @property
-    def key_of(self) -> _IdentityKey:
-        """Key by which it is known."""
-        return self.gateway, self.convention, self.identifiers, self.key, self.offers_parts
 
     @property
     def hardware(self) -> frozenset[str]:
@@ -103,7 +93,6 @@ class IdentityGraph:
         self.cut = 0
         self._decisions = decisions
         self._identities: dict[SourceKey, Identity] = {}
-        self._known: dict[_IdentityKey, Identity] = {}
         self._sources: dict[Identity, dict[SourceKey, None]] = {}
         self._holders: dict[str, dict[Identity, None]] = {}
         self._links: dict[str, bool] = {}
@@ -118,7 +107,7 @@ class IdentityGraph:
         """
         identity = self._identity_of(key, sighting)
         before = self._identities.get(key)
-        if before is identity:
+        if before == identity:
             return frozenset()
         affected = self.discard(key) if before is not None else frozenset()
         self._identities[key] = identity
@@ -151,7 +140,7 @@ class IdentityGraph:
         del sources[key]
         if sources:
             return frozenset(sources)
-        del self._sources[identity], self._known[identity.key_of]
+        del self._sources[identity]
         were_links = {one: self._links.pop(one, True) for one in identity.identifiers}
         for identifier in identity.identifiers:
             holders = self._holders[identifier]
@@ -221,11 +210,7 @@ class IdentityGraph:
             found = (*found, given)
         if self._repeated and (name := self._repeated.get(key)):
             found = (*found, name)
-        identity_key = (key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
-        identity = self._known.get(identity_key)
-        if identity is None:
-            identity = self._known[identity_key] = Identity(*identity_key)
-        return identity
+        return Identity(key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
 
     def _affected(self, reached: set[Identity], were_links: Mapping[str, bool]) -> frozenset[SourceKey]:
         """Return the announcements of *reached*, and of all that these identifiers connect now, or did before."""

@@ -130,11 +130,6 @@ class Postings:
                 self._leave(key, device_id)
             self._discard_values(device_id, posted)
 
-    @property
-    def unapproved(self) -> Found:
-        """The devices that wait for the owner's approval; not to be changed."""
-        return self.find(IsUnapproved())
-
     def facets(self, device_id: str) -> Facets:
         """Return the search facets of the device; its values may be older ones."""
         return self._posted[device_id].facets

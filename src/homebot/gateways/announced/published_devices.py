@@ -81,7 +81,10 @@ class PublishedDevices:
         self._given: dict[str, GatewayDevice] = {}
         self._registry = DeviceRegistry(gateway.node.name, RegistryLimits(announcements=max_devices))
         self._devices = self._registry.by_key
-        self._raw = _RawMessages(send_raw, find_source)
+        self._send_raw = send_raw
+        self._find_source = find_source
+        self._by_address: dict[str, GatewayDevice] = {}
+        self._last_raw: dict[str, PartTexts] = {}
         self.problems: tuple[str, ...] = ()
         self.engine: GatewayEngine[bytes] = GatewayEngine(
             gateway, self._devices, stale_after=settings.stale_after, inboxes=settings.delivery == "inbox"
@@ -91,7 +94,7 @@ class PublishedDevices:
         CommandServer(
             self.engine,
             self._checked,
-            self._raw,
+            self,
             lambda: HealthResponse(counts=(), troubles=(*self.problems, *find_problems()), notes=tuple(find_notes())),
             keeps_states=True,
         )
@@ -103,7 +106,28 @@ class PublishedDevices:
 
     def owner_of(self, address: str) -> tuple[str, str]:
         """Return key and name of the device that reports raw messages on *address*; of none yet, the address itself."""
-        return self._raw.owner_of(address)
+        device = self._by_address.get(address)
+        return (address, address) if device is None else (device.key, device.name)
+
+    def find_source(self, address: str, _listener: str) -> tuple[str, str]:
+        """Return key and name of the device of an address of raw messages."""
+        return self.owner_of(address) if self._find_source is None else self._find_source(address)
+
+    async def send_raw(self, command: RawCommand) -> None:
+        """Send a raw command to the address that it names.
+
+        Raises:
+            RefusedError: It cannot be sent there, or the protocol has no raw commands.
+            LinkError: There is no link.
+        """
+        if self._send_raw is None:
+            raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
+        await self._send_raw(command)
+
+    def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
+        """Return the last raw messages on *address* since *since*, on the monotonic clock."""
+        last = self._last_raw.get(address)
+        return () if last is None else missed(last.kept, since)
 
     def put(self, device: GatewayDevice, why: str, *, confirmed: bool = True) -> None:
         """Publish a device that is new, or described anew, or still there.
@@ -143,7 +167,7 @@ class PublishedDevices:
         stored = self._registry.remove(key)
         if stored is None:
             return
-        self._raw.leave(self._given.pop(key))
+        self._leave_address(self._given.pop(key))
         self.engine.quarantine.budgets.forget(key)
         self._reporter.dispose_all(stored)
         self._reporter.publish_sighting(stored, "removed", why, confirmed=True)
@@ -203,7 +227,8 @@ class PublishedDevices:
             retained=False,
             received_at=self._reporter.stamp,
         )
-        self._raw.record(message, self._reporter.now)
+        if message.address in self._by_address:  # else texts can be missed, on its text address
+            self._last_raw.setdefault(message.address, PartTexts()).record(message, self._reporter.now, is_event=False)
         await self.engine.listeners.deliver(message, wait_if_full=True)
 
     def admits(self, source: str) -> bool:
@@ -229,10 +254,18 @@ class PublishedDevices:
         device.complete(change.stored)
         if change.before is not None:
             change.before.detach()
-            self._raw.leave(self._given[device.key], unless=device.raw)
+            if self._given[device.key].raw != device.raw:
+                self._leave_address(self._given[device.key])
         self._given[device.key] = device
-        self._raw.enter(device)
+        if device.raw:
+            self._by_address[device.raw] = device
         return change.stored
+
+    def _leave_address(self, device: GatewayDevice) -> None:
+        last_there = self._by_address.get(device.raw)
+        if last_there is not None and last_there.key == device.key:
+            self._last_raw.pop(device.raw, None)
+            del self._by_address[device.raw]
 
     async def _checked(self, command: Command) -> None:
         """Carry out *command* if it fits the part."""
@@ -246,43 +279,3 @@ class PublishedDevices:
     def _refuse(self, count: int, problem: str) -> None:
         self.counters.readings_refused += count
         self.engine.quarantine.log_limited(REFUSED, problem, source="")
-
-
-class _RawMessages:
-    """The last raw messages of devices by address, and the gateway's facts about its addresses."""
-
-    def __init__(self, send_raw: SendRaw | None, find_source: FindSource | None) -> None:
-        self._send_raw = send_raw
-        self._find_source = find_source
-        self._last: dict[str, PartTexts] = {}
-        self._devices: dict[str, GatewayDevice] = {}
-
-    def enter(self, device: GatewayDevice) -> None:
-        if device.raw:
-            self._devices[device.raw] = device
-
-    def record(self, message: RawMessage, now: float) -> None:
-        if message.address in self._devices:  # else it goes to the text address, on which there are texts to be missed
-            self._last.setdefault(message.address, PartTexts()).record(message, now, is_event=False)
-
-    def leave(self, device: GatewayDevice, unless: str = "") -> None:
-        last_there = self._devices.get(device.raw)
-        if device.raw != unless and last_there is not None and last_there.key == device.key:
-            self._last.pop(device.raw, None)
-            del self._devices[device.raw]
-
-    async def send_raw(self, command: RawCommand) -> None:
-        if self._send_raw is None:
-            raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
-        await self._send_raw(command)
-
-    def find_source(self, address: str, _listener: str) -> tuple[str, str]:
-        return self.owner_of(address) if self._find_source is None else self._find_source(address)
-
-    def owner_of(self, address: str) -> tuple[str, str]:
-        device = self._devices.get(address)
-        return (address, address) if device is None else (device.key, device.name)
-
-    def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        last = self._last.get(address)
-        return () if last is None else missed(last.kept, since)

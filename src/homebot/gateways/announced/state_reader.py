@@ -176,7 +176,7 @@ class StateReader:
         stream = " ".join((name, *sorted(values)))
         is_brief = _is_brief(values)
         self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, stream=stream)
-        if is_brief and not self._listeners.has_listeners(part.address):
+        if is_brief and not self._listeners.by_address.get(part.address):
             self._record_lazy(part, values, retained)
             return
         text = self._as_text(part, values, retained=retained)

@@ -152,7 +152,7 @@ class AnnouncedDevices:
                     topic, payload, route.text, retained=message.retain, wait_if_full=message.qos > 0
                 )
             else:
-                self._announcements.clear(route.text.stored)
+                self._announcements.remove(route.text.stored.key, "its retained message was deleted")
         if not route.announced_parts and not route.availability_readers:
             return
         if raw:
@@ -196,7 +196,7 @@ class AnnouncedDevices:
 
     async def _deliver_raw(self, message: MqttMessage, route: TopicReaders) -> None:
         topic = message.topic
-        if self._listeners.has_listeners(topic):
+        if self._listeners.by_address.get(topic):
             raw_text = self._raw(route.announced_parts[0], topic, message.payload, retained=message.retain)
             await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 

@@ -109,10 +109,6 @@ class AnnouncementHandler:
             if told:
                 return
 
-    def clear(self, stored: StoredAnnouncement) -> None:
-        """Remove a device after an empty message, which deletes its retained message at the broker."""
-        self._remove(stored.key, "its retained message was deleted")
-
     async def _read(self, convention: Convention, message: MqttMessage) -> None:
         """Handle the events that *convention* finds in a message."""
         length = len(message.payload)
@@ -180,7 +176,7 @@ class AnnouncementHandler:
         if names_program and self._registry.derived.is_derived(described):
             self._accepted = True
             self._counters.announcements_derived += 1
-            self._remove(described.full_key, LISTED)
+            self.remove(described.full_key, LISTED)
             return
         described, reserved = self._reserved.without(described)
         for told in reserved:
@@ -200,7 +196,7 @@ class AnnouncementHandler:
             self._quarantine.log_limited(NOT_READ, words, source=message.topic)
         self._publish(change, message)
         for key in self._registry.derived.of(described) if names_program and described.native else ():
-            self._remove(key, LISTED)
+            self.remove(key, LISTED)
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
         """Publish the difference that *message* made, and have the device subscribed to and asked."""
@@ -251,13 +247,14 @@ class AnnouncementHandler:
         if withdrawn.is_final or not self._scheduler.plan(
             ("gone", stored.key), GRACE, partial(self._remove_in_time, stored.key, withdrawn.why)
         ):
-            self._remove(stored.key, withdrawn.why)
+            self.remove(stored.key, withdrawn.why)
 
     def _remove_in_time(self, key: str, why: str) -> None:
         self._reporter.refresh_time()
-        self._remove(key, why)
+        self.remove(key, why)
 
-    def _remove(self, key: str, why: str) -> None:
+    def remove(self, key: str, why: str) -> None:
+        """Remove an announcement that is registered, at once."""
         self._scheduler.drop(("gone", key))
         if (stored := self._registry.remove(key)) is None:
             return
