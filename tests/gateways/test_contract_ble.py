@@ -15,6 +15,7 @@ from homebot.gateways import Gateway
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
+from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
@@ -120,6 +121,6 @@ class TestBleGateway(GatewayContract):
     def gateway(self, lamp: Lamp, node: Node, settings: dict[str, object]) -> Gateway:
         assert isinstance(lamp, GattLamp)
         own = {"signal": False, "forget_after": FORGET_AFTER, "profiles": {"lamp": PROFILE}, **settings}
-        backend = lamp.radio.backend
+        backend = backend_of(lamp.radio)
         context = GatewayContext.of(backend, random=Random(2))  # noqa: S311 - a simulation
         return BleGateway(node, BleGatewaySettings.model_validate(own), context)

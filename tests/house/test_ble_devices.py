@@ -28,6 +28,7 @@ from homebot.house.ble_devices import (
 )
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import VirtualRadio
 
 pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
@@ -42,7 +43,8 @@ async def on_air(radio: VirtualRadio, device: ServedDevice, state: DeviceState) 
     heard: Heard = []
     device.begin(state, has_power=True)
     scanner = BleakScanner(
-        lambda found, data: heard.append((found, data)), backend=cast("type[BaseBleakScanner]", radio.backend.scanner)
+        lambda found, data: heard.append((found, data)),
+        backend=cast("type[BaseBleakScanner]", backend_of(radio).scanner),
     )
     async with radio.running(), scanner, anyio.create_task_group() as tasks:
         tasks.start_soon(device.live)
@@ -108,7 +110,7 @@ async def test_a_light_takes_commands_and_notifies() -> None:
     async with on_air(air, light, DeviceState(text="off")) as heard:
         device, data = heard[-1]
         assert data.service_uuids == [LIGHT_SERVICE]
-        backend = cast("type[BaseBleakClient]", air.backend.client)
+        backend = cast("type[BaseBleakClient]", backend_of(air).client)
         async with BleakClient(device, backend=backend) as client:
             values: list[bytes] = []
             await client.start_notify(LIGHT_STATE, lambda _, value: values.append(bytes(value)))
@@ -126,7 +128,7 @@ async def test_a_light_without_power_vanishes_and_disconnects_its_client() -> No
     light = BluetoothLight(SimulatedDeviceInfo("h", "lamp", "it", "lights", "hall"), print, air)
     async with on_air(air, light, DeviceState(text="off")) as heard:
         lost = anyio.Event()
-        backend = cast("type[BaseBleakClient]", air.backend.client)
+        backend = cast("type[BaseBleakClient]", backend_of(air).client)
         client = BleakClient(heard[-1][0], disconnected_callback=lambda _: lost.set(), backend=backend)
         await client.connect()
         light.power(on=False)

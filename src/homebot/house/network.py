@@ -128,12 +128,13 @@ class HouseNetwork:
         needed: tuple[object, ...] = ()
         async with AsyncExitStack() as stack:
             if "ble" in gateways:
+                from homebot.house.virtual_bleak import backend_of  # noqa: PLC0415 - an extra
                 from homebot.house.virtual_radio import VirtualRadio  # noqa: PLC0415 - an extra
 
                 radio = VirtualRadio(random or Random())  # noqa: S311 - no secret
                 await stack.enter_async_context(radio.running())
                 self._options["ble"] = {"radio": radio}
-                needed = (radio.backend,)
+                needed = (backend_of(radio),)
             if "coap" in gateways:
                 self._options["coap"] = {"directory": f"coap://{LOOPBACK}:{self._port('coap')}"}
             if "matter" in gateways:

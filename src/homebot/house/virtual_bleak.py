@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 from uuid import UUID
 
 from bleak.backends.characteristic import BleakGATTCharacteristic
@@ -16,17 +16,19 @@ from bleak.exc import BleakDeviceNotFoundError, BleakError
 from bleak.uuids import normalize_uuid_str
 from bumble import core
 from bumble.core import AdvertisingData, BaseBumbleError
-from bumble.device import Device, Peer
+from bumble.device import Peer
 from bumble.gatt import Characteristic
 from bumble.hci import Address
 
+from homebot.house.virtual_radio import VirtualRadio
+from homebot.support.ble_backend import BleBackend
 from homebot.support.isolation import is_cancelled
 
 if TYPE_CHECKING:
     from bumble.device import Advertisement as BumbleAdvertisement
     from bumble.device import Connection
 
-__all__ = ["HubRadio", "VirtualClient", "VirtualScanner"]
+__all__ = ["backend_of"]
 
 CONNECT_WITHIN = 5.0
 MTU = 247
@@ -54,33 +56,18 @@ _SERVICE_DATA: Mapping[int, int] = {
 _NAMES = (AdvertisingData.Type.SHORTENED_LOCAL_NAME, AdvertisingData.Type.COMPLETE_LOCAL_NAME)
 
 
-class HubRadio(Protocol):
-    """The radio as the adapter of a hub uses it."""
-
-    scanners: set[VirtualScanner]
-
-    @property
-    def is_plugged(self) -> bool:
-        """True while the adapter is there."""
-
-    def hub(self) -> Device:
-        """Return the stack of the hub.
-
-        Raises:
-            BleakBluetoothNotAvailableError: The adapter was taken away.
-        """
-
-    def strength(self) -> int:
-        """Return how strongly a packet is received now, in dBm."""
-
-    def stop_connecting(self) -> None:
-        """Give up the connection that the hub is opening, if any."""
+def backend_of(radio: VirtualRadio) -> BleBackend:
+    """Return the classes by which bleak scans with the adapter of *radio*, and connects."""
+    return BleBackend(
+        scanner=type("VirtualScanner", (VirtualScanner,), {"radio": radio}),
+        client=type("VirtualClient", (VirtualClient,), {"radio": radio}),
+    )
 
 
 class VirtualScanner(BaseBleakScanner):
     """bleak's scanner on a virtual adapter."""
 
-    radio: HubRadio
+    radio: VirtualRadio
 
     def __init__(
         self, detection_callback: Any, service_uuids: list[str] | None, mode: str = "active", **_: Any
@@ -93,12 +80,12 @@ class VirtualScanner(BaseBleakScanner):
         hub = self.radio.hub()
         self.seen_devices = {}
         hub.on("advertisement", self._on_advertisement)
-        self.radio.scanners.add(self)
+        self.radio.listeners.add(self.report)
         await hub.start_scanning(active=self._is_active, filter_duplicates=False)
 
     async def stop(self) -> None:
         """End the scan."""
-        self.radio.scanners.discard(self)
+        self.radio.listeners.discard(self.report)
         hub = self.radio.hub()
         hub.remove_listener("advertisement", self._on_advertisement)
         await hub.stop_scanning()
@@ -121,7 +108,7 @@ class VirtualScanner(BaseBleakScanner):
 class VirtualClient(BaseBleakClient):
     """bleak's client on a virtual adapter."""
 
-    radio: HubRadio
+    radio: VirtualRadio
 
     def __init__(
         self,

@@ -35,9 +35,6 @@ from bumble.link import LocalLink
 from bumble.ll import AdvertisingPdu, AdvExtInd, AdvInd
 from bumble.transport.common import AsyncPipeSink
 
-from homebot.house.virtual_bleak import VirtualClient, VirtualScanner
-from homebot.support.ble_backend import BleBackend
-
 if TYPE_CHECKING:
     from bumble.device import Connection
 
@@ -115,7 +112,8 @@ class VirtualRadio:
     """A radio, and the adapter of a hub on it.
 
     Attributes:
-        backend: The classes by which bleak scans with that adapter, and connects.
+        listeners: Called with the sender and the fields of each advertisement that :meth:`transmit` reports.
+        is_plugged: Whether the adapter is there.
     """
 
     def __init__(self, rng: Random) -> None:
@@ -123,12 +121,8 @@ class VirtualRadio:
         self._link = _Link()  # type: ignore[no-untyped-call]
         self._controller = _Controller("hub", link=self._link, public_address=HUB)
         self._hub = _device(self._controller, "hub", HUB)
-        self._is_plugged = True
-        self.scanners: set[VirtualScanner] = set()
-        self.backend = BleBackend(
-            scanner=type("VirtualScanner", (VirtualScanner,), {"radio": self}),
-            client=type("VirtualClient", (VirtualClient,), {"radio": self}),
-        )
+        self.is_plugged = True
+        self.listeners: set[Callable[[Address, Sequence[tuple[int, bytes]]], None]] = set()
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[VirtualRadio]:
@@ -170,18 +164,18 @@ class VirtualRadio:
 
     def transmit(self, address: str, fields: Sequence[tuple[int, bytes]]) -> None:
         """Report an advertisement from an address, which need not be that of a device, without a controller."""
-        for scanner in tuple(self.scanners):
-            scanner.report(Address(address), fields)
+        for listener in tuple(self.listeners):
+            listener(Address(address), fields)
 
     async def unplug(self) -> None:
         """Take the adapter away: connections end, and no advertisements come."""
-        self._is_plugged = False
+        self.is_plugged = False
         for connection in list(self._hub.connections.values()):
             await connection.disconnect()
 
     def plug_in(self) -> None:
         """Give it back."""
-        self._is_plugged = True
+        self.is_plugged = True
 
     def strength(self) -> int:
         """Return how strongly a packet is received now, in dBm."""
@@ -193,7 +187,7 @@ class VirtualRadio:
         Raises:
             BleakBluetoothNotAvailableError: The adapter was taken away.
         """
-        if not self._is_plugged:
+        if not self.is_plugged:
             raise BleakBluetoothNotAvailableError(
                 "the adapter is not plugged in", BleakBluetoothNotAvailableReason.NO_BLUETOOTH
             )
@@ -202,11 +196,6 @@ class VirtualRadio:
     def stop_connecting(self) -> None:
         """Give up the connection that the hub is opening, if any."""
         self._controller.pending_le_connection = None
-
-    @property
-    def is_plugged(self) -> bool:
-        """True while the adapter is there."""
-        return self._is_plugged
 
 
 class _Controller(Controller):

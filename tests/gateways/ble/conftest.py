@@ -16,6 +16,7 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.ble import BleGateway, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
+from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import VirtualRadio
 
 KEPT = QoSProfile(depth=20_000, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -35,7 +36,7 @@ class RadioHouse:
     @asynccontextmanager
     async def running(self, **settings: object) -> AsyncIterator[BleGateway]:
         """Run the gateway, and watch it."""
-        context = GatewayContext.of(self.radio.backend, random=Random(3))  # noqa: S311
+        context = GatewayContext.of(backend_of(self.radio), random=Random(3))  # noqa: S311
         async with (
             self.radio.running(),
             self.watcher,

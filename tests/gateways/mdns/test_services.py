@@ -12,7 +12,7 @@ import pytest
 
 from homebot.clock import LoopClock
 from homebot.gateways.drivers import FoundService
-from homebot.gateways.mdns.network import OwnService, ResolvedService, ServiceNetwork, ServiceNews
+from homebot.gateways.mdns.network import ResolvedService, ServiceNetwork, ServiceNews
 from homebot.gateways.mdns.services import (
     ANSWER_WITHIN,
     BURST,
@@ -82,12 +82,6 @@ class FakeNetwork(ServiceNetwork):
 
     async def ask_again(self) -> None:
         self.asked_again += 1
-
-    async def announce(self, service: OwnService) -> str:
-        raise NotImplementedError
-
-    async def withdraw(self, service_type: str) -> None:
-        raise NotImplementedError
 
 
 @dataclass

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from homebot.conventions.description import AutoExpiry
-from homebot.devices.part import Part
+from homebot.conventions.units import sensor_type
+from homebot.devices.part import Capability, Category, Part
 from homebot.devices.value import PlainValue
 
-__all__ = ["Advertisement", "Broadcast", "BroadcastParser", "BroadcastValue", "full_uuid"]
+__all__ = ["Advertisement", "Broadcast", "BroadcastParser", "BroadcastValue", "full_uuid", "sensor_part"]
 
 _BASE = "-0000-1000-8000-00805f9b34fb"
 _SHORT = 4
@@ -62,6 +63,19 @@ def full_uuid(text: str) -> str:
     if len(digits) <= _MEDIUM:
         return f"{digits:0>8}{_BASE}"
     return "-".join((digits[:8], digits[8:12], digits[12:16], digits[16:20], digits[20:]))
+
+
+def sensor_part(
+    part_id: str, capability: str, *, unit: str = "", service_type: str = "", tag: str = "", category: Category = ""
+) -> Part:
+    """Return a part with one capability that is only reported; its type is that of a sensor by default."""
+    return Part(
+        id=part_id,
+        service_type=service_type or sensor_type(capability),
+        tag=tag,
+        category=category,
+        capabilities=(Capability(name=capability, unit=unit),),
+    )
 
 
 class BroadcastValue(NamedTuple):

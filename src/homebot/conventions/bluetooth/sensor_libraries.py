@@ -17,11 +17,17 @@ from functools import cache
 from importlib.metadata import distributions
 from typing import TYPE_CHECKING
 
-from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.bluetooth.broadcast import (
+    Advertisement,
+    Broadcast,
+    BroadcastParser,
+    BroadcastValue,
+    sensor_part,
+)
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.device_classes import condition_of, quantity_of
 from homebot.conventions.units import sensor_type
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import PluginError, WireError
 
@@ -215,11 +221,7 @@ def _read_update(sensor: _Sensor, update: SensorUpdate) -> Iterator[BroadcastVal
         device_class = str(getattr(described, "value", "") or "")
         is_button = device_class == "occupancy" and _package_of(type(sensor.reader)) in _OCCUPANCY_IS_A_BUTTON
         service_type, capability = condition_of("" if is_button else device_class)
-        part = Part(
-            id="button" if is_button else _part_id(key),
-            service_type=service_type,
-            capabilities=(Capability(name=capability),),
-        )
+        part = sensor_part("button" if is_button else _part_id(key), capability, service_type=service_type)
         if _has(parts, part):
             yield BroadcastValue(part.id, capability, None if one.native_value is None else bool(one.native_value))
     for key, event in update.events.items():
@@ -232,14 +234,14 @@ def _happened(sensor: _Sensor, part_id: str, event: Event) -> Iterator[Broadcast
     The last is of a part of its own: a lock has a state of the same name.
     """
     kind, value = part_id.partition("_")[0], _PRESSES.get(event.event_type, event.event_type[:_LONGEST_EVENT])
-    service_type, capability = sensor_type("press"), "press"
+    service_type, capability = "", "press"
     if kind in _MOMENTS:
         service_type, capability = condition_of(kind)
         sensor.moments.add(part_id)
     elif kind not in _BUTTONS:
         service_type, part_id = sensor_type("value"), f"{part_id}_event"
     steps = (event.event_properties or {}).get("steps")
-    if _has(sensor.parts, Part(id=part_id, service_type=service_type, capabilities=(Capability(name=capability),))):
+    if _has(sensor.parts, sensor_part(part_id, capability, service_type=service_type)):
         said = value if steps is None else f"{value} {steps}"
         yield BroadcastValue(part_id, capability, True if kind in _MOMENTS else said)
 
@@ -251,15 +253,13 @@ def _measured(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
     quantity = quantity_of(device_class, str(description.native_unit_of_measurement or ""))
-    is_text = isinstance(value, str | date)
-    capability = Capability(name="value") if is_text else Capability(name=quantity.capability, unit=quantity.unit)
-    service_type = sensor_type("value") if is_text else quantity.service_type
-    part = Part(
-        id=part_id,
-        service_type=service_type,
-        category="diagnostic" if device_class in {"battery", "voltage"} else "",
-        capabilities=(capability,),
-    )
+    category: Category = "diagnostic" if device_class in {"battery", "voltage"} else ""
+    if isinstance(value, str | date):
+        part = sensor_part(part_id, "value", category=category)
+    else:
+        part = sensor_part(
+            part_id, quantity.capability, unit=quantity.unit, service_type=quantity.service_type, category=category
+        )
     if not _has(parts, part):
         return
     found: PlainValue = None
@@ -269,7 +269,7 @@ def _measured(
         found = value.isoformat()
     elif isinstance(value, int | float | Decimal):
         found = quantity.value(float(value))
-    yield BroadcastValue(part_id, capability.name, found)
+    yield BroadcastValue(part_id, part.capabilities[0].name, found)
 
 
 def _has(parts: dict[str, Part], part: Part) -> bool:

@@ -12,9 +12,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 
-from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue, full_uuid
-from homebot.conventions.units import sensor_type
-from homebot.devices.part import Capability, Part
+from homebot.conventions.bluetooth.broadcast import (
+    Advertisement,
+    Broadcast,
+    BroadcastParser,
+    BroadcastValue,
+    full_uuid,
+    sensor_part,
+)
+from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
@@ -155,9 +161,5 @@ def _service_data(advertisement: Advertisement) -> bytes:
 
 
 def _part(row: _SwitchbotRow) -> Part:
-    return Part(
-        id=row.capability,
-        service_type=row.service_type or sensor_type(row.capability),
-        category="diagnostic" if row.capability == "battery" else "",
-        capabilities=(Capability(name=row.capability),),
-    )
+    category: Category = "diagnostic" if row.capability == "battery" else ""
+    return sensor_part(row.capability, row.capability, service_type=row.service_type, category=category)

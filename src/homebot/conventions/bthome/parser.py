@@ -10,13 +10,17 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
+from homebot.conventions.bluetooth.broadcast import (
+    Advertisement,
+    Broadcast,
+    BroadcastParser,
+    BroadcastValue,
+    sensor_part,
+)
 from homebot.conventions.bthome.models import model_called
-from homebot.conventions.bthome.objects import BTHomeObject
 from homebot.conventions.bthome.packet import BTHOME_UUID, BTHomeFrame, BTHomePacket, Measured, read_frame, read_objects
-from homebot.conventions.units import sensor_type
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Category, Part
 from homebot.errors import WireError
 
 if TYPE_CHECKING:
@@ -81,7 +85,12 @@ class _BTHomeSender:
         values = tuple(map(self._meant, packet.values))
         for one in values:
             if one.part not in self.parts and len(self.parts) < MAX_PARTS:
-                self.parts[one.part] = _part(one.part, one.object)
+                kind = one.object
+                category: Category = "diagnostic" if kind.is_diagnostic else ""
+                tag = TAGS.get(kind.name, "")
+                self.parts[one.part] = sensor_part(
+                    one.part, kind.capability, unit=kind.unit, tag=tag, category=category
+                )
             if one.object.capability.startswith("battery"):
                 self.silence = max(self.silence, ON_BATTERY)
         return tuple(
@@ -172,13 +181,3 @@ class BTHomeParser(BroadcastParser):
             raise WireError(f"BTHome: its bind key has {len(key)} bytes, not {KEY_SIZE}")
         found = self._keys[address] = BindKey(key, mac)
         return found
-
-
-def _part(part_id: str, kind: BTHomeObject) -> Part:
-    return Part(
-        id=part_id,
-        service_type=sensor_type(kind.capability),
-        tag=TAGS.get(kind.name, ""),
-        category="diagnostic" if kind.is_diagnostic else "",
-        capabilities=(Capability(name=kind.capability, unit=kind.unit),),
-    )

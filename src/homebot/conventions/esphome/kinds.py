@@ -10,7 +10,7 @@ from datetime import UTC, date, datetime, time
 from functools import partial
 from typing import Final
 
-from homebot.conventions.command_values import require_bool, require_option
+from homebot.conventions.command_values import require_bool, require_moment, require_option
 from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
@@ -156,54 +156,33 @@ def _read_update(_info: Fields, state: Fields) -> PlainValue:
     return latest != current if current and latest else None
 
 
-_DATE, _TIME = ("year", "month", "day"), ("hour", "minute", "second")
-
-
-def _whole_numbers(state: Fields, names: tuple[str, str, str]) -> tuple[int, int, int]:
-    """Return whole numbers; raises ValueError for a missing one."""
-    first, second, third = (number_of(state, name) for name in names)
-    if first is None or second is None or third is None:
-        raise ValueError("not a number")
-    return int(first), int(second), int(third)
-
-
-def _moment_text(kind: str, state: Fields) -> str:
-    if kind == "date":
-        return date(*_whole_numbers(state, _DATE)).isoformat()
-    if kind == "time":
-        return time(*_whole_numbers(state, _TIME)).isoformat()
-    seconds = state.get("epoch_seconds")
-    return datetime.fromtimestamp(seconds if isinstance(seconds, int) else -1e20, UTC).isoformat()
-
-
-def _moment_fields(kind: str, text: str) -> Fields:
-    if kind == "date":
-        day = date.fromisoformat(text)
-        return {name: getattr(day, name) for name in _DATE}
-    if kind == "time":
-        moment = time.fromisoformat(text)
-        return {name: getattr(moment, name) for name in _TIME}
-    instant = datetime.fromisoformat(text)
-    if instant.tzinfo is None or not 0 <= instant.timestamp() < _MOST_SECONDS:
-        raise ValueError("without time zone, or out of range")
-    return {"epoch_seconds": int(instant.timestamp())}
+_MOMENTS: Mapping[str, tuple[Callable[..., date | time], tuple[str, ...]]] = {
+    "date": (date, ("year", "month", "day")),
+    "time": (time, ("hour", "minute", "second")),
+    "datetime": (partial(datetime.fromtimestamp, tz=UTC), ("epoch_seconds",)),
+}
 
 
 def _moment(kind: str) -> EntityComponent:
     """Return the kind of a date, a time of day, or both: a text in ISO 8601."""
+    make, names = _MOMENTS[kind]
 
     def read(_info: Fields, state: Fields) -> PlainValue:
+        numbers = [number for name in names if isinstance(number := state.get(name), int)]
         try:
-            return _moment_text(kind, state)
+            return make(*numbers).isoformat() if len(numbers) == len(names) else None
         except (ValueError, OverflowError, OSError):
             return None
 
     def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
-        try:
-            return _moment_fields(kind, value if isinstance(value, str) else "")
-        except (ValueError, OverflowError):
-            zone = " with a time zone" if kind == "datetime" else ""
-            raise RefusedError(f"text {shown(value)}", f"it takes a {kind} in ISO 8601 format{zone}") from None
+        text = require_moment(kind, value)
+        if kind != "datetime":
+            moment = (date if kind == "date" else time).fromisoformat(text)
+            return {name: getattr(moment, name) for name in names}
+        seconds = int(datetime.fromisoformat(text).timestamp())
+        if not 0 <= seconds < _MOST_SECONDS:
+            raise RefusedError(f"text {shown(value)}", "it takes a datetime from 1970 to 2106")
+        return {"epoch_seconds": seconds}
 
     return EntityComponent("x_setting", (EntityRow("text", read, write),), kind)
 

@@ -14,7 +14,15 @@ from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
 from homebot.conventions.payload import as_fields, parse_object, shown, text_of, to_json
 from homebot.conventions.shelly.gen2_component import COMPONENTS, call, components_from
-from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, is_prefix, kind_of, mac_in, page_name
+from homebot.conventions.shelly.gen2_device import (
+    ANSWERS,
+    Gen2Device,
+    is_config_change,
+    is_prefix,
+    kind_of,
+    mac_in,
+    page_name,
+)
 from homebot.conventions.shelly.status import Fields
 from homebot.errors import WireError
 
@@ -25,7 +33,6 @@ MAX_ANSWER_BYTES = 128 * 1024
 
 _MAX_DEVICES = 3000
 _MAX_KEPT_BYTES = 32 * 1024 * 1024
-_REQUESTED_METHODS = ("Shelly.GetDeviceInfo", "Shelly.GetConfig", "Shelly.GetStatus")
 
 
 class Gen2:
@@ -164,7 +171,7 @@ class Gen2:
 
     def _request(self, device: Gen2Device) -> DeviceRequest:
         source = f"{self._client}/{device.prefix}"
-        calls = [call(device.prefix, source, method) for method in _REQUESTED_METHODS]
+        calls = [call(device.prefix, source, method) for method in ANSWERS.values()]
         device.pages_asked = 0
         return DeviceRequest(device.prefix, (*calls, self._call_components(device, 0)))
 

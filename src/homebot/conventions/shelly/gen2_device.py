@@ -56,7 +56,9 @@ from homebot.devices.identity import identifiers, in_pairs
 from homebot.support.numbers import to_number
 
 __all__ = [
+    "ANSWERS",
     "MAX_COMPONENTS",
+    "AnswerKind",
     "Gen2Device",
     "is_config_change",
     "is_prefix",
@@ -66,6 +68,14 @@ __all__ = [
     "sleeps",
 ]
 
+AnswerKind = Literal["info", "config", "status"]
+
+ANSWERS: Mapping[AnswerKind, str] = {
+    "info": "Shelly.GetDeviceInfo",
+    "config": "Shelly.GetConfig",
+    "status": "Shelly.GetStatus",
+}
+"""Methods of the answers that describe a device, in the order of their calls."""
 
 _OWN_ID = re.compile(r"shelly[a-z0-9]{0,40}-([0-9a-f]{12})", re.IGNORECASE)
 _LONGEST_PREFIX = 200
@@ -330,7 +340,7 @@ class Gen2Device:
             whole_device=True,
             identifiers=self._identifiers(device_id),
             name=self._name(),
-            parts=_built(parts, [call(self.prefix, source, "Shelly.GetStatus"), *pages]),
+            parts=_built(parts, [call(self.prefix, source, ANSWERS["status"]), *pages]),
             topic=self.described[self.prefix].topic if self.prefix in self.described else topic,
             facts=self._facts(),
             availability=None

@@ -8,46 +8,31 @@ Source: Shelly Gen2+ API, General: RPC Protocol, RPC Channels (WebSocket), Notif
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from collections.abc import Iterator
+from typing import TypeAlias
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, compact_json, parse_object
-from homebot.conventions.shelly.gen2_device import Gen2Device, is_config_change, sleeps
+from homebot.conventions.shelly.gen2_device import AnswerKind, Gen2Device, is_config_change, sleeps
 from homebot.conventions.shelly.status import Fields
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["ANSWERS", "CLIENT", "AnswerKind", "Gen2RpcDevice", "PartKey", "RpcCall", "is_setup_change"]
+__all__ = ["CLIENT", "Gen2RpcDevice", "PartKey", "RpcCall", "is_setup_change"]
 
 CLIENT = "homebot"
 """The client id of calls to a device."""
 
-AnswerKind = Literal["info", "config", "status"]
-
-ANSWERS: Mapping[AnswerKind, str] = {
-    "info": "Shelly.GetDeviceInfo",
-    "config": "Shelly.GetConfig",
-    "status": "Shelly.GetStatus",
-}
-"""Methods of the answers that describe a device, in the order of their calls."""
-
 PartKey: TypeAlias = tuple[str, str]
 """The key of a device, and the id of a part."""
+
+RpcCall: TypeAlias = tuple[str, Fields]
+"""Method and parameters of a call, such as ``Switch.Set``."""
 
 _DAILY = 24 * 3600.0
 _MOST_SILENT = 7 * _DAILY
 _MISSED = 2.5
-
-
-@dataclass(frozen=True, slots=True)
-class RpcCall:
-    """A call of a method, such as ``Switch.Set``, of the device."""
-
-    method: str
-    params: Fields
 
 
 class Gen2RpcDevice:
@@ -117,7 +102,7 @@ class Gen2RpcDevice:
         if described is None:
             raise RefusedError(f"a command to {part[1][:60]!r}", "the device has no such part any more")
         return tuple(
-            RpcCall(str(frame["method"]), as_fields(frame.get("params")))
+            (str(frame["method"]), as_fields(frame.get("params")))
             for publication in described.codec.write(capability, value, transition=transition)
             for frame in (parse_object(publication.payload),)
         )

@@ -273,7 +273,7 @@ class BleGateway(Gateway):
         """Return the current problems, as text; of overflows, only those since the last call."""
         problems = [f"{one.key}: {one.problem}" for one in self._known.values() if one.problem][:MAX_PROBLEMS]
         counts = {
-            "advertisements were dropped: more arrived than can be read": self.intake.counts.dropped,
+            "advertisements were dropped: more arrived than can be read": self.intake.dropped,
             "advertisements of unknown devices were ignored: too many devices appear": self._newcomers.refused,
         }
         for what, count in counts.items():

@@ -12,7 +12,7 @@ from homebot.conventions.bluetooth.broadcast import Advertisement
 from homebot.errors import LinkError
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["BluetoothUnavailableError", "Intake", "IntakeCounts"]
+__all__ = ["BluetoothUnavailableError", "Intake"]
 
 EVERY = 1.0
 """Seconds between two identical advertisements of a device."""
@@ -26,31 +26,16 @@ class BluetoothUnavailableError(LinkError):
 
 
 @dataclass(slots=True)
-class IntakeCounts:
-    """Counts of received advertisements.
-
-    Attributes:
-        received: All.
-        repeated: Those dropped because they repeated one of the last second.
-        dropped: Those dropped because the queue was full, oldest first.
-    """
-
-    received: int = 0
-    repeated: int = 0
-    dropped: int = 0
-
-
-@dataclass(slots=True)
 class Intake:
     """A queue of at most 1,000 advertisements; if it is full, the oldest is dropped.
 
     Attributes:
-        counts: How many were received and dropped.
+        dropped: Number of dropped ones.
         heard_at: The time of the last one.
     """
 
     clock: Clock
-    counts: IntakeCounts = field(default_factory=IntakeCounts)
+    dropped: int = 0
     heard_at: float = float("-inf")
     _waiting: deque[Advertisement] = field(default_factory=deque)
     _last: BoundedMap[str, tuple[float, Advertisement]] = field(default_factory=lambda: BoundedMap(MAX_ADDRESSES))
@@ -59,17 +44,15 @@ class Intake:
     def put(self, advertisement: Advertisement) -> None:
         """Add an advertisement; never blocks."""
         now = self.heard_at = self.clock.monotonic()
-        self.counts.received += 1
         address = advertisement.address
         last = self._last.pop(address, None)
         if last is not None and now - last[0] < EVERY and last[1].says_the_same(advertisement):
             self._last[address] = last
-            self.counts.repeated += 1
             return
         self._last[address] = now, advertisement
         if len(self._waiting) >= MAX_WAITING:
             self._waiting.popleft()
-            self.counts.dropped += 1
+            self.dropped += 1
         self._waiting.append(advertisement)
         self._some_wait.set()
 

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast
+from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, sensor_part
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.conventions.bluetooth.signal import DISTANCE_FACTOR, Presence, SignalFilter, distance_of
-from homebot.conventions.units import sensor_type
 from homebot.devices.identity import identifiers
-from homebot.devices.part import Capability, Part
+from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.ble.settings import BleDeviceSettings
@@ -33,18 +32,8 @@ _SETTLED_AFTER = 60.0
 """Seconds after which a device is not removed to make room for another."""
 
 _SIGNAL_PARTS = (
-    Part(
-        id=SIGNAL,
-        service_type=sensor_type("signal_strength"),
-        category="diagnostic",
-        capabilities=(Capability(name="signal_strength"),),
-    ),
-    Part(
-        id=DISTANCE,
-        service_type=sensor_type("measurement"),
-        category="diagnostic",
-        capabilities=(Capability(name="measurement", unit="m"),),
-    ),
+    sensor_part(SIGNAL, "signal_strength", category="diagnostic"),
+    sensor_part(DISTANCE, "measurement", unit="m", category="diagnostic"),
 )
 _UNCERTAINTY = {"distance_uncertainty": f"a factor of {DISTANCE_FACTOR:.1f}, up or down"}
 
@@ -128,8 +117,7 @@ class KnownDevice:
     def _battery_part(self) -> tuple[Part, ...]:
         if not self.has_battery or any(one.id == BATTERY for one in self._broadcast.parts):
             return ()
-        battery = (Capability(name="battery"),)
-        return (Part(id=BATTERY, service_type=sensor_type("battery"), category="diagnostic", capabilities=battery),)
+        return (sensor_part(BATTERY, "battery", category="diagnostic"),)
 
     def _serial_number(self) -> tuple[str, ...]:
         """Return an identifier if maker and serial number are known: a number alone may not be unique."""

@@ -79,7 +79,7 @@ class OwnService:
 
 
 class ServiceNetwork(Protocol):
-    """The port to the network; :class:`homebot.gateways.mdns.zeroconf_network.MdnsNetwork` is the adapter."""
+    """The port to the services on the network; :class:`homebot.gateways.mdns.zeroconf_network.MdnsNetwork` is it."""
 
     def resolve_cached(self, service_type: str, name: str) -> ResolvedService | None:
         """Return a service from cached records; None if some are missing or expired."""
@@ -95,16 +95,6 @@ class ServiceNetwork(Protocol):
 
     async def ask_again(self) -> None:
         """Ask for all types again."""
-
-    async def announce(self, service: OwnService) -> str:
-        """Announce a service of homebot; return the name that it got.
-
-        Raises:
-            LinkError: It cannot be announced.
-        """
-
-    async def withdraw(self, service_type: str) -> None:
-        """Withdraw a service of homebot."""
 
 
 class NetworkInterfaces:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import platform
 from importlib.metadata import version
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import anyio
 from anyio import to_thread
@@ -23,10 +23,13 @@ from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.conventions.dns_sd.records import full_type
 from homebot.devices.network_service import NETWORK_SERVICES, NETWORK_SERVICES_QOS, NetworkService
 from homebot.errors import LinkError
-from homebot.gateways.mdns.network import OwnService, ServiceNetwork
+from homebot.gateways.mdns.network import OwnService
 from homebot.graph import Node
 from homebot.support.addresses import is_loopback
 from homebot.support.installation import Installation
+
+if TYPE_CHECKING:
+    from homebot.gateways.mdns.zeroconf_network import MdnsNetwork
 
 __all__ = ["HOMEBOT", "OwnServices"]
 
@@ -62,7 +65,7 @@ class OwnServices:
         self._same_id_as = ""
         node.create_subscription(NetworkService, NETWORK_SERVICES, self._on_service, NETWORK_SERVICES_QOS)
 
-    async def announce(self, network: ServiceNetwork) -> None:
+    async def announce(self, network: MdnsNetwork) -> None:
         """Keep the announcements up to date until cancelled."""
         self._name = await to_thread.run_sync(self._installation.name_for, self._wanted)
         self._version = await to_thread.run_sync(version, "homebot")
@@ -107,7 +110,7 @@ class OwnServices:
         message = "another homebot on the network has this one's id, which is another one from now on"
         self._node.log.warning(ID_TAKEN, message=message, id=self._id)
 
-    async def _announce(self, network: ServiceNetwork, service_type: str) -> None:
+    async def _announce(self, network: MdnsNetwork, service_type: str) -> None:
         offered = self._offered.get(service_type)
         try:
             if service_type == HOMEBOT:

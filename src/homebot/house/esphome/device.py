@@ -7,7 +7,6 @@ from typing import Any
 
 import anyio
 from anyio.abc import SocketStream
-from anyio.streams.memory import MemoryObjectReceiveStream, MemoryObjectSendStream
 
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
@@ -169,9 +168,7 @@ class _ApiClient:
     def __init__(self, messages: NativeApiStream) -> None:
         self.messages = messages
         self.is_open = True
-        streams: tuple[MemoryObjectSendStream[ApiMessage], MemoryObjectReceiveStream[ApiMessage]]
-        streams = anyio.create_memory_object_stream[ApiMessage](OUTBOX)
-        self._outbox, self._sent = streams
+        self._outbox, self._sent = anyio.create_memory_object_stream[ApiMessage](OUTBOX)
 
     def put(self, message: ApiMessage) -> None:
         """Have a message sent, or the connection closed where too many wait."""

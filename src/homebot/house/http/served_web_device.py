@@ -11,12 +11,12 @@ from anyio.abc import TaskStatus
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dns_sd import DnsSdService, announce_service
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.http.web_server import WebDevice, WebServer
 
 __all__ = ["ServedWebDevice"]
 
 
-class ServedWebDevice(ServedDevice):
+class ServedWebDevice(ServedDevice, WebDevice):
     """A device with a server of its own.
 
     Args:
@@ -48,15 +48,3 @@ class ServedWebDevice(ServedDevice):
     @abstractmethod
     def service(self) -> DnsSdService:
         """Return its announced service; the port is known once it serves."""
-
-    @abstractmethod
-    def answer(self, request: WebRequest) -> WebReply:
-        """Return the answer to a request of HTTP."""
-
-    @abstractmethod
-    def greet(self, peer: WebPeer, path: str) -> bool:
-        """Accept a new WebSocket to *path*, or a new stream of events from there; false if there is none."""
-
-    @abstractmethod
-    def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Handle a message of a WebSocket."""

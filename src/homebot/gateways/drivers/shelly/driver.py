@@ -15,8 +15,8 @@ from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
 from homebot.conventions.shelly.gen2 import MAX_ANSWER_BYTES
 from homebot.conventions.shelly.gen2_component import COMPONENTS, components_from
-from homebot.conventions.shelly.gen2_device import is_prefix
-from homebot.conventions.shelly.gen2_rpc import ANSWERS, AnswerKind, Gen2RpcDevice, PartKey, is_setup_change
+from homebot.conventions.shelly.gen2_device import ANSWERS, AnswerKind, is_prefix
+from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, PartKey, is_setup_change
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.conventions.shelly.status import Fields
 from homebot.devices.gateway_messages import Command
@@ -98,8 +98,8 @@ class ShellyDriver(Driver):
         key = device.id if command.key == self.service.key else command.key
         if key != device.id:
             await self._components_known.wait()
-        for call in device.calls((key, command.part), command.capability, value, command.transition):
-            await rpc.call(call.method, call.params)
+        for method, params in device.calls((key, command.part), command.capability, value, command.transition):
+            await rpc.call(method, params)
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
         """Return the address that answers, and the facts that the device reveals without a password."""
