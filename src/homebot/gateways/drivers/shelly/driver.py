@@ -1,4 +1,4 @@
-"""The driver for Shelly devices.
+"""The driver for Shelly devices, and its table ``[gateways.mdns.drivers.shelly]``.
 
 Source: Shelly Gen2+ API, Overview, Common Device Traits (mDNS).
 """
@@ -10,6 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import anyio
+from pydantic import Field, SecretStr
 
 from homebot.conventions.description import DeviceAnnounced
 from homebot.conventions.payload import Readings, as_fields, clean_text, compact_json, text_of
@@ -26,15 +27,15 @@ from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
-from homebot.gateways.drivers.shelly.rpc_link import RpcLink
-from homebot.gateways.drivers.shelly.settings import ShellyDriverSettings, wants_password
+from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
 from homebot.gateways.http_address import http_origin
+from homebot.gateways.password_settings import PasswordSettings
 from homebot.support.isolation import ungrouped
 
 if TYPE_CHECKING:
     from homebot.gateways.http_client import HttpClient
 
-__all__ = ["ShellyDriver"]
+__all__ = ["ShellyDriver", "ShellyDriverSettings"]
 
 ASK_AGAIN: Final = 300.0
 """Seconds between two requests for the whole status: a device that measures nothing may be silent for days."""
@@ -47,6 +48,33 @@ PAUSE: Final = 5.0
 
 BLUETOOTH_SILENCE: Final = 24 * 3600.0
 """Seconds for which a Bluetooth device behind it may be silent; some send every six hours."""
+
+
+class ShellyDriverSettings(PasswordSettings, DriverSettings):
+    """The passwords of Shelly's devices; the user is always ``admin``. Its own is for all that have no other.
+
+    Attributes:
+        devices: Passwords of single devices, by the id that is printed on each: ``shellyplus1-a8032abe54dc``.
+    """
+
+    devices: Mapping[str, PasswordSettings] = Field(default_factory=dict)
+
+    def check_secrets(self) -> None:
+        """Read all passwords once."""
+        self.read_password()
+        for device_id in self.devices:
+            self.password_of(device_id)
+
+    def password_of(self, device_id: str) -> SecretStr | None:
+        """Return the password of a device; None if it has none.
+
+        Raises:
+            UsageError: It cannot be read; names the key.
+        """
+        for name, own in self.devices.items():
+            if name.casefold() == device_id.casefold():
+                return own.read_password(f"devices.{name}.")
+        return self.read_password()
 
 
 class ShellyDriver(Driver):

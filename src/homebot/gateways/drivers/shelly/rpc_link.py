@@ -20,13 +20,12 @@ from homebot.conventions.shelly.gen2_rpc import CLIENT
 from homebot.conventions.shelly.rpc_login import RpcLogin
 from homebot.conventions.shelly.status import Fields
 from homebot.errors import HomebotError, LinkError, RefusedError, WireError
-from homebot.gateways.drivers.shelly.settings import wants_password
 from homebot.gateways.pending_calls import PendingCalls
 
 if TYPE_CHECKING:
     from homebot.gateways.http_streams import WebSocket
 
-__all__ = ["FrameHandler", "RpcLink"]
+__all__ = ["FrameHandler", "RpcLink", "wants_password"]
 
 FrameHandler: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
 """Takes a frame: parsed, and as received."""
@@ -135,3 +134,9 @@ class RpcLink:
         if code in _LATER:
             return LinkError(f"{what}: {reason}")
         return RefusedError(what, reason, code if isinstance(code, int) else None)
+
+
+def wants_password(*, has_one: bool) -> str:
+    """Return the remedy if a device asks for a password, as text."""
+    keys = "password_file or password_env in [gateways.mdns.drivers.shelly]"
+    return f"it refuses the password given by {keys}" if has_one else f"it wants a password; give {keys}"
