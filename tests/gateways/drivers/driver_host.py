@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
+from typing import TypeVar
 
 import anyio
+from tests.gateways.served import served
 from tests.patience import PATIENCE
 
 from homebot.clock import Clock, LoopClock
@@ -14,9 +16,12 @@ from homebot.devices.value import PlainValue, Value
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.value_check import can_report
 from homebot.gateways.drivers.base import Driver, FoundService
+from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.support.logger import get_logger
 
-__all__ = ["KeepingHost", "command", "found", "running"]
+__all__ = ["KeepingHost", "command", "driven", "found", "running"]
+
+DriverT = TypeVar("DriverT", bound=Driver)
 
 
 class KeepingHost:
@@ -89,6 +94,19 @@ def command(
     part: str, capability: str, value: PlainValue, transition: float = 0.0, key: str = "Hall._shelly._tcp.local."
 ) -> Command:
     return Command(key=key, part=part, capability=capability, value=Value.of(value), transition=transition)
+
+
+@asynccontextmanager
+async def driven(
+    device: ServedWebDevice, make: Callable[[int, KeepingHost], DriverT], *reported: tuple[str, str]
+) -> AsyncIterator[tuple[KeepingHost, DriverT]]:
+    """Run the driver of a served device inside the block, from the report of its first value, or of these, on."""
+    host = KeepingHost()
+    async with served(device):
+        driver = make(device.server.port, host)
+        async with running(driver):
+            await host.until(lambda: bool(host.values) and {*reported} <= host.values.keys())
+            yield host, driver
 
 
 @asynccontextmanager

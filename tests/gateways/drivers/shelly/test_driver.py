@@ -1,10 +1,11 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import pytest
-from tests.gateways.drivers.driver_host import KeepingHost, command, found, running
+from tests.gateways.drivers.driver_host import KeepingHost, command, driven, found, running
 from tests.gateways.served import served
 
 from homebot.devices.part import Part
@@ -42,78 +43,63 @@ def driver(port: int, host: KeepingHost, **settings: object) -> ShellyDriver:
 
 class TestADimmer:
     async def test_is_described_with_its_parts_names_and_identifiers(self) -> None:
-        host, shelly = KeepingHost(), Obeying()
-        async with served(shelly), running(driver(shelly.server.port, host)):
-            await host.until(lambda: ("light:0", "on_off") in host.values)
-        device = host.device
+        shelly = Obeying()
+        async with driven(shelly, driver) as (host, _):
+            device = host.device
         assert (device.key, device.name) == ("Hall._shelly._tcp.local.", "Hall")
         (part,) = device.parts
         assert isinstance(part, Part)
         assert (part.id, part.service_type, part.reads, part.writes) == ("light:0", "light", (), ())
-        assert device.metadata["manufacturer"] == "Shelly"
-        assert device.metadata["generation"] == "3"
+        assert (device.metadata["manufacturer"], device.metadata["generation"]) == ("Shelly", "3")
         assert shelly.id.partition("-")[2] in "".join(device.identifiers).replace(":", "")
         assert host.values == {("light:0", "on_off"): False, ("light:0", "level"): 40}
 
     async def test_is_commanded_and_its_notification_comes_back(self) -> None:
-        host, shelly = KeepingHost(), Obeying()
-        async with served(shelly):
-            shelly_driver = driver(shelly.server.port, host)
-            async with running(shelly_driver):
-                await host.until(lambda: ("light:0", "on_off") in host.values)
-                await shelly_driver.perform(command("light:0", "on_off", True))
-                await host.until(lambda: host.values["light:0", "on_off"] is True)
-                await shelly_driver.perform(command("light:0", "level", 30.0, 2.0))
+        shelly = Obeying()
+        async with driven(shelly, driver) as (host, shelly_driver):
+            await shelly_driver.perform(command("light:0", "on_off", True))
+            await host.until(lambda: host.values["light:0", "on_off"] is True)
+            await shelly_driver.perform(command("light:0", "level", 30.0, 2.0))
         assert shelly.told == ["on", "0.3"]
         assert json.loads(host.raw[0])["method"] == "NotifyStatus"
 
     async def test_refuses_what_it_cannot(self) -> None:
-        host, shelly = KeepingHost(), Obeying()
-        async with served(shelly):
-            shelly_driver = driver(shelly.server.port, host)
-            async with running(shelly_driver):
-                await host.until(lambda: ("light:0", "on_off") in host.values)
-                with pytest.raises(RefusedError, match="cellar"):
-                    await shelly_driver.perform(command("cellar", "on_off", True))
-                with pytest.raises(RefusedError):
-                    await shelly_driver.perform(command("light:0", "level", 200.0))
-            with pytest.raises(LinkError, match="not connected"):
-                await shelly_driver.perform(command("light:0", "on_off", True))
+        async with driven(Obeying(), driver) as (_, shelly_driver):
+            with pytest.raises(RefusedError, match="cellar"):
+                await shelly_driver.perform(command("cellar", "on_off", True))
+            with pytest.raises(RefusedError):
+                await shelly_driver.perform(command("light:0", "level", 200.0))
+        with pytest.raises(LinkError, match="not connected"):
+            await shelly_driver.perform(command("light:0", "on_off", True))
 
 
-class TestACover:
-    async def test_goes_to_a_position(self) -> None:
-        host, shelly = KeepingHost(), Obeying("cover")
-        async with served(shelly):
-            shelly_driver = driver(shelly.server.port, host)
-            async with running(shelly_driver):
-                await host.until(lambda: ("cover:0", "position") in host.values)
-                await shelly_driver.perform(command("cover:0", "position", 60.0))
-                await shelly_driver.perform(command("cover:0", "movement", "stopped"))
-        assert host.values["cover:0", "position"] == 25
-        assert shelly.told == ["0.6", "stop"]
+async def test_a_cover_goes_to_a_position() -> None:
+    shelly = Obeying("cover")
+    async with driven(shelly, driver) as (host, shelly_driver):
+        await shelly_driver.perform(command("cover:0", "position", 60.0))
+        await shelly_driver.perform(command("cover:0", "movement", "stopped"))
+    assert host.values["cover:0", "position"] == 25
+    assert shelly.told == ["0.6", "stop"]
 
 
 class TestPasswords:
     async def test_calls_are_signed(self, tmp_path: Path) -> None:
         (tmp_path / "password").write_text(f"{PASSWORD}\n")
         (tmp_path / "password").chmod(0o600)
-        host, shelly = KeepingHost(), Obeying(password=PASSWORD)
-        async with served(shelly):
-            shelly_driver = driver(shelly.server.port, host, password_file=tmp_path / "password")
-            async with running(shelly_driver):
-                await host.until(lambda: ("light:0", "on_off") in host.values)
-                await shelly_driver.perform(command("light:0", "on_off", True))
+        shelly = Obeying(password=PASSWORD)
+        make = partial(driver, password_file=tmp_path / "password")
+        async with driven(shelly, make) as (_, shelly_driver):
+            await shelly_driver.perform(command("light:0", "on_off", True))
         assert shelly.told == ["on"]
         assert shelly.refused_calls == 1
 
     async def test_a_device_has_a_password_of_its_own(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setenv("ALL", "wrong")
         monkeypatch.setenv("OWN", PASSWORD)
-        host, shelly = KeepingHost(), Obeying(password=PASSWORD)
-        settings = {"password_env": "ALL", "devices": {shelly.id.upper(): {"password_env": "OWN"}}}
-        async with served(shelly), running(driver(shelly.server.port, host, **settings)):
-            await host.until(lambda: ("light:0", "on_off") in host.values)
+        shelly = Obeying(password=PASSWORD)
+        own = {shelly.id.upper(): {"password_env": "OWN"}}
+        async with driven(shelly, partial(driver, password_env="ALL", devices=own)) as (host, _):
+            assert ("light:0", "on_off") in host.values
 
     async def test_without_one_the_device_is_listed_and_the_error_says_what_to_do(self) -> None:
         host, shelly = KeepingHost(), Obeying(password=PASSWORD)
