@@ -1,6 +1,7 @@
-"""The ``config`` message of a Tasmota device, checked. Pure.
+"""The ``config`` message of a Tasmota device, checked, and the topics and commands that follow from it. Pure.
 
-Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2, ``discovery.py``.
+Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2, ``discovery.py``; tasmota.github.io/docs,
+MQTT and Commands.
 """
 
 from __future__ import annotations
@@ -8,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from homebot.conventions.payload import clean_text, parse_object, shown
+from homebot.conventions.description import Publication, Publications
+from homebot.conventions.payload import JsonMessage, clean_text, parse_object, shown
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
-__all__ = ["LIGHT", "RELAY", "SHUTTER", "TasmotaConfig", "Tilt", "read_config"]
+__all__ = ["LIGHT", "RELAY", "SHUTTER", "TasmotaConfig", "Tilt", "power_commands", "read_config", "sensor_values"]
 
 RELAY, LIGHT, SHUTTER = 1, 2, 3
 """Types of an output, besides 0 for none."""
@@ -33,9 +35,9 @@ class TasmotaConfig:
     Attributes:
         mac: Its hardware address, 12 upper-case digits.
         output_names: Names of its outputs; empty for an output without one.
-        commands: The beginning of its command topics.
-        results: The beginning of its topics of answers.
-        telemetry: The beginning of its topics of periodic reports.
+        command_base: The beginning of its command topics.
+        result_base: The beginning of its topics of answers.
+        telemetry_base: The beginning of its topics of periodic reports.
         state_texts: Its texts for off, on, toggle and hold.
         online: Its payload while it is reachable.
         offline: Its last will.
@@ -57,9 +59,9 @@ class TasmotaConfig:
     mac: str
     name: str
     output_names: tuple[str, ...]
-    commands: str
-    results: str
-    telemetry: str
+    command_base: str
+    result_base: str
+    telemetry_base: str
     state_texts: tuple[str, ...]
     online: str
     offline: str
@@ -86,6 +88,72 @@ class TasmotaConfig:
         name = self.output_names[index] if index < len(self.output_names) else ""
         return "" if index == 0 and name == self.name else name
 
+    def topic(self, command: str) -> str:
+        """Return the topic of a command."""
+        return f"{self.command_base}{command}"
+
+    def results(self, *commands: str) -> tuple[str, ...]:
+        """Return the topics of the answers to *commands*, on which changes are reported too."""
+        answers = commands if self.option(_COMMAND_TOPICS_OPTION) else ("RESULT",)
+        return tuple(f"{self.result_base}{answer.upper()}" for answer in answers)
+
+    def states(self, *commands: str) -> tuple[str, ...]:
+        """Return the topics of the states that *commands* change: reported at once, and every few minutes."""
+        return (*self.results(*commands, "State"), self.telemetry)
+
+    @property
+    def telemetry(self) -> str:
+        """The topic on which outputs are reported every few minutes."""
+        return f"{self.telemetry_base}STATE"
+
+    @property
+    def sensors(self) -> tuple[str, str]:
+        """The topics on which sensors are reported: every few minutes, and when requested."""
+        return f"{self.telemetry_base}SENSOR", f"{self.result_base}STATUS10"
+
+    @property
+    def state_requests(self) -> Publications:
+        """Requests of its outputs; none for a sleeping device, which would never receive them."""
+        return () if self.is_sleeper else self.publish("STATE")
+
+    @property
+    def sensor_requests(self) -> Publications:
+        """Requests of its sensors; none for a sleeping device."""
+        return () if self.is_sleeper else self.publish("STATUS", 10)
+
+    def publish(self, command: str, argument: str | int = "") -> Publications:
+        """Return the publication of one command."""
+        return (Publication(self.topic(command), str(argument).encode()),)
+
+    def publish_all(self, commands: list[tuple[str, str | int]]) -> Publications:
+        """Return the publication of several commands, executed together."""
+        return self.publish("Backlog", ";".join(f"NoDelay;{command} {argument}" for command, argument in commands))
+
+    def state_text(self, on: bool) -> str:  # noqa: FBT001 - the only argument
+        """Return its text for on or off."""
+        return self.state_texts[1 if on else 0]
+
+    def read_power(self, index: int, message: JsonMessage) -> bool | None:
+        """Return whether the output *index* is on; None if the message does not say. A single output has no number."""
+        state = message.get(f"POWER{index + 1}", message.get("POWER") if index == 0 else None)
+        is_known = isinstance(state, str) and state in self.state_texts[:2]
+        return state == self.state_texts[1] if is_known else None
+
+
+_COMMAND_TOPICS_OPTION = 4
+"""SetOption4: the answer to a command has a topic with its name."""
+
+
+def power_commands(index: int) -> tuple[str, ...]:
+    """Return the names by which the output *index* reports its power. A single output has no number."""
+    return (f"Power{index + 1}", *(("Power",) if index == 0 else ()))
+
+
+def sensor_values(message: JsonMessage) -> JsonMessage:
+    """Return the sensors in a message: an answer to a request has them in an inner object."""
+    inner = message.get("StatusSNS")
+    return inner if isinstance(inner, dict) else message
+
 
 def read_config(mac: str, payload: bytes) -> TasmotaConfig:
     """Return the configuration of the device *mac*, with the firmware's defaults for missing fields.
@@ -103,9 +171,9 @@ def read_config(mac: str, payload: bytes) -> TasmotaConfig:
         mac=mac,
         name=clean_text(_text(fields, "dn")) or next((name for name in names if name), "") or mac,
         output_names=tuple(clean_text(name) for name in names),
-        commands=_topic(fields, mac, prefixes[0], suffix="/%prefix%"),
-        results=_topic(fields, mac, prefixes[1]),
-        telemetry=_topic(fields, mac, prefixes[2]),
+        command_base=_topic(fields, mac, prefixes[0], suffix="/%prefix%"),
+        result_base=_topic(fields, mac, prefixes[1]),
+        telemetry_base=_topic(fields, mac, prefixes[2]),
         state_texts=_state_texts(fields),
         online=_text(fields, "onln") or "Online",
         offline=_text(fields, "ofln") or "Offline",

@@ -11,25 +11,25 @@ from functools import partial
 from homebot.conventions.description import AutoExpiry, DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text
-from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
+from homebot.conventions.tasmota.config import TasmotaConfig, sensor_values
 
 __all__ = ["describe_inputs"]
 
 
-def describe_inputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
+def describe_inputs(config: TasmotaConfig) -> Iterable[DescribedPart]:
     """Describe the contacts, and the presses of switches and buttons."""
-    for index, mode in enumerate(topics.config.switch_modes):
+    for index, mode in enumerate(config.switch_modes):
         if mode in _FOLLOWED:
-            yield _contact(topics, index, mode)
+            yield _contact(config, index, mode)
         if mode in _PRESSED:
-            actions = {topics.config.state_texts[place]: press for place, press in _PRESSED[mode].items()}
-            name = _switch_name(topics, index)
-            yield _presses(topics, f"switch_{index + 1}_press", f"Switch{index + 1}", name, actions)
-    if topics.config.option(_BUTTONS_OPTION):
-        for index, is_there in enumerate(topics.config.buttons):
+            actions = {config.state_texts[place]: press for place, press in _PRESSED[mode].items()}
+            name = _switch_name(config, index)
+            yield _presses(config, f"switch_{index + 1}_press", f"Switch{index + 1}", name, actions)
+    if config.option(_BUTTONS_OPTION):
+        for index, is_there in enumerate(config.buttons):
             if is_there:
                 report = f"Button{index + 1}"
-                yield _presses(topics, f"button_{index + 1}", report, report, _button_actions(topics))
+                yield _presses(config, f"button_{index + 1}", report, report, _button_actions(config))
 
 
 _TOGGLE, _HOLD = 2, 3
@@ -69,24 +69,24 @@ _BUTTON_ACTIONS: Mapping[str, str] = {
 _PULSE_SECONDS = 1.0
 
 
-def _switch_name(topics: TasmotaTopics, index: int) -> str:
-    names = topics.config.switch_names
+def _switch_name(config: TasmotaConfig, index: int) -> str:
+    names = config.switch_names
     return (names[index] if index < len(names) else "") or f"Switch{index + 1}"
 
 
-def _contact(topics: TasmotaTopics, index: int, mode: int) -> DescribedPart:
-    name = _switch_name(topics, index)
+def _contact(config: TasmotaConfig, index: int, mode: int) -> DescribedPart:
+    name = _switch_name(config, index)
     part = JsonPart(f"switch_{index + 1}", "x_binary_sensor", name=clean_text(name), advertised="switch")
-    read = partial(_read_state, topics.config.state_texts[0], topics.config.state_texts[1], name)
+    read = partial(_read_state, config.state_texts[0], config.state_texts[1], name)
     part.add_capability("state")
     if mode in _PULSES:
-        for topic in topics.results(f"Switch{index + 1}"):
+        for topic in config.results(f"Switch{index + 1}"):
             part.read_events_from(topic, read)
         part.add_expiry(AutoExpiry("state", _PULSE_SECONDS, value=False, only=True))
     else:
-        for topic in (*topics.results(f"Switch{index + 1}"), *topics.sensors):
+        for topic in (*config.results(f"Switch{index + 1}"), *config.sensors):
             part.read_from(topic, read)
-        part.add_state_request(*topics.sensor_requests)
+        part.add_state_request(*config.sensor_requests)
     return part.build()
 
 
@@ -99,17 +99,17 @@ def _read_state(off: str, on: str, name: str, message: JsonMessage) -> Readings:
     return {"state": text == on}
 
 
-def _button_actions(topics: TasmotaTopics) -> Mapping[str, str]:
-    if topics.config.option(_SINGLE_ONLY_OPTION):
+def _button_actions(config: TasmotaConfig) -> Mapping[str, str]:
+    if config.option(_SINGLE_ONLY_OPTION):
         return {"SINGLE": "single"}
-    if topics.config.option(_SWAP_OPTION):
+    if config.option(_SWAP_OPTION):
         return {**_BUTTON_ACTIONS, "SINGLE": "double", "DOUBLE": "single"}
     return _BUTTON_ACTIONS
 
 
-def _presses(topics: TasmotaTopics, part_id: str, report: str, name: str, actions: Mapping[str, str]) -> DescribedPart:
+def _presses(config: TasmotaConfig, part_id: str, report: str, name: str, actions: Mapping[str, str]) -> DescribedPart:
     part = JsonPart(part_id, "generic_switch", name=clean_text(name), advertised="button")
-    for topic in topics.results(report):
+    for topic in config.results(report):
         part.read_events_from(topic, partial(_read_press, name, actions))
     part.add_capability("press", options=tuple(dict.fromkeys(actions.values())))
     return part.build()

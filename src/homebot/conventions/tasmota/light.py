@@ -20,8 +20,7 @@ from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeat
 from homebot.conventions.light_color import kelvin_mired, mired_bounds
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
-from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig
-from homebot.conventions.tasmota.device_topics import TasmotaTopics, power_commands
+from homebot.conventions.tasmota.config import LIGHT, TasmotaConfig, power_commands
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
@@ -112,14 +111,14 @@ def _rgb_of(hue: float, saturation: float) -> tuple[float, ...]:
     return tuple(int(one * 255) / 255 for one in colorsys.hsv_to_rgb(hue / 360, saturation / 100, 1))
 
 
-def add_light(part: JsonPart, topics: TasmotaTopics, index: int) -> None:
+def add_light(part: JsonPart, config: TasmotaConfig, index: int) -> None:
     """Add the capabilities of the lamp at the output *index*."""
-    lamp = _lamp(topics, index)
-    for topic in topics.states(*power_commands(index), *_REPORTED_COMMANDS):
+    lamp = _lamp(config, index)
+    for topic in config.states(*power_commands(index), *_REPORTED_COMMANDS):
         part.read_from(topic, lamp.read)
-    part.add_command_topics(topics.topic("Backlog"))
+    part.add_command_topics(config.topic("Backlog"))
     lamp.features.add_to(part, LIGHT_CAPABILITIES, lamp.publish)
-    part.add_state_request(*topics.state_requests)
+    part.add_state_request(*config.state_requests)
 
 
 _REPORTED_COMMANDS = ("Channel", "Color", "CT", "Dimmer", "HsbColor", "Scheme", "White")
@@ -146,7 +145,7 @@ class _TasmotaLamp:
         last_state: Its last reported state, on which the fade speed depends.
     """
 
-    topics: TasmotaTopics
+    config: TasmotaConfig
     index: int
     kind: int
     dimmer: str
@@ -176,13 +175,12 @@ class _TasmotaLamp:
 
     @property
     def _mireds(self) -> tuple[int, int]:
-        return _REDUCED_MIRED if self.topics.config.option(_REDUCED_MIRED_OPTION) else _MIRED
+        return _REDUCED_MIRED if self.config.option(_REDUCED_MIRED_OPTION) else _MIRED
 
     def read(self, message: JsonMessage) -> Readings:
-        found = dict(self.topics.read_power(self.index, message))
-        self.last_state.update(
-            found.get("on_off"), message.get(self.dimmer_key), message.get("Color"), message.get("CT")
-        )
+        is_on = self.config.read_power(self.index, message)
+        found: dict[str, PlainValue] = {} if is_on is None else {"on_off": is_on}
+        self.last_state.update(is_on, message.get(self.dimmer_key), message.get("Color"), message.get("CT"))
         if self.kind == _ON_OFF:
             return found
         level = finite_number(message.get(self.dimmer_key))
@@ -196,10 +194,10 @@ class _TasmotaLamp:
 
     def publish(self, command: LightCommand) -> Publications:
         """Encode a command, the fade first: ``Fade2`` and ``Speed2`` are for the next change only."""
-        power = (f"Power{self.index + 1}", self.topics.state_text(command.on))
+        power = (f"Power{self.index + 1}", self.config.state_text(command.on))
         orders: list[tuple[str, str | int]] = [power]
         if command.level is not None:
-            apart = self.topics.config.option(_POWER_APART_OPTION)
+            apart = self.config.option(_POWER_APART_OPTION)
             orders = [(self.dimmer, _steps(command)), *([power] if apart else [])]
         if command.kelvin is not None:
             orders.append(("CT", kelvin_mired(command.kelvin)))
@@ -207,12 +205,12 @@ class _TasmotaLamp:
             orders += [(f"HsbColor{place}", round(one)) for place, one in enumerate(command.color, 1)]
         if command.effect:
             orders.append(("Scheme", _EFFECTS.index(command.effect)))
-        return self.topics.publish_all([*self._fade(command), *orders])
+        return self.config.publish_all([*self._fade(command), *orders])
 
     def _fade(self, command: LightCommand) -> list[tuple[str, str | int]]:
-        if not command.transition or self.kind == _ON_OFF or self.topics.config.is_tuya:
+        if not command.transition or self.kind == _ON_OFF or self.config.is_tuya:
             return []
-        is_whole = self.topics.config.option(_FIXED_FADE_OPTION)
+        is_whole = self.config.option(_FIXED_FADE_OPTION)
         distance = 1.0 if is_whole else self.last_state.distance(command, self.kind, self._mireds)
         return [("Fade2", 1), ("Speed2", speed_for(command.transition, distance))]
 
@@ -236,19 +234,18 @@ def _steps(command: LightCommand) -> int:
     return max(1, round((command.brightness or 0) / 255 * 100))
 
 
-def _lamp(topics: TasmotaTopics, index: int) -> _TasmotaLamp:
+def _lamp(config: TasmotaConfig, index: int) -> _TasmotaLamp:
     """Return the lamp at an output: a channel, or colours and then white if these are not linked."""
-    config = topics.config
     if config.option(_DIMMERS_OPTION):
         channel = f"Channel{index + 1}"
-        return _TasmotaLamp(topics, index, _DIMMER, channel, channel)
+        return _TasmotaLamp(config, index, _DIMMER, channel, channel)
     place = _place(config, index)
     if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:
         white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
         dimmer = f"Dimmer{place + 1}"
-        return _TasmotaLamp(topics, index, white if place else _COLOR, dimmer, dimmer)
+        return _TasmotaLamp(config, index, white if place else _COLOR, dimmer, dimmer)
     kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
-    return _TasmotaLamp(topics, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
+    return _TasmotaLamp(config, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
 
 
 def _place(config: TasmotaConfig, index: int) -> int:

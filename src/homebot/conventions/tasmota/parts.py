@@ -10,12 +10,19 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import chain
 
-from homebot.conventions.command_values import require_bool, require_number, require_option
+from homebot.conventions.command_values import bool_writer, require_bool, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.part_builder import JsonPart, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
-from homebot.conventions.tasmota.config import LIGHT, RELAY, SHUTTER, TasmotaConfig, Tilt
-from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
+from homebot.conventions.tasmota.config import (
+    LIGHT,
+    RELAY,
+    SHUTTER,
+    TasmotaConfig,
+    Tilt,
+    power_commands,
+    sensor_values,
+)
 from homebot.conventions.tasmota.inputs import describe_inputs
 from homebot.conventions.tasmota.light import add_light
 from homebot.conventions.tasmota.sensors import Leaf, describe_sensors
@@ -25,14 +32,14 @@ from homebot.support.numbers import finite_number
 __all__ = ["build_parts", "count_shutters"]
 
 
-def _add_fan(part: JsonPart, topics: TasmotaTopics) -> None:
-    fan = _Fan(topics)
-    for topic in topics.states(_COMMAND):
+def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
+    fan = _Fan(config)
+    for topic in config.states(_COMMAND):
         part.read_from(topic, fan.read)
     part.add_capability("on_off", writer=fan.switch)
     part.add_capability("fan_speed", writer=fan.set_speed)
-    part.add_command_topics(topics.topic(_COMMAND))
-    part.add_state_request(*topics.state_requests)
+    part.add_command_topics(config.topic(_COMMAND))
+    part.add_state_request(*config.state_requests)
 
 
 _COMMAND = "FanSpeed"
@@ -45,10 +52,10 @@ _MIDDLE = 2
 class _Fan:
     """Reader and writers of a fan. Switched on, it gets its last reported speed, for which it has no command."""
 
-    __slots__ = ("_speed", "_topics")
+    __slots__ = ("_config", "_speed")
 
-    def __init__(self, topics: TasmotaTopics) -> None:
-        self._topics = topics
+    def __init__(self, config: TasmotaConfig) -> None:
+        self._config = config
         self._speed = _MIDDLE
 
     def read(self, message: JsonMessage) -> Readings:
@@ -59,11 +66,11 @@ class _Fan:
         return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
 
     def switch(self, value: PlainValue, _transition: float) -> Publications:
-        return self._topics.publish(_COMMAND, self._speed if require_bool("on_off", value) else 0)
+        return self._config.publish(_COMMAND, self._speed if require_bool("on_off", value) else 0)
 
     def set_speed(self, value: PlainValue, _transition: float) -> Publications:
         percent = require_number("fan_speed", value, 0, 100, "%")
-        return self._topics.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
+        return self._config.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
 
 
 def count_shutters(outputs: tuple[int, ...]) -> int:
@@ -80,22 +87,21 @@ def count_shutters(outputs: tuple[int, ...]) -> int:
     return pairs
 
 
-def _add_shutter(part: JsonPart, topics: TasmotaTopics, index: int) -> tuple[object, ...]:
+def _add_shutter(part: JsonPart, config: TasmotaConfig, index: int) -> tuple[object, ...]:
     """Add the capabilities of the shutter *index*; return the options from which the payloads of commands follow."""
-    config = topics.config
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
-    shutter = _Shutter(topics, index + 1, bool(options & _INVERTED), tilt)
-    for topic in (*topics.results("Shutter"), *topics.sensors):
+    shutter = _Shutter(config, index + 1, bool(options & _INVERTED), tilt)
+    for topic in (*config.results("Shutter"), *config.sensors):
         part.read_from(topic, shutter.read)
     part.add_capability("movement", writer=shutter.move)
     part.add_capability("position", writer=shutter.set_position)
     if tilt is not None:
         part.add_capability("tilt", writer=shutter.set_tilt)
-    part.add_command_topics(*(topics.topic(f"Shutter{name}{index + 1}") for name in (*_COMMANDS.values(), "Position")))
+    part.add_command_topics(*(config.topic(f"Shutter{name}{index + 1}") for name in (*_COMMANDS.values(), "Position")))
     if tilt is not None:
-        part.add_command_topics(topics.topic(f"ShutterTilt{index + 1}"))
-    part.add_state_request(*topics.sensor_requests)
+        part.add_command_topics(config.topic(f"ShutterTilt{index + 1}"))
+    part.add_state_request(*config.sensor_requests)
     return shutter.is_inverted, shutter.tilt
 
 
@@ -107,7 +113,7 @@ _COMMANDS = {"open": "Open", "closed": "Close", "stopped": "Stop"}
 class _Shutter:
     """Reader and writers of one shutter; they are numbered from 1."""
 
-    topics: TasmotaTopics
+    config: TasmotaConfig
     number: int
     is_inverted: bool
     tilt: Tilt | None
@@ -131,16 +137,16 @@ class _Shutter:
         return found
 
     def move(self, value: PlainValue, _transition: float) -> Publications:
-        return self.topics.publish(f"Shutter{_COMMANDS[require_option('movement', value, _COMMANDS)]}{self.number}")
+        return self.config.publish(f"Shutter{_COMMANDS[require_option('movement', value, _COMMANDS)]}{self.number}")
 
     def set_position(self, value: PlainValue, _transition: float) -> Publications:
         percent = round(require_number("position", value, 0, 100, "%"))
-        return self.topics.publish(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
+        return self.config.publish(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
 
     def set_tilt(self, value: PlainValue, _transition: float) -> Publications:
         percent = require_number("tilt", value, 0, 100, "%")
         tilt = self.tilt or Tilt(0, 100)
-        return self.topics.publish(
+        return self.config.publish(
             f"ShutterTilt{self.number}", round(tilt.least + percent * (tilt.most - tilt.least) / 100)
         )
 
@@ -159,8 +165,7 @@ def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[Describe
     The first relay of an iFan is its lamp. The others make the speeds of its fan: they are reported and, unlike in Home
     Assistant, cannot be switched alone.
     """
-    topics = TasmotaTopics(config)
-    described = chain(_outputs(topics), describe_inputs(topics), describe_sensors(topics, leaves))
+    described = chain(_outputs(config), describe_inputs(config), describe_sensors(config, leaves))
     return with_own_ids(described, _MOST_PARTS)
 
 
@@ -170,34 +175,48 @@ _LAMPS_OPTION = 30
 """SetOption30: the relays switch lamps."""
 
 
-def _outputs(topics: TasmotaTopics) -> Iterable[DescribedPart]:
-    config = topics.config
+def _outputs(config: TasmotaConfig) -> Iterable[DescribedPart]:
     for index, output in enumerate(config.outputs):
         name = config.output_name(index)
         if config.is_fan and output in (RELAY, LIGHT):
-            yield _relay(topics, index, "light", name) if index == 0 else _relay_of_fan(topics, index, name)
+            yield _relay(config, index, "light", name) if index == 0 else _relay_of_fan(config, index, name)
         elif output == LIGHT:
             part = JsonPart(f"light_{index + 1}", "light", name=name, advertised="light")
-            add_light(part, topics, index)
+            add_light(part, config, index)
             yield part.build()
         elif output == RELAY:
-            yield _relay(topics, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
+            yield _relay(config, index, "light" if config.option(_LAMPS_OPTION) else "switch", name)
     for index in range(count_shutters(config.outputs)):
         part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
-        yield part.build(_add_shutter(part, topics, index))
+        yield part.build(_add_shutter(part, config, index))
     if config.is_fan:
         part = JsonPart("fan", "fan", advertised="fan")
-        _add_fan(part, topics)
+        _add_fan(part, config)
         yield part.build()
 
 
-def _relay(topics: TasmotaTopics, index: int, service_type: str, name: str) -> DescribedPart:
+def _relay(config: TasmotaConfig, index: int, service_type: str, name: str) -> DescribedPart:
     part = JsonPart(f"power_{index + 1}", service_type, name=name, advertised="relay")
-    topics.add_power_switch(part, index)
+    _add_power(part, config, index, "on_off")
+    command = f"Power{index + 1}"
+    part.add_command_topics(config.topic(command))
+    switch = bool_writer("on_off", lambda on: config.publish(command, config.state_text(on)))
+    part.add_capability("on_off", writer=switch)
     return part.build()
 
 
-def _relay_of_fan(topics: TasmotaTopics, index: int, name: str) -> DescribedPart:
+def _relay_of_fan(config: TasmotaConfig, index: int, name: str) -> DescribedPart:
     part = JsonPart(f"power_{index + 1}", "x_binary_sensor", name=name, advertised="relay", category="diagnostic")
-    topics.add_power_state(part, index)
+    _add_power(part, config, index, "state")
+    part.add_capability("state")
     return part.build()
+
+
+def _add_power(part: JsonPart, config: TasmotaConfig, index: int, capability: str) -> None:
+    def read(message: JsonMessage) -> Readings:
+        is_on = config.read_power(index, message)
+        return NO_READINGS if is_on is None else {capability: is_on}
+
+    for topic in config.states(*power_commands(index)):
+        part.read_from(topic, read)
+    part.add_state_request(*config.state_requests)

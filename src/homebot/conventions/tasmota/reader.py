@@ -93,7 +93,7 @@ class TasmotaReader:
 
     def _described(self, mac: str) -> DeviceAnnounced:
         config = self._configs[mac]
-        will = LastWillAvailability(f"{config.telemetry}LWT", config.online.encode(), config.offline.encode())
+        will = LastWillAvailability(f"{config.telemetry_base}LWT", config.online.encode(), config.offline.encode())
         described = DeviceAnnounced(
             key=mac,
             convention="tasmota",

@@ -14,7 +14,7 @@ from typing import TypeAlias
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text, is_unknown
-from homebot.conventions.tasmota.device_topics import TasmotaTopics, sensor_values
+from homebot.conventions.tasmota.config import TasmotaConfig, sensor_values
 from homebot.conventions.units import Quantity, quantity
 from homebot.support.numbers import finite_number
 
@@ -132,7 +132,7 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
     return tuple(leaves)
 
 
-def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
+def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
     for leaf in leaves:
         quantity = leaf.quantity
@@ -145,12 +145,12 @@ def describe_sensors(topics: TasmotaTopics, leaves: Iterable[Leaf]) -> Iterable[
             category="diagnostic" if leaf.is_internal else "",
         )
         capability = quantity.capability if is_number else "value"
-        for topic in topics.sensors:
+        for topic in config.sensors:
             part.read_from(topic, partial(_read, leaf.path, capability, quantity))
         part.add_capability(capability, unit=quantity.unit if is_number else "")
-        part.add_state_request(*topics.sensor_requests)
+        part.add_state_request(*config.sensor_requests)
         yield part.build()
-    yield _signal(topics)
+    yield _signal(config)
 
 
 def _is_inside(sensor: str, sensors: Mapping[str, object]) -> bool:
@@ -219,9 +219,9 @@ def _at(path: Path, message: JsonMessage) -> tuple[bool, object]:
     return True, value
 
 
-def _signal(topics: TasmotaTopics) -> DescribedPart:
+def _signal(config: TasmotaConfig) -> DescribedPart:
     part = JsonPart("wifi", "x_sensor", name="Wi-Fi", advertised="Wifi", category="diagnostic")
-    part.read_from(topics.telemetry, _read_signal)
+    part.read_from(config.telemetry, _read_signal)
     part.add_capability("signal_strength")
     return part.build()
 

@@ -19,7 +19,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.ble.connections import Connections
 from homebot.gateways.ble.intake import BluetoothUnavailableError, Intake
-from homebot.gateways.ble.known_device import KnownDevice, Newcomers, find_dispensable
+from homebot.gateways.ble.known_device import KnownDevice
 from homebot.gateways.ble.settings import PARSERS, BleDeviceSettings, BleGatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.graph import Node
@@ -27,6 +27,7 @@ from homebot.plugins import check_extra, load_plugin
 from homebot.support.backoff import LINK_BACKOFF, BackoffCounter
 from homebot.support.ble_backend import BleBackend
 from homebot.support.isolation import run_as
+from homebot.support.rate_limit import RateLimit
 
 if TYPE_CHECKING:
     from homebot.gateways.ble.bleak_adapter import BleRadio
@@ -51,6 +52,12 @@ SIGNAL_EVERY = 5.0
 PUT_EVERY = 1.0
 """Seconds between two sightings of a device that has not changed."""
 
+NEW_AT_ONCE, NEW_PER_SECOND = 200, 5.0
+"""New devices that are accepted: any radio may advertise, and a house has fewer, so that more are probably fake."""
+
+SETTLED_AFTER = 60.0
+"""Seconds after which a device is not removed to make room for another."""
+
 
 class BleGateway(Gateway):
     """Brings Bluetooth devices nearby onto the graph.
@@ -71,8 +78,8 @@ class BleGateway(Gateway):
         self._parsers = _find_parsers(settings)
         self._known: dict[str, KnownDevice] = {}
         self._keys: dict[str, str] = {}
-        self._put_at: dict[str, float] = {}
-        self._newcomers = Newcomers()
+        self._newcomers = RateLimit(NEW_PER_SECOND, NEW_AT_ONCE)
+        self._ignored = 0
         self._connections: Connections | None = None
         self._restart = anyio.Event()
         self._listens_since: float | None = None
@@ -177,7 +184,7 @@ class BleGateway(Gateway):
         device.update(advertisement, found, now)
         self._keys[advertisement.address] = key
         values = () if found is None else found.values
-        if values or now - self._put_at.get(key, float("-inf")) >= PUT_EVERY:
+        if values or now - device.put_at >= PUT_EVERY:
             self._put(device, "it was heard")
         if device.profile is not None and self._connections is not None:
             self._connections.connect(device, is_back=is_back)
@@ -212,6 +219,7 @@ class BleGateway(Gateway):
         if not is_understood and not self._lists_unknown(advertisement.name):
             return None
         if declared is None and not self._newcomers.admits(now):
+            self._ignored += 1
             return None
         if len(self._known) >= self._settings.max_devices and not self._make_room():
             self.devices.counters.devices_refused += 1
@@ -223,11 +231,14 @@ class BleGateway(Gateway):
         return self._settings.listed == "all" or (self._settings.listed == "named" and bool(name))
 
     def _make_room(self) -> bool:
-        """Forget a dispensable device; return whether there was one."""
-        dispensable = find_dispensable(self._known.values())
-        if dispensable is not None:
-            self._forget(dispensable, "too many devices are nearby, and it was heard only briefly")
-        return dispensable is not None
+        """Forget the longest silent device of those heard only briefly; return whether there was one."""
+        known = ((one, one.presence) for one in self._known.values())
+        brief = [one for one, heard in known if heard.last_heard - heard.first_heard < SETTLED_AFTER]
+        if not brief:
+            return False
+        dispensable = min(brief, key=lambda one: one.presence.last_heard)
+        self._forget(dispensable, "too many devices are nearby, and it was heard only briefly")
+        return True
 
     def _profile_of(self, advertisement: Advertisement, declared: BleDeviceSettings | None) -> GattProfile | None:
         if declared is not None and declared.profile:
@@ -235,12 +246,11 @@ class BleGateway(Gateway):
         return next((self._profiles[one] for one in advertisement.service_uuids if one in self._profiles), None)
 
     def _put(self, device: KnownDevice, why: str) -> None:
-        self._put_at[device.key] = self._clock.monotonic()
+        device.put_at = self._clock.monotonic()
         self.devices.put(device.describe(signal=self._settings.signal), why)
 
     def _forget(self, device: KnownDevice, why: str) -> None:
         del self._known[device.key]
-        self._put_at.pop(device.key, None)
         self._keys.pop(device.address, None)
         self._forget_address(device.address)
         if self._connections is not None:
@@ -274,7 +284,7 @@ class BleGateway(Gateway):
         problems = [f"{one.key}: {one.problem}" for one in self._known.values() if one.problem][:MAX_PROBLEMS]
         counts = {
             "advertisements were dropped: more arrived than can be read": self.intake.dropped,
-            "advertisements of unknown devices were ignored: too many devices appear": self._newcomers.refused,
+            "advertisements of unknown devices were ignored: too many devices appear": self._ignored,
         }
         for what, count in counts.items():
             if count > self._told.get(what, 0):

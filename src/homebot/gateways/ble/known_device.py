@@ -1,8 +1,8 @@
-"""A listed device with all its facts, and the limit on new ones: any radio may advertise. Pure."""
+"""A listed device with all its facts. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, sensor_part
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
@@ -12,9 +12,8 @@ from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.ble.settings import BleDeviceSettings
-from homebot.support.rate_limit import RateLimit
 
-__all__ = ["BATTERY", "KnownDevice", "Newcomers", "find_dispensable"]
+__all__ = ["BATTERY", "KnownDevice"]
 
 BATTERY = "battery"
 SIGNAL = "signal"
@@ -22,14 +21,6 @@ DISTANCE = "distance"
 _LONGEST_NAME = 100
 _FREE_SPACE_1M = 41.0
 """dB that are lost on the first metre at 2.4 GHz."""
-
-_BURST = 200
-
-_RATE = 5.0
-"""Devices a second; a house has fewer than the burst, so that more are probably fake."""
-
-_SETTLED_AFTER = 60.0
-"""Seconds after which a device is not removed to make room for another."""
 
 _SIGNAL_PARTS = (
     sensor_part(SIGNAL, "signal_strength", category="diagnostic"),
@@ -51,6 +42,7 @@ class KnownDevice:
         problem: Why it cannot be read; empty if it can.
         connected_facts: Device information that was read over a connection.
         reported_at: The time of the last report of its signal.
+        put_at: The time of its last sighting.
     """
 
     def __init__(self, key: str, declared: BleDeviceSettings, profile: GattProfile | None, now: float) -> None:
@@ -62,7 +54,7 @@ class KnownDevice:
         self.problem = ""
         self.connected_facts: dict[str, str] = {}
         self.has_battery = False
-        self.reported_at = float("-inf")
+        self.reported_at = self.put_at = float("-inf")
         self._declared = declared
         self._name = ""
         self._broadcast = Broadcast()
@@ -125,23 +117,3 @@ class KnownDevice:
         if "manufacturer" not in facts or "serial_number" not in facts:
             return ()
         return (f"{facts['manufacturer']} {facts.get('model', '')} {facts['serial_number']}",)
-
-
-class Newcomers:
-    """The rate limit for new devices: 200 at once, then five a second."""
-
-    def __init__(self) -> None:
-        self.refused = 0
-        self._limit = RateLimit(_RATE, _BURST)
-
-    def admits(self, now: float) -> bool:
-        """Return whether one more device may be accepted now."""
-        is_admitted = self._limit.admits(now)
-        self.refused += not is_admitted
-        return is_admitted
-
-
-def find_dispensable(devices: Iterable[KnownDevice]) -> KnownDevice | None:
-    """Return the longest silent device of those heard for less than a minute; None if there is none."""
-    brief = (one for one in devices if one.presence.last_heard - one.presence.first_heard < _SETTLED_AFTER)
-    return min(brief, key=lambda one: one.presence.last_heard, default=None)
