@@ -102,7 +102,7 @@ def _may_be_of_a_lamp(node: NodeRoles) -> bool:
     if not _light_roles(node):
         return False
     if node.kind:
-        return node.kind == "switch" or node.kind in _lights()
+        return node.kind == "switch" or node.kind in _LIGHTS
     return tokens_in(node.node.type, node.node.id, node.node.name) <= _GENERAL
 
 
@@ -112,8 +112,7 @@ _GENERAL = frozenset(
 )
 
 
-def _lights() -> frozenset[str]:
-    return frozenset(name for name, kind in KINDS.items() if kind.service_type == "light")
+_LIGHTS = frozenset(name for name, kind in KINDS.items() if kind.service_type == "light")
 
 
 def _light(nodes: tuple[NodeRoles, ...]) -> BytesPart:
@@ -143,14 +142,9 @@ def _controls(device: HomieDevice, node: NodeRoles) -> Iterator[BytesPart]:
 def _service_type(device: HomieDevice, node: NodeRoles, props: Mapping[str, HomieProperty]) -> str:
     """Return the service type of the controls of *node*; empty if it has none, or only incomplete ones."""
     kind = KINDS[node.kind].service_type if node.kind else ""
-    if props.keys() & _NEEDED.get(kind, frozenset()):
-        is_outlet = declared_class(device.type) in _OUTLETS or _OUTLETS & tokens_in(node.node.type, node.node.id)
-        return "plug" if kind == "switch" and is_outlet else kind
-    for service_type in ("light", "window_covering", "switch"):
-        if props.keys() & _NEEDED[service_type]:
-            tokens = tokens_in(node.node.type, node.node.id, device.type)
-            return "plug" if service_type == "switch" and tokens & _OUTLETS else service_type
-    return ""
+    possible = (kind, "light", "window_covering", "switch")
+    found = next((one for one in possible if props.keys() & _NEEDED.get(one, frozenset())), "")
+    return "plug" if found == "switch" and _OUTLETS & tokens_in(node.node.type, node.node.id, device.type) else found
 
 
 _NEEDED: Mapping[str, frozenset[str]] = {

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import Final
 
 from homebot.conventions.command_values import require_bool, require_option, require_transition
 from homebot.conventions.lamp import LightFeatures
@@ -32,28 +32,23 @@ _NO_EFFECTS = frozenset({"RSVD", "-", ""})
 _ON_OFF = Capability(name="on_off", settable=True)
 
 
-class _Extra(NamedTuple):
-    """A value of the controller besides its light: a part with one capability."""
-
-    part: str
-    name: str
-    service_type: str
-    category: Category
-    capability: Capability
+def _own(part_id: str, name: str, service_type: str, category: Category, capability: Capability = _ON_OFF) -> Part:
+    """Return the part of a value of the controller besides its light."""
+    return Part(id=part_id, name=name, service_type=service_type, category=category, capabilities=(capability,))
 
 
-_SWITCHES: Final[Mapping[tuple[str, str], _Extra]] = {
-    ("udpn", "send"): _Extra("sync_send", "Sends its state to others", "switch", "config", _ON_OFF),
-    ("udpn", "recv"): _Extra("sync_receive", "Takes the state of others", "switch", "config", _ON_OFF),
-    ("nl", "on"): _Extra("nightlight", "Night light", "switch", "config", _ON_OFF),
+_SWITCHES: Final[Mapping[tuple[str, str], Part]] = {
+    ("udpn", "send"): _own("sync_send", "Sends its state to others", "switch", "config"),
+    ("udpn", "recv"): _own("sync_receive", "Takes the state of others", "switch", "config"),
+    ("nl", "on"): _own("nightlight", "Night light", "switch", "config"),
 }
 """By object and field of the state."""
 
-_PATHS = {switch.part: path for path, switch in _SWITCHES.items()}
+_PATHS = {switch.id: path for path, switch in _SWITCHES.items()}
 
 _PRESET = "preset"
-_LIVE: Final = _Extra("live", "Lit by another program", "x_binary_sensor", "diagnostic", Capability(name="state"))
-_SIGNAL: Final = _Extra("signal", "", "x_sensor", "diagnostic", Capability(name="signal_strength"))
+_LIVE: Final = _own("live", "Lit by another program", "x_binary_sensor", "diagnostic", Capability(name="state"))
+_SIGNAL: Final = _own("signal", "", "x_sensor", "diagnostic", Capability(name="signal_strength"))
 
 
 class WledStrip:
@@ -108,7 +103,7 @@ class WledStrip:
         found = [_lamp(one.part, one.name, "segment", one.features) for one in self._segments.values()]
         if MASTER not in self._segments:
             found.insert(0, _lamp(MASTER, "", "wled", MASTER_FEATURES))
-        return (*found, *(_part(extra) for extra, _ in self._extras()))
+        return (*found, *(extra for extra, _ in self._extras()))
 
     def readings(self) -> Iterator[tuple[str, Readings]]:
         """Yield the reports of each part, by its id."""
@@ -117,7 +112,7 @@ class WledStrip:
         if MASTER not in self._segments:
             yield MASTER, read_master(self._state)
         for extra, value in self._extras():
-            yield extra.part, {extra.capability.name: value}
+            yield extra.id, {extra.capabilities[0].name: value}
 
     def write(self, part: str, capability: str, value: PlainValue, transition: float) -> dict[str, object]:
         """Return the state to send so that *capability* of *part* becomes *value*.
@@ -140,13 +135,13 @@ class WledStrip:
             raise RefusedError(f"a command to {part[:60]!r}", "the device has no such part any more")
         return given | _master_state(capability, value)
 
-    def _extras(self) -> Iterator[tuple[_Extra, PlainValue]]:
+    def _extras(self) -> Iterator[tuple[Part, PlainValue]]:
         for (owner, field), switch in _SWITCHES.items():
             if isinstance(is_on := as_fields(self._state.get(owner)).get(field), bool):
                 yield switch, is_on
         if self._presets:
             options = Capability(name="option", settable=True, options=tuple(self._presets.values()))
-            yield _Extra(_PRESET, "Preset", "x_setting", "config", options), self._shown_preset()
+            yield _own(_PRESET, "Preset", "x_setting", "config", options), self._shown_preset()
         if isinstance(is_live := self._info.get("live"), bool):
             yield _LIVE, is_live
         wifi = as_fields(self._info.get("wifi"))
@@ -198,13 +193,3 @@ def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Par
 def _master_state(capability: str, value: PlainValue) -> dict[str, object]:
     command = MASTER_FEATURES.command(capability, value)
     return {"on": command.on} | ({} if command.level is None else {"bri": command.brightness})
-
-
-def _part(extra: _Extra) -> Part:
-    return Part(
-        id=extra.part,
-        name=extra.name,
-        service_type=extra.service_type,
-        category=extra.category,
-        capabilities=(extra.capability,),
-    )

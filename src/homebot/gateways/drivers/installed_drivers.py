@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -14,7 +14,7 @@ from homebot.errors import PluginError, UsageError
 from homebot.gateways.drivers import Driver, DriverSettings
 from homebot.plugins import load_plugin, plugin_names
 
-__all__ = ["DRIVERS", "InstalledDrivers", "UsableDriver", "find_drivers"]
+__all__ = ["DRIVERS", "UsableDriver", "find_drivers"]
 
 DRIVERS = "homebot.drivers"
 
@@ -28,25 +28,17 @@ class UsableDriver:
     settings: DriverSettings
 
 
-@dataclass(frozen=True, slots=True)
-class InstalledDrivers:
-    """The drivers of a gateway.
-
-    Attributes:
-        by_type: Those that can be used, by service type; of two for one type the one that the configuration names, else
-            the first by name.
-        problems: The reasons why others cannot be used, as text.
-    """
-
-    by_type: Mapping[str, UsableDriver] = field(default_factory=dict)
-    problems: tuple[str, ...] = ()
-
-
-def find_drivers(tables: Mapping[str, Mapping[str, object]], folder: Path) -> InstalledDrivers:
+def find_drivers(
+    tables: Mapping[str, Mapping[str, object]], folder: Path
+) -> tuple[Mapping[str, UsableDriver], tuple[str, ...]]:
     """Load all drivers that are installed, and those that the configuration names.
 
     Args:
         folder: The folder that relative paths in them start from.
+
+    Returns:
+        Those that can be used, by service type, and the reasons why others cannot, as text. Of two for one type it is
+        the one that the configuration names, else the first by name.
 
     Raises:
         UsageError: A driver that has a table cannot be used, or its table is wrong.
@@ -63,7 +55,7 @@ def find_drivers(tables: Mapping[str, Mapping[str, object]], folder: Path) -> In
             continue
         for service_type in driver.kind.service_types:
             by_type.setdefault(full_type(service_type), driver)
-    return InstalledDrivers(by_type, tuple(problems))
+    return by_type, tuple(problems)
 
 
 def _load(name: str, table: Mapping[str, object], folder: Path) -> UsableDriver:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
@@ -21,7 +22,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.drivers.driver_runner import LOST_BACKOFF, DriverRunner
-from homebot.gateways.drivers.installed_drivers import InstalledDrivers, find_drivers
+from homebot.gateways.drivers.installed_drivers import UsableDriver, find_drivers
 from homebot.gateways.mdns.gateway_hints import hint_facts
 from homebot.gateways.mdns.network import Interfaces, NetworkInterfaces, ResolvedService, ServiceNews
 from homebot.gateways.mdns.own_services import OwnServices
@@ -75,7 +76,7 @@ class MdnsGateway(Gateway):
         self._settings = settings
         self._retries = BackoffCounter(node.graph.clock, self.random)
         self._interfaces = self.context.service(NetworkInterfaces) or NetworkInterfaces()
-        self._drivers = InstalledDrivers()
+        self._drivers: Mapping[str, UsableDriver] = {}
         self._listed: dict[str, _Listed] = {}
         self._tasks: TaskGroup | None = None
         self._unavailable = "it has not started"
@@ -101,9 +102,9 @@ class MdnsGateway(Gateway):
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Follow the services on the network until cancelled; ready after the first attempt to listen."""
         await anyio.to_thread.run_sync(import_module, "homebot.gateways.mdns.zeroconf_network")  # starts a program
-        self._drivers = find_drivers(self._settings.drivers, self._settings.folder)
-        self.devices.problems = self._drivers.problems
-        for problem in self._drivers.problems:
+        self._drivers, problems = find_drivers(self._settings.drivers, self._settings.folder)
+        self.devices.problems = problems
+        for problem in problems:
             self.node.log.warning(DRIVER_NOT_USED, message=problem)
         wanted = self._settings.interfaces
         interfaces = self._interfaces.find(wanted)
@@ -195,7 +196,7 @@ class MdnsGateway(Gateway):
             if listed.service.key not in self._asleep:
                 self._start(listed)
         tasks.start_soon(run_as, self.node.full_name, partial(self._services.follow, network, known))
-        for service_type in sorted(self._settings.types_with(frozenset(self._drivers.by_type))):
+        for service_type in sorted(self._settings.types_with(frozenset(self._drivers))):
             network.browse(service_type)
         if self._own is not None:
             tasks.start_soon(run_as, self.node.full_name, partial(self._own.announce, network))
@@ -204,7 +205,7 @@ class MdnsGateway(Gateway):
         self.publish_state("active")
 
     def _start(self, listed: _Listed) -> None:
-        driver = self._drivers.by_type.get(listed.service.service_type)
+        driver = self._drivers.get(listed.service.service_type)
         if driver is None or self._tasks is None:
             return
         listed.runner = DriverRunner(

@@ -77,7 +77,7 @@ class ShellyRpcDialect(Dialect):
         own = COMPONENTS[device.kind]
         results: Mapping[str, object] = {
             "Shelly.GetDeviceInfo": describe_shelly(device),
-            "Shelly.GetStatus": {own: _status(device.kind, state), "sys": {"mac": _mac(device)}},
+            "Shelly.GetStatus": {own: _status(device.kind, state), "sys": {"mac": hardware_address(device).upper()}},
             "Shelly.GetComponents": {"components": [], "cfg_rev": 1, "offset": 0, "total": 0},
             "Shelly.GetConfig": {own: {"id": 0, "name": None}, "sys": {"device": {"name": device.device_id}}},
         }
@@ -95,17 +95,13 @@ def _id(device: SimulatedDeviceInfo) -> str:
     return f"{MODELS[device.kind]}-{hardware_address(device)}"
 
 
-def _mac(device: SimulatedDeviceInfo) -> str:
-    return hardware_address(device).upper()
-
-
 def describe_shelly(device: SimulatedDeviceInfo) -> dict[str, object]:
     """Return the device information of *device*."""
     model = MODELS[device.kind]
     return {
         "name": device.device_id,
         "id": _id(device),
-        "mac": _mac(device),
+        "mac": hardware_address(device).upper(),
         "model": model,
         "gen": 3 if device.kind == "lamp" else 2,
         "fw_id": "20241011-114449/1.4.4-g6d2a586",

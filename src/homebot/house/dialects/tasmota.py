@@ -47,11 +47,11 @@ class TasmotaDialect(Dialect):
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands."""
-        return (f"cmnd/{_topic(device)}/+",)
+        return (f"cmnd/{node_name(device)}/+",)
 
     def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes]:
         """Return the topic of its last will."""
-        return f"tele/{_topic(device)}/LWT", b"Online", b"Offline"
+        return f"tele/{node_name(device)}/LWT", b"Online", b"Offline"
 
     def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its two announcements, kept."""
@@ -64,10 +64,10 @@ class TasmotaDialect(Dialect):
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, as in each period."""
         if device.kind in SENSORS or device.kind in SWITCHES:
-            return (OutgoingMessage(f"tele/{_topic(device)}/SENSOR", as_json(_reading(device, state))),)
+            return (OutgoingMessage(f"tele/{node_name(device)}/SENSOR", as_json(_reading(device, state))),)
         if device.kind == "lamp":
-            return (OutgoingMessage(f"tele/{_topic(device)}/STATE", as_json(_lamp_state(state))),)
-        return (OutgoingMessage(f"stat/{_topic(device)}/RESULT", as_json(_shutter(state))),)
+            return (OutgoingMessage(f"tele/{node_name(device)}/STATE", as_json(_lamp_state(state))),)
+        return (OutgoingMessage(f"stat/{node_name(device)}/RESULT", as_json(_shutter(state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the meaning of a command, or of each in a ``Backlog``."""
@@ -90,12 +90,8 @@ class TasmotaDialect(Dialect):
             return self.state_messages(device, state)
         if name == "status" and as_text(payload) == "10":
             reading = _shutter(state) if device.kind in RELAYS else _reading(device, state)
-            return (OutgoingMessage(f"stat/{_topic(device)}/STATUS10", as_json({"StatusSNS": reading})),)
+            return (OutgoingMessage(f"stat/{node_name(device)}/STATUS10", as_json({"StatusSNS": reading})),)
         return ()
-
-
-def _topic(device: SimulatedDeviceInfo) -> str:
-    return node_name(device)
 
 
 def _config(device: SimulatedDeviceInfo, mac: str) -> dict[str, object]:
@@ -113,7 +109,7 @@ def _config(device: SimulatedDeviceInfo, mac: str) -> dict[str, object]:
         "onln": "Online",
         "state": ["OFF", "ON", "TOGGLE", "HOLD"],
         "sw": "14.4.1",
-        "t": _topic(device),
+        "t": node_name(device),
         "ft": "%prefix%/%topic%/",
         "tp": ["cmnd", "stat", "tele"],
         "rl": [*relays, *[0] * (32 - len(relays))],

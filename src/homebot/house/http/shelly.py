@@ -125,15 +125,11 @@ class ServedShelly(ServedWebDevice):
         }
 
     def _refusal(self, call: Mapping[str, object]) -> dict[str, object]:
-        nonce = self._challenge()
+        nonce = self._make_nonce()
+        self._nonces = {nonce: 0}
         challenge = {"auth_type": "digest", "nonce": nonce, "nc": 1, "realm": self.id, "algorithm": ALGORITHM}
         error = {"code": UNAUTHORIZED, "message": json.dumps(challenge)}
         return {"id": call.get("id"), "src": self.id, "dst": call.get("src"), "error": error}
-
-    def _challenge(self) -> int:
-        nonce = self._make_nonce()
-        self._nonces = {nonce: 0}
-        return nonce
 
     def _is_signed(self, auth: object) -> bool:
         """Return whether *auth* correctly answers the last challenge with an unused count."""
