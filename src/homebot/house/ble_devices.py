@@ -111,9 +111,6 @@ class _BTHomeDevice(_RadioDevice):
 class BroadcastingSensor(_BTHomeDevice):
     """A contact, a motion sensor, a light sensor, a power meter or a thermometer that broadcasts BTHome v2.
 
-    Args:
-        bind_key: The key by which it encrypts; empty for none.
-
     Raises:
         UsageError: Its kind is another.
     """

@@ -129,10 +129,7 @@ class BroadcastParser(ABC):
 
     @abstractmethod
     def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
-        """Return the meaning of an advertisement that :meth:`concerns` this parser; None if it is of no known device.
-
-        Args:
-            now: Seconds of the gateway's clock.
+        """Return the meaning of an advertisement at *now* seconds; None if it is of no known device.
 
         Raises:
             WireError: It does not follow its format.

@@ -76,7 +76,6 @@ class SensorLibraryParser(BroadcastParser):
     """Reads the broadcasts that any installed library of this family supports.
 
     Args:
-        bind_keys: The keys of devices that encrypt, by address.
         libraries: The classes that read advertisements; by default those of all installed libraries.
 
     Raises:

@@ -30,12 +30,7 @@ _NEAREST, _FARTHEST = 0.1, 100.0
 
 
 def distance_of(rssi: float, rssi_at_1m: float) -> float:
-    """Return a distance in metres, 0.1 to 100, rounded to two significant digits.
-
-    Args:
-        rssi: The signal strength, in dBm.
-        rssi_at_1m: The signal strength at one metre, in dBm.
-    """
+    """Return a distance in metres, 0.1 to 100, rounded to two significant digits; the strengths are in dBm."""
     metres = 10 ** ((rssi_at_1m - rssi) / LOSS_PER_DECADE)
     return float(f"{min(max(metres, _NEAREST), _FARTHEST):.2g}")
 
@@ -84,12 +79,9 @@ class Presence:
             self._counted_at = now
 
     def stale_after(self, silence: float) -> float:
-        """Return three times its interval, or more, in few steps so that it seldom changes.
+        """Return three times its interval, or at least *silence*, in few steps so that it seldom changes.
 
         The interval is the second longest of the last eight, so that one absence does not count.
-
-        Args:
-            silence: Seconds for which it may be silent at least.
         """
         longest = sorted(self._gaps)[-2:]
         wanted = max(silence, INTERVALS * (longest[0] if longest else 0.0))

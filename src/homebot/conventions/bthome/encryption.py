@@ -64,8 +64,7 @@ class BindKey:
     def open(self, frame: BTHomeFrame, now: float) -> bytes | None:
         """Return the objects in an encrypted packet; None for the last packet again, which devices send several times.
 
-        Args:
-            now: Seconds of a monotonic clock.
+        The time *now* is in seconds of a monotonic clock.
 
         Raises:
             WireError: It was encrypted with another key, was changed, is too short, or is a replay.

@@ -30,9 +30,6 @@ class EsphomeDevice:
     Entities that are disabled by default are left out, as are cameras, and infrared and radio transmitters, for which
     the vocabulary has no type, and entities that report a code or password.
 
-    Args:
-        info: Its ``DeviceInfoResponse``.
-
     Attributes:
         sleeps: Whether it sleeps most of the time, out of reach.
         entities: Its entities by the ids of their parts.

@@ -35,9 +35,7 @@ class Kind:
 
     Attributes:
         service_type: The service type of its controls; empty if it has none.
-        roles: Roles of its properties, by id.
         condition: The capability of its first reported boolean, with any id.
-        tag: See :attr:`homebot.devices.part.Part.tag`.
     """
 
     service_type: str = ""

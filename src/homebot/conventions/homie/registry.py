@@ -26,11 +26,7 @@ DeviceT = TypeVar("DeviceT", bound=RegisteredDevice)
 
 
 class Registry(Generic[DeviceT]):
-    """Devices by topic; described ones are never dropped.
-
-    Args:
-        most: The most devices.
-        memory: The most characters that they take together.
+    """At most *most* devices by topic, of *memory* characters together; described ones are never dropped.
 
     Attributes:
         ignored: Number of invalid nodes and properties.

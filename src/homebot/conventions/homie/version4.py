@@ -33,11 +33,7 @@ _ARRAY = re.compile(r"([0-9]{1,5})-([0-9]{1,5})")
 
 
 def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
-    """Return the nodes of a device as a document of version 5 has them; None while an announced attribute is missing.
-
-    Args:
-        attributes: The attributes of the device, by topic below its own.
-    """
+    """Return the nodes of a device as documents of version 5 have them; None while an attribute is missing."""
     found: dict[str, object] = {}
     listed = _listed(attributes.get("$nodes"))
     for name in listed or ():

@@ -45,7 +45,6 @@ class TasmotaConfig:
         switch_modes: The mode of each input; -1 for none.
         switch_names: The key of each input in messages.
         buttons: For each button, whether it exists.
-        options: Its options by number.
         light_type: 0 none or on and off only, 1 dimmer, 2 whites, 3 colours, 4 colours and white, 5 colours and whites.
         is_linked: Whether colours and whites are one lamp.
         is_tuya: Whether another processor drives it.
@@ -53,7 +52,6 @@ class TasmotaConfig:
         is_sleeper: Whether it sleeps most of the time, so that its last will has no meaning.
         shutter_options: Bits for each shutter; 1 inverts its positions.
         tilts: The tilt of each shutter; None for a shutter without.
-        facts: Such as ``model`` and ``sw_version``.
     """
 
     mac: str

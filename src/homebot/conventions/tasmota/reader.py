@@ -38,9 +38,6 @@ class TasmotaReader:
     ``config``. An unchanged ``config`` gives the same description, with the same codecs and their last values. At most
     :data:`MAX_DEVICES` are stored, and at most :data:`MAX_WAITING` wait.
 
-    Args:
-        prefix: The topic prefix of announcements.
-
     Attributes:
         forgotten: Number of dropped devices without ``config``.
     """

@@ -41,9 +41,7 @@ class WledSegment:
     """A segment with LEDs.
 
     Attributes:
-        part: The id of its part.
         abilities: Bits: 1 colours, 2 a channel of white, 4 whites of different temperature.
-        fields: Its object in the state.
         effects: The names of its effects, by number; those that cannot be chosen are empty.
     """
 

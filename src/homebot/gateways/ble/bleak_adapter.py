@@ -170,11 +170,7 @@ def _advertisement(device: BLEDevice, data: AdvertisementData) -> Advertisement:
 
 @contextmanager
 def _unavailable_errors(*, only_adapter: bool = False) -> Iterator[None]:
-    """Turn errors of bleak into :class:`BluetoothUnavailableError`.
-
-    Args:
-        only_adapter: Whether to turn only those that name the adapter.
-    """
+    """Turn errors of bleak, or those that name the adapter, into :class:`BluetoothUnavailableError`."""
     try:
         yield
     except BleakBluetoothNotAvailableError as exc:

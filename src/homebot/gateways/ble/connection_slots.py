@@ -20,9 +20,6 @@ class ConnectionSlots:
     """Hands out a fixed number of connections: to devices with a command first, then in the order of asking.
 
     One is opened at a time, since adapters refuse a second attempt while the first is under way.
-
-    Args:
-        count: Connections that may exist at once.
     """
 
     def __init__(self, count: int) -> None:

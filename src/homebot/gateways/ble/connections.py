@@ -83,13 +83,7 @@ class _ManagedDevice:
 
 
 class Connections:
-    """The connections to devices with a profile.
-
-    Args:
-        most: Connections that may exist at once.
-        on_described: Called when the description of a device has changed.
-        on_unavailable: Called when the adapter is gone.
-    """
+    """The connections to devices with a profile."""
 
     def __init__(
         self,

@@ -32,17 +32,10 @@ _UNCERTAINTY = {"distance_uncertainty": f"a factor of {DISTANCE_FACTOR:.1f}, up 
 class KnownDevice:
     """A device that the gateway lists.
 
-    Args:
-        profile: Its GATT profile; None for a device that only broadcasts.
-        now: Seconds of the gateway's clock.
-
     Attributes:
         address: The address of its last advertisement.
-        presence: The times at which it was heard.
         problem: Why it cannot be read; empty if it can.
         connected_facts: Device information that was read over a connection.
-        reported_at: The time of the last report of its signal.
-        put_at: The time of its last sighting.
     """
 
     def __init__(self, key: str, declared: BleDeviceSettings, profile: GattProfile | None, now: float) -> None:
@@ -92,12 +85,7 @@ class KnownDevice:
         )
 
     def signal_values(self, default_rssi_at_1m: float, now: float) -> Mapping[str, Mapping[str, PlainValue]]:
-        """Return signal strength and distance by part; empty if nothing was received lately.
-
-        Args:
-            default_rssi_at_1m: Signal strength at one metre, in dBm, for devices that do not state it.
-            now: Seconds of the gateway's clock.
-        """
+        """Return signal strength in dBm and distance by part; empty if nothing was received lately."""
         rssi = self.signal.value(now)
         if rssi is None:
             return {}

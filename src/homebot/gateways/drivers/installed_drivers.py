@@ -31,10 +31,7 @@ class UsableDriver:
 def find_drivers(
     tables: Mapping[str, Mapping[str, object]], folder: Path
 ) -> tuple[Mapping[str, UsableDriver], tuple[str, ...]]:
-    """Load all drivers that are installed, and those that the configuration names.
-
-    Args:
-        folder: The folder that relative paths in them start from.
+    """Load all drivers that are installed, and those that the configuration names, with paths relative to *folder*.
 
     Returns:
         Those that can be used, by service type, and the reasons why others cannot, as text. Of two for one type it is

@@ -33,8 +33,6 @@ class ServiceNews:
 
     Attributes:
         kind: ``seen`` (announced, or changed), or ``gone`` (it said goodbye).
-        service_type: Its type in full.
-        name: Its name in full.
     """
 
     kind: Literal["seen", "gone"]
@@ -101,11 +99,7 @@ class NetworkInterfaces:
     """The network interfaces of this computer; the host may provide others."""
 
     def find(self, wanted: tuple[str, ...]) -> Interfaces:
-        """Return the present interfaces.
-
-        Args:
-            wanted: Names or addresses; empty for all but loopback.
-        """
+        """Return the present interfaces that are *wanted* by name or address; if that is empty, all but loopback."""
         import ifaddr  # noqa: PLC0415 - an extra
 
         found = (one for adapter in ifaddr.get_adapters() for one in _wanted_of(adapter, wanted))

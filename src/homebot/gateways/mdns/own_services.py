@@ -47,11 +47,7 @@ MAX_SERVICES: Final = 20
 
 
 class OwnServices:
-    """The services that this process announces.
-
-    Args:
-        name: The name that others see; empty for that of this computer.
-    """
+    """The services that this process announces by *name*; if that is empty, by the name of this computer."""
 
     def __init__(self, node: Node, name: str, installation: Installation) -> None:
         self._node = node

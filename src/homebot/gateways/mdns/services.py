@@ -100,11 +100,7 @@ class _Followed:
 
 
 class Services:
-    """The services on one network.
-
-    Args:
-        max_services: Services that are followed; of one type half as many.
-    """
+    """At most *max_services* on one network, and of one type half as many."""
 
     def __init__(self, handler: ServiceHandler, clock: Clock, max_services: int) -> None:
         self._handler = handler
@@ -133,11 +129,7 @@ class Services:
             self._enqueue(key, news)
 
     async def follow(self, network: ServiceNetwork, known: Iterable[FoundService] = ()) -> None:
-        """Follow the services on *network* until cancelled.
-
-        Args:
-            known: Services from before; those that do not answer now are dropped.
-        """
+        """Follow the services on *network* until cancelled; *known* ones that do not answer now are dropped."""
         self._followed.clear()
         self._by_type.clear()
         async with anyio.create_task_group() as tasks:

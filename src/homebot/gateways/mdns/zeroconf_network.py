@@ -151,9 +151,6 @@ class MdnsNetwork(ServiceNetwork):
     async def resolve(self, service_type: str, name: str, within: float) -> ResolvedService | None:
         """Ask for the records of a service that have expired or were never received.
 
-        Args:
-            within: Seconds in which it may answer.
-
         Returns:
             The service; None if it does not answer. One that answers without a TXT record, which RFC 6763 demands,
             is one all the same.

@@ -28,8 +28,6 @@ class SimulatedHomieNode:
     """A node.
 
     Attributes:
-        type: The capability that it is.
-        properties: Readable and settable properties.
         values: Returns the values that a device in some state publishes.
     """
 
@@ -100,11 +98,7 @@ NODES: Mapping[str, Mapping[str, SimulatedHomieNode]] = MappingProxyType(
 
 
 class HomieDialect(Dialect):
-    """Devices of one Homie domain.
-
-    Args:
-        domain: First level of their topics.
-    """
+    """Devices of one Homie domain."""
 
     def __init__(self, domain: str = "homie") -> None:
         self._domain = domain

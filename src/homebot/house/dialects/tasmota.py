@@ -31,11 +31,7 @@ SENSORS = {"lux": ("BH1750", "Illuminance"), "power_meter": ("ENERGY", "Power")}
 
 
 class TasmotaDialect(Dialect):
-    """Devices with Tasmota's default topics.
-
-    Args:
-        prefix: Where they announce themselves.
-    """
+    """Devices with Tasmota's default topics."""
 
     def __init__(self, prefix: str = "tasmota/discovery") -> None:
         self._prefix = prefix

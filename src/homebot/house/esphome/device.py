@@ -31,7 +31,6 @@ class EsphomeServedDevice(ServedDevice):
         device: Its name and kind, one of :data:`homebot.house.esphome.entities.ENTITIES`.
         on_command: Gets each command for it, as text such as ``on``.
         port: Its port; 0 for any, which it then keeps.
-        announced: Whether it announces itself by DNS-SD.
         key: Its encryption key in base64; empty for no encryption.
         password: The password that it wants; empty for none.
 

@@ -17,12 +17,7 @@ __all__ = ["ServedWebDevice"]
 
 
 class ServedWebDevice(ServedDevice, WebDevice):
-    """A device with a server of its own.
-
-    Args:
-        port: Its port; 0 for a free one.
-        announced: Whether it announces itself by DNS-SD.
-    """
+    """A device with a server of its own, at a free port for 0, which may announce itself by DNS-SD."""
 
     def __init__(
         self,

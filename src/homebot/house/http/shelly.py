@@ -27,14 +27,7 @@ OPEN_METHODS = frozenset({"Shelly.GetDeviceInfo"})
 
 
 class ServedShelly(ServedWebDevice):
-    """A dimmer or a cover.
-
-    Args:
-        password: Its password, with which calls on a WebSocket are signed; empty for none.
-
-    Attributes:
-        refused_calls: Calls that had no valid password.
-    """
+    """A dimmer or a cover."""
 
     def __init__(
         self,

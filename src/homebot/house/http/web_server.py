@@ -55,7 +55,6 @@ class WebPeer:
 
     Args:
         takes_events: Whether it receives events; a sent text is then one event, without its last line.
-        headers: The header fields of the request that opened it, names in lower case.
 
     Attributes:
         name: Name given by the client; empty at first.
@@ -95,12 +94,7 @@ class WebDevice(Protocol):
 
 
 class WebServer:
-    """A server for one device; its port stays the same however often it is started.
-
-    Args:
-        port: The port; 0 for a free one.
-        tls: The server's side of TLS; None for none.
-    """
+    """A server for one device, at a free port for 0; its port stays the same however often it is started."""
 
     def __init__(
         self, device: WebDevice, address: str = "127.0.0.1", port: int = 0, tls: ssl.SSLContext | None = None

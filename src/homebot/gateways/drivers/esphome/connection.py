@@ -78,12 +78,7 @@ class EsphomeConnection:
 async def connected(
     name: str, addresses: tuple[str, ...], port: int, key: SecretStr | None, password: SecretStr | None
 ) -> AsyncIterator[EsphomeConnection]:
-    """Connect to a device; the connection is closed at the end of the block.
-
-    Args:
-        addresses: Its addresses, best first.
-        key: The encryption key; None for no encryption.
-        password: The password; None for none.
+    """Connect to a device at the best address that answers; the connection is closed at the end of the block.
 
     Raises:
         LinkError: It cannot be reached, or the connection was lost.

@@ -49,12 +49,7 @@ class _ReadDescription:
 
 
 class ThingSession:
-    """One connection to one thing.
-
-    Args:
-        must_describe: Whether a host without a description is an error.
-        is_web_thing: Whether it speaks the Web Thing API.
-    """
+    """One connection to one thing."""
 
     def __init__(
         self,
