@@ -164,8 +164,12 @@ def choice_row(
     choices: Callable[[Fields], Mapping[str, object]],
     needs: str = "",
     when: Callable[[Fields], object] | None = None,
+    **more: object,
 ) -> EntityRow:
-    """Return the row of a field of state and command, with a value for each of the *choices* of the description."""
+    """Return the row of a field of state and command, with a value for each of the *choices* of the description.
+
+    A command has *more* fields.
+    """
 
     def read(info: Fields, state: Fields) -> PlainValue:
         value = state.get(field)
@@ -174,6 +178,6 @@ def choice_row(
 
     def write(info: Fields, value: PlainValue, _code: str) -> Fields:
         known = choices(info)
-        return {field: known[require_option(name, value, known)]}
+        return {**more, field: known[require_option(name, value, known)]}
 
     return EntityRow(name, read, write, needs, when, lambda info: tuple(choices(info)))

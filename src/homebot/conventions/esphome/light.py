@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from homebot.conventions.command_values import require_color, require_number, require_option
+from homebot.conventions.command_values import require_color, require_number
 from homebot.conventions.entity_rows import EntityComponent, EntityRow, Fields, options_of
 from homebot.conventions.esphome.entity import choice_row, flag_row, number_of, numbers_of, read_percent
 from homebot.conventions.light_color import MIRED, KelvinRange, from_hue_saturation, to_hue_saturation
@@ -135,10 +135,6 @@ def _effects(info: Fields) -> Mapping[str, object]:
     return {name: name for name in names}
 
 
-def _write_effect(info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"state": True, "effect": require_option("effect", value, _effects(info))}
-
-
 LIGHT: Final = EntityComponent(
     "light",
     (
@@ -157,12 +153,6 @@ LIGHT: Final = EntityComponent(
             bounds=_kelvin_bounds,
         ),
         EntityRow("color", _read_color, _write_color, when=lambda info: _first_mode(_CHANNELS, info)),
-        EntityRow(
-            "effect",
-            choice_row("effect", "effect", _effects).read,
-            _write_effect,
-            when=_effects,
-            options=lambda info: tuple(_effects(info)),
-        ),
+        choice_row("effect", "effect", _effects, when=_effects, state=True),
     ),
 )

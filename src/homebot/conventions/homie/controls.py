@@ -144,16 +144,11 @@ def add_light(part: BytesPart, props: Props) -> None:
             _add_switch_of_range(part, "level", level)
     if color is not None:
         add_property(part, "color", color, on=on)
-        if level is None:
-            _add_brightness_of_color(part, color)
+        if level is None and set(color.options) & {"hsv", "rgb"}:
+            part.read_from(color.topic, partial(_read_brightness, color))
+            part.add_capability("level")
     if "color_temperature" in props:
         add_property(part, "color_temperature", props["color_temperature"], on=on)
-
-
-def _add_brightness_of_color(part: BytesPart, color: HomieProperty) -> None:
-    if set(color.options) & {"hsv", "rgb"}:
-        part.read_from(color.topic, partial(_read_brightness, color))
-        part.add_capability("level")
 
 
 def _read_brightness(color: HomieProperty, payload: bytes) -> Readings:

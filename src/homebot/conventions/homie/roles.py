@@ -328,12 +328,9 @@ def _declared_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
 
 
 def _guessed_roles(node: HomieNode, kind: str) -> tuple[Role, ...]:
-    return _singled(node, (_guessed_role(node, prop, kind) for prop in node.properties))
-
-
-def _guessed_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:
-    name = _guess(node, prop, kind)
-    return Role(name, prop, is_guess=True) if name else _read_only_role(node, prop, kind)
+    names = ((_guess(node, prop, kind), prop) for prop in node.properties)
+    roles = (Role(name, prop, is_guess=True) if name else _read_only_role(node, prop, kind) for name, prop in names)
+    return _singled(node, roles)
 
 
 def _read_only_role(node: HomieNode, prop: HomieProperty, kind: str) -> Role:

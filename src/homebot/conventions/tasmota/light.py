@@ -237,17 +237,13 @@ def _lamp(config: TasmotaConfig, index: int) -> _TasmotaLamp:
     if config.option(_DIMMERS_OPTION):
         channel = f"Channel{index + 1}"
         return _TasmotaLamp(config, index, _DIMMER, channel, channel)
-    place = _place(config, index)
+    place = index - config.outputs.index(LIGHT)  # among the lamps
     if config.light_type >= _COLOR_WHITE and not config.is_linked and place < _PAIR:
         white = _DIMMER if config.light_type == _COLOR_WHITE else _WHITES
         dimmer = f"Dimmer{place + 1}"
         return _TasmotaLamp(config, index, white if place else _COLOR, dimmer, dimmer)
     kind = config.light_type if _ON_OFF <= config.light_type <= _COLOR_WHITES else _ON_OFF
     return _TasmotaLamp(config, index, kind, "Dimmer3" if config.is_tuya else "Dimmer", "Dimmer")
-
-
-def _place(config: TasmotaConfig, index: int) -> int:
-    return index - config.outputs.index(LIGHT)
 
 
 def _hue_saturation(value: object) -> tuple[float, float] | None:

@@ -133,7 +133,8 @@ class WledStrip:
             return given | segment.write(segment.features.command(capability, value))
         if part != MASTER:
             raise RefusedError(f"a command to {part[:60]!r}", "the device has no such part any more")
-        return given | _master_state(capability, value)
+        command = MASTER_FEATURES.command(capability, value)
+        return given | {"on": command.on} | ({} if command.level is None else {"bri": command.brightness})
 
     def _extras(self) -> Iterator[tuple[Part, PlainValue]]:
         for (owner, field), switch in _SWITCHES.items():
@@ -188,8 +189,3 @@ def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Par
         Capability(name=one.name, settable=True, bounds=one.bounds, options=one.options) for one in features.abilities()
     )
     return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities)
-
-
-def _master_state(capability: str, value: PlainValue) -> dict[str, object]:
-    command = MASTER_FEATURES.command(capability, value)
-    return {"on": command.on} | ({} if command.level is None else {"bri": command.brightness})

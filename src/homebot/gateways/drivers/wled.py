@@ -27,7 +27,6 @@ from homebot.support.isolation import ungrouped
 
 if TYPE_CHECKING:
     from homebot.gateways.http_client import HttpClient
-    from homebot.gateways.http_streams import WebSocket
 
 __all__ = ["WledDriver"]
 
@@ -93,15 +92,12 @@ class WledDriver(Driver):
     async def _stay_connected(self) -> None:
         try:
             async with self._client.websocket(f"{self._origin}/ws") as socket:
-                await self._live(socket)
+                with ungrouped():
+                    async with anyio.create_task_group() as tasks:
+                        tasks.start_soon(self._poll, ASK_AGAIN)
+                        await socket.receive_all(self._receive, self.host.reject)
         except RefusedError:
             await self._poll(POLL)
-
-    async def _live(self, socket: WebSocket) -> None:
-        with ungrouped():
-            async with anyio.create_task_group() as tasks:
-                tasks.start_soon(self._poll, ASK_AGAIN)
-                await socket.receive_all(self._receive, self.host.reject)
 
     async def _receive(self, payload: bytes) -> None:
         await self.host.deliver_raw(payload)
