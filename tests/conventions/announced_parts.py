@@ -10,6 +10,7 @@ from homebot.conventions.description import AnnouncementEvent, DescribedPart, De
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
+from homebot.devices.value import PlainValue
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
 
@@ -37,6 +38,19 @@ def part_in(events: Iterable[AnnouncementEvent], part_id: str) -> DescribedPart:
     (device,) = [one for one in events if isinstance(one, DeviceAnnounced)]
     (found,) = [one for one in device.parts if one.part.id == part_id]
     return found
+
+
+def heard(part: DescribedPart, topic: str, payload: object, *, retained: bool = False) -> dict[str, PlainValue]:
+    """What *part* reads in a payload; one that is no text is spelled in JSON."""
+    text = payload if isinstance(payload, str) else json.dumps(payload)
+    return dict(part.codec.read(topic, text.encode(), retained=retained))
+
+
+def told(part: DescribedPart, capability: str, value: PlainValue, transition: float = 0.0) -> list[tuple[str, str]]:
+    """The topics and payloads of a command; none is kept by the broker."""
+    publications = part.codec.write(capability, value, transition=transition)
+    assert not any(one.retain for one in publications)
+    return [(one.topic, one.payload.decode()) for one in publications]
 
 
 def homeassistant_parts(component: str, config: Mapping[str, object]) -> tuple[DescribedPart, ...]:

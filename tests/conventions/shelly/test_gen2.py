@@ -13,7 +13,6 @@ from homebot.conventions.description import (
     Publication,
 )
 from homebot.conventions.shelly import Shelly, ShellySettings
-from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
 from homebot.mqtt.topics import topic_matches
 
@@ -223,29 +222,10 @@ def test_the_main_purpose_of_a_device_comes_first(say: Say) -> None:
     assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
 
 
-def test_a_socket_is_a_plug(say: Say) -> None:
-    heard = introduce(say, {"switch:0": SWITCH}, info={**INFO, "app": "PlugSG3"})
-    assert part_in(heard, "switch:0").part.service_type == "plug"
-
-
-def test_names_of_components_are_names_of_parts(say: Say) -> None:
-    heard = introduce(say, {"switch:0": SWITCH}, config={"switch:0": {"name": "Pump"}})
-    assert part_in(heard, "switch:0").part.name == "Pump"
-
-
-@pytest.mark.parametrize(
-    ("capability", "value", "expected"),
-    [
-        ("movement", "open", ("Cover.Open", {"id": 0})),
-        ("movement", "closed", ("Cover.Close", {"id": 0})),
-        ("movement", "stopped", ("Cover.Stop", {"id": 0})),
-        ("position", 30.4, ("Cover.GoToPosition", {"id": 0, "pos": 30})),
-        ("tilt", 50.0, ("Cover.GoToPosition", {"id": 0, "slat_pos": 50})),
-    ],
-)
-def test_commands_of_a_cover(say: Say, capability: str, value: PlainValue, expected: object) -> None:
-    cover = part_in(introduce(say, {"cover:0": {**COVER, "slat_pos": 100}}), "cover:0").codec
-    assert called(cover.write(capability, value)) == expected
+def test_a_socket_is_a_plug_with_the_name_of_its_component(say: Say) -> None:
+    config = {"switch:0": {"name": "Pump"}}
+    plug = part_in(introduce(say, {"switch:0": SWITCH}, info={**INFO, "app": "PlugSG3"}, config=config), "switch:0")
+    assert (plug.part.service_type, plug.part.name) == ("plug", "Pump")
 
 
 def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say) -> None:
@@ -257,46 +237,6 @@ def test_a_cover_that_is_not_calibrated_knows_no_position(say: Say) -> None:
     assert told == {"movement": None, "position": None}
 
 
-@pytest.mark.parametrize(
-    ("component", "capability", "value", "transition", "expected"),
-    [
-        ("light:0", "on_off", False, 0.0, ("Light.Set", {"id": 0, "on": False})),
-        ("light:0", "level", 40.0, 0.0, ("Light.Set", {"id": 0, "on": True, "brightness": 40})),
-        ("light:0", "level", 0.0, 0.0, ("Light.Set", {"id": 0, "on": False})),
-        (
-            "light:1",
-            "level",
-            40.0,
-            3.0,
-            ("Light.Set", {"id": 1, "on": True, "brightness": 40, "transition_duration": 3.0}),
-        ),
-        ("cct:0", "color_temperature", 4000.0, 0.0, ("CCT.Set", {"id": 0, "on": True, "ct": 4000})),
-        ("rgb:0", "color", (240.0, 100.0), 0.0, ("RGB.Set", {"id": 0, "on": True, "rgb": [0, 0, 255]})),
-        ("rgbw:0", "color", (0.0, 0.0), 0.0, ("RGBW.Set", {"id": 0, "on": True, "rgb": [255, 255, 255], "white": 0})),
-        (
-            "rgbcct:0",
-            "color_temperature",
-            3000.0,
-            0.0,
-            ("RGBCCT.Set", {"id": 0, "on": True, "mode": "cct", "ct": 3000}),
-        ),
-    ],
-)
-def test_commands_of_a_lamp(
-    say: Say, component: str, capability: str, value: PlainValue, transition: float, expected: object
-) -> None:
-    lamp = part_in(introduce(say, {component: {"output": False}}), component)
-    assert lamp.part.service_type == "light"
-    assert called(lamp.codec.write(capability, value, transition=transition)) == expected
-
-
-def test_a_lamp_reports_its_colour(say: Say) -> None:
-    lamp = part_in(introduce(say, {"rgb:0": {"output": False}}), "rgb:0").codec
-    status = b'{"output":true,"brightness":75,"rgb":[255,128,0]}'
-    expected = {"on_off": True, "level": 75.0, "color": (30.118, 100.0)}
-    assert lamp.read(f"{ID}/status/rgb:0", status, retained=False) == expected
-
-
 def test_a_button_reports_live_presses_only(say: Say) -> None:
     button = part_in(
         introduce(say, {"input:0": {"id": 0, "state": None}}, config={"input:0": {"type": "button"}}), "input:0"
@@ -306,64 +246,6 @@ def test_a_button_reports_live_presses_only(say: Say) -> None:
     frame = json.dumps({"src": ID, "method": "NotifyEvent", "params": {"events": [event]}}).encode()
     assert button.codec.read(f"{ID}/events/rpc", frame, retained=False) == {"press": "double"}
     assert button.codec.read(f"{ID}/events/rpc", frame, retained=True) == {}
-
-
-def test_three_phases_are_measured_each_and_together(say: Say) -> None:
-    phases = {"a_act_power": 200, "a_voltage": 230, "b_act_power": 100, "c_act_power": 50, "total_act_power": 350}
-    heard = introduce(say, {"em:0": phases})
-    assert part_in(heard, "em:0").codec.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
-        "power": 350.0
-    }
-    phase = part_in(heard, "em:0/a").codec
-    assert phase.read(f"{ID}/status/em:0", json.dumps(phases).encode(), retained=False) == {
-        "power": 200.0,
-        "voltage": 230.0,
-    }
-    assert phase.read(f"{ID}/status/emdata:0", b'{"a_total_act_energy":1500}', retained=False) == {"energy": 1.5}
-
-
-def test_a_value_of_the_users_is_a_setting(say: Say) -> None:
-    heard = introduce(say, {"number:200": {"value": 5}}, config={"number:200": {"min": 0, "max": 10}})
-    setting = part_in(heard, "number:200")
-    assert setting.part.category == "config"
-    assert called(setting.codec.write("number", 7.0)) == ("Number.Set", {"id": 200, "value": 7})
-    with pytest.raises(RefusedError, match="0 to 10"):
-        setting.codec.write("number", 11.0)
-
-
-def test_commands_of_a_thermostat_are_degrees_and_mode(say: Say) -> None:
-    thermostat = part_in(introduce(say, {"thermostat:0": {"target_C": 21, "current_C": 20.5}}), "thermostat:0").codec
-    assert called(thermostat.write("heating_setpoint", 21.5)) == (
-        "Thermostat.SetConfig",
-        {"id": 0, "config": {"target_C": 21.5}},
-    )
-    assert called(thermostat.write("thermostat_mode", "off")) == (
-        "Thermostat.SetConfig",
-        {"id": 0, "config": {"enable": False}},
-    )
-
-
-def test_a_thermostat_that_is_set_up_to_cool_cools(say: Say) -> None:
-    status = {"enable": True, "target_C": 24, "current_C": 26.5, "output": True}
-    heard = introduce(say, {"thermostat:0": status}, config={"thermostat:0": {"type": "cooling"}})
-    thermostat = part_in(heard, "thermostat:0").codec
-    told = thermostat.read(f"{ID}/status/thermostat:0", json.dumps(status).encode(), retained=False)
-    assert told == {
-        "cooling_setpoint": 24.0,
-        "local_temperature": 26.5,
-        "thermostat_mode": "cool",
-        "thermostat_action": "cooling",
-    }
-    assert called(thermostat.write("cooling_setpoint", 23.0)) == (
-        "Thermostat.SetConfig",
-        {"id": 0, "config": {"target_C": 23.0}},
-    )
-    assert called(thermostat.write("thermostat_mode", "cool")) == (
-        "Thermostat.SetConfig",
-        {"id": 0, "config": {"enable": True}},
-    )
-    with pytest.raises(RefusedError, match="off, cool"):
-        thermostat.write("thermostat_mode", "heat")
 
 
 def test_an_answer_of_no_device_is_refused(shelly: Shelly, say: Say) -> None:

@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import pytest
+from tests.conventions.announced_parts import heard
 
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
 from homebot.conventions.lamp import LightCommand
@@ -39,10 +40,6 @@ def only(**more: Any) -> DescribedPart:
     return part
 
 
-def said(part: DescribedPart, topic: str, message: object, *, retained: bool = False) -> dict[str, PlainValue]:
-    return dict(part.codec.read(topic, json.dumps(message).encode(), retained=retained))
-
-
 def told(part: DescribedPart, capability: str, value: PlainValue, transition: float = 0.0) -> tuple[str, str]:
     (publication,) = part.codec.write(capability, value, transition=transition)
     return publication.topic, publication.payload.decode()
@@ -51,9 +48,9 @@ def told(part: DescribedPart, capability: str, value: PlainValue, transition: fl
 def test_relays_are_numbered_and_the_first_may_go_without() -> None:
     parts = built(rl=[1, 1], fn=["D", "Heater"])
     assert [one.part.name for one in parts.values()] == ["", "Heater"]
-    assert said(parts["power_1"], "s/RESULT", {"POWER": "ON"}) == {"on_off": True}
-    assert said(parts["power_2"], "s/RESULT", {"POWER": "ON"}) == {}
-    assert said(parts["power_2"], "t/STATE", {"POWER1": "ON", "POWER2": "OFF"}) == {"on_off": False}
+    assert heard(parts["power_1"], "s/RESULT", {"POWER": "ON"}) == {"on_off": True}
+    assert heard(parts["power_2"], "s/RESULT", {"POWER": "ON"}) == {}
+    assert heard(parts["power_2"], "t/STATE", {"POWER1": "ON", "POWER2": "OFF"}) == {"on_off": False}
     assert told(parts["power_2"], "on_off", value=True) == ("c/Power2", "ON")
     assert parts["power_1"].state_requests == (Publication("c/STATE", b""),)
 
@@ -76,13 +73,13 @@ def test_relays_are_numbered_and_the_first_may_go_without() -> None:
 def test_option_4_gives_each_answer_a_topic_of_its_own(
     device: dict[str, Any], part: str, topic: str, message: object, expected: dict[str, object]
 ) -> None:
-    assert said(built(**device, so={"4": 1, "73": 1})[part], topic, message) == expected
+    assert heard(built(**device, so={"4": 1, "73": 1})[part], topic, message) == expected
 
 
 def test_a_device_has_words_of_its_own() -> None:
     relay = only(rl=[1], state=["Aus", "An", "Um", "Halt"])
-    assert said(relay, "s/RESULT", {"POWER": "An"}) == {"on_off": True}
-    assert said(relay, "s/RESULT", {"POWER": "ON"}) == {}
+    assert heard(relay, "s/RESULT", {"POWER": "An"}) == {"on_off": True}
+    assert heard(relay, "s/RESULT", {"POWER": "ON"}) == {}
     assert told(relay, "on_off", value=False) == ("c/Power1", "Aus")
 
 
@@ -92,8 +89,8 @@ def test_commands_of_a_dimmer_are_one_backlog() -> None:
     assert told(lamp, "level", 50.0) == ("c/Backlog", "NoDelay;Dimmer 50")
     assert told(lamp, "level", 0.1) == ("c/Backlog", "NoDelay;Dimmer 1")
     assert told(lamp, "level", 0.0) == ("c/Backlog", "NoDelay;Power1 OFF")
-    assert said(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40}) == {"on_off": True, "level": 40.0}
-    assert said(lamp, "s/RESULT", {"POWER": "OFF", "Dimmer": 0}) == {"on_off": False}
+    assert heard(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40}) == {"on_off": True, "level": 40.0}
+    assert heard(lamp, "s/RESULT", {"POWER": "OFF", "Dimmer": 0}) == {"on_off": False}
 
 
 def test_another_processor_has_another_dimmer_and_does_not_fade() -> None:
@@ -103,29 +100,29 @@ def test_another_processor_has_another_dimmer_and_does_not_fade() -> None:
 def test_whites_are_kelvin() -> None:
     lamp = only(rl=[2], lt_st=2, so={"82": 1})
     assert lamp.part.capabilities[2].bounds == (2625.0, 5000.0)
-    assert said(lamp, "t/STATE", {"CT": 250}) == {"color_temperature": 4000.0}
+    assert heard(lamp, "t/STATE", {"CT": 250}) == {"color_temperature": 4000.0}
     assert told(lamp, "color_temperature", 4_000.0)[1] == "NoDelay;Power1 ON;NoDelay;CT 250"
 
 
 def test_colours_and_whites_of_one_lamp_alternate() -> None:
     lamp = only(rl=[2], lt_st=5)
     color = {"HSBColor": "240,100,40", "White": 0, "CT": 380}
-    assert said(lamp, "t/STATE", color) == {"color": (240.0, 100.0), "color_temperature": None}
-    assert said(lamp, "t/STATE", {**color, "White": 40}) == {"color_temperature": 2631.0, "color": None}
+    assert heard(lamp, "t/STATE", color) == {"color": (240.0, 100.0), "color_temperature": None}
+    assert heard(lamp, "t/STATE", {**color, "White": 40}) == {"color_temperature": 2631.0, "color": None}
     assert told(lamp, "color", (240.4, 50.0))[1] == "NoDelay;Power1 ON;NoDelay;HsbColor1 240;NoDelay;HsbColor2 50"
     assert told(lamp, "effect", "Random")[1] == "NoDelay;Power1 ON;NoDelay;Scheme 4"
-    assert said(lamp, "t/STATE", {"Scheme": 2})["effect"] == "Cycle up"
+    assert heard(lamp, "t/STATE", {"Scheme": 2})["effect"] == "Cycle up"
 
 
 @pytest.mark.parametrize("color", [1, "a,b,c", "1,2", "361,1,1", "1," * 999, None])
 def test_an_invalid_colour_is_ignored(color: object) -> None:
-    assert said(only(rl=[2], lt_st=3), "t/STATE", {"HSBColor": color, "Color": color}) == {}
+    assert heard(only(rl=[2], lt_st=3), "t/STATE", {"HSBColor": color, "Color": color}) == {}
 
 
 def test_the_fade_speed_depends_on_the_state() -> None:
     lamp = only(rl=[2], lt_st=1)
     assert told(lamp, "level", 50.0, 2.0)[1] == "NoDelay;Fade2 1;NoDelay;Speed2 8;NoDelay;Dimmer 50"
-    said(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40})
+    heard(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40})
     assert told(lamp, "level", 50.0, 2.0)[1] == "NoDelay;Fade2 1;NoDelay;Speed2 40;NoDelay;Dimmer 50"
     assert told(lamp, "on_off", value=False, transition=2.0)[1].startswith("NoDelay;Fade2 1;NoDelay;Speed2 10;")
     assert "Speed2 4;" in told(only(rl=[2], lt_st=1, so={"117": 1}), "level", 50.0, 2.0)[1]
@@ -162,13 +159,13 @@ def test_a_shutter_has_two_outputs(outputs: tuple[int, ...], count: int) -> None
 
 def test_reports_and_commands_of_a_shutter() -> None:
     shutter = only(rl=[3, 3], sht=[[-90, 90, 20]])
-    assert said(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": -1, "Tilt": 0}}) == {
+    assert heard(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": -1, "Tilt": 0}}) == {
         "position": 30.0,
         "movement": "closing",
         "tilt": 50.0,
     }
-    assert said(shutter, "t/SENSOR", {"Shutter1": {"Position": 0, "Direction": 0}})["movement"] == "closed"
-    assert said(shutter, "s/STATUS10", {"StatusSNS": {"Shutter1": {"Direction": 0}}}) == {"movement": "stopped"}
+    assert heard(shutter, "t/SENSOR", {"Shutter1": {"Position": 0, "Direction": 0}})["movement"] == "closed"
+    assert heard(shutter, "s/STATUS10", {"StatusSNS": {"Shutter1": {"Direction": 0}}}) == {"movement": "stopped"}
     assert told(shutter, "movement", "open") == ("c/ShutterOpen1", "")
     assert told(shutter, "movement", "stopped") == ("c/ShutterStop1", "")
     assert told(shutter, "position", 30.0) == ("c/ShutterPosition1", "30")
@@ -178,7 +175,7 @@ def test_reports_and_commands_of_a_shutter() -> None:
 
 def test_a_shutter_may_be_the_wrong_way_round() -> None:
     shutter = only(rl=[3, 3], sho=[1], sht=[[0, 0, 0]])
-    assert said(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": 1}}) == {
+    assert heard(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": 1}}) == {
         "position": 70.0,
         "movement": "closing",
     }
@@ -194,8 +191,8 @@ def test_a_ceiling_fan_is_a_lamp_and_a_fan(outputs: list[int]) -> None:
     assert of_use == [("power_1", "light"), ("fan", "fan")]
     fan = parts["fan"]
     assert told(fan, "on_off", value=True) == ("c/FanSpeed", "2")
-    assert said(fan, "s/RESULT", {"FanSpeed": 3}) == {"on_off": True, "fan_speed": 100.0}
-    assert said(fan, "t/STATE", {"FanSpeed": 0}) == {"on_off": False, "fan_speed": 0.0}
+    assert heard(fan, "s/RESULT", {"FanSpeed": 3}) == {"on_off": True, "fan_speed": 100.0}
+    assert heard(fan, "t/STATE", {"FanSpeed": 0}) == {"on_off": False, "fan_speed": 0.0}
     assert told(fan, "on_off", value=True) == ("c/FanSpeed", "3")
     assert [told(fan, "fan_speed", percent)[1] for percent in (0.0, 10.0, 33.0, 34.0, 100.0)] == list("01123")
 
@@ -204,17 +201,17 @@ def test_a_switch_that_is_followed_is_a_state() -> None:
     parts = built(swc=[-1, 1], swn=[None, "Door"])
     switch = parts["switch_2"]
     assert switch.part.name == "Door"
-    assert said(switch, "s/RESULT", {"Door": {"Action": "ON"}}) == {"state": True}
-    assert said(switch, "t/SENSOR", {"Door": "OFF"}) == {"state": False}
-    assert said(switch, "s/STATUS10", {"StatusSNS": {"Door": "ON"}}) == {"state": True}
-    assert said(switch, "s/RESULT", {"Door": {"Action": "HOLD"}}) == {}
+    assert heard(switch, "s/RESULT", {"Door": {"Action": "ON"}}) == {"state": True}
+    assert heard(switch, "t/SENSOR", {"Door": "OFF"}) == {"state": False}
+    assert heard(switch, "s/STATUS10", {"StatusSNS": {"Door": "ON"}}) == {"state": True}
+    assert heard(switch, "s/RESULT", {"Door": {"Action": "HOLD"}}) == {}
 
 
 def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
     switch = only(swc=[13])
     assert switch.expiries == (AutoExpiry("state", 1.0, value=False, only=True),)
-    assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {"state": True}
-    assert said(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}, retained=True) == {}
+    assert heard(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {"state": True}
+    assert heard(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}, retained=True) == {}
 
 
 def test_a_push_switch_reports_state_and_presses() -> None:
@@ -222,9 +219,9 @@ def test_a_push_switch_reports_state_and_presses() -> None:
     press = parts["switch_1_press"]
     assert press.part.service_type == "generic_switch"
     assert press.part.capabilities[0].options == ("single", "hold")
-    assert said(press, "s/RESULT", {"Switch1": {"Action": "TOGGLE"}}) == {"press": "single"}
-    assert said(press, "s/RESULT", {"Switch1": {"Action": "HOLD"}}) == {"press": "hold"}
-    assert said(press, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {}
+    assert heard(press, "s/RESULT", {"Switch1": {"Action": "TOGGLE"}}) == {"press": "single"}
+    assert heard(press, "s/RESULT", {"Switch1": {"Action": "HOLD"}}) == {"press": "hold"}
+    assert heard(press, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {}
 
 
 @pytest.mark.parametrize(
@@ -239,7 +236,7 @@ def test_a_push_switch_reports_state_and_presses() -> None:
 def test_buttons_report_presses(options: dict[str, int], action: str, expected: dict[str, str]) -> None:
     button = only(btn=[1, 0], so=options)
     assert button.part.id == "button_1"
-    assert said(button, "s/RESULT", {"Button1": {"Action": action}}) == expected
+    assert heard(button, "s/RESULT", {"Button1": {"Action": action}}) == expected
 
 
 def test_buttons_that_switch_directly_report_nothing() -> None:
@@ -272,8 +269,8 @@ def test_each_leaf_is_a_sensor(
     wanted = {
         name: value if isinstance(value, str) else pytest.approx(value, abs=0.1) for name, value in expected.items()
     }
-    assert said(sensor, "t/SENSOR", sensors) == wanted
-    assert said(sensor, "s/STATUS10", {"StatusSNS": sensors}) == wanted
+    assert heard(sensor, "t/SENSOR", sensors) == wanted
+    assert heard(sensor, "s/STATUS10", {"StatusSNS": sensors}) == wanted
 
 
 @pytest.mark.parametrize(
@@ -295,10 +292,10 @@ def test_the_temperature_inside_a_device_is_no_temperature_of_its_room(
 
 def test_a_meter_may_report_fewer_phases_than_announced() -> None:
     parts = built({"ENERGY": {"Power": [1, 2]}})
-    assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {"power": 5.0}
-    assert said(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {}
-    assert said(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": [5]}}) == {}
-    assert said(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": None}}) == {"power": None}
+    assert heard(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {"power": 5.0}
+    assert heard(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {}
+    assert heard(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": [5]}}) == {}
+    assert heard(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": None}}) == {"power": None}
 
 
 def test_other_leaves_are_left_out() -> None:
@@ -317,8 +314,8 @@ def test_the_signal_strength_is_a_diagnostic_part() -> None:
     )
     (wifi,) = build_parts(config, ())
     assert (wifi.part.category, config.name) == ("diagnostic", MAC)
-    assert said(wifi, "t/STATE", {"Wifi": {"Signal": -65}}) == {"signal_strength": -65.0}
-    assert said(wifi, "t/STATE", {"Wifi": 1}) == {}
+    assert heard(wifi, "t/STATE", {"Wifi": {"Signal": -65}}) == {"signal_strength": -65.0}
+    assert heard(wifi, "t/STATE", {"Wifi": 1}) == {}
 
 
 def test_the_relays_of_a_fans_speeds_are_read_only() -> None:
@@ -326,7 +323,7 @@ def test_the_relays_of_a_fans_speeds_are_read_only() -> None:
     parts = built(rl=[1, 1, 1, 1], fan=1)
     relay = parts["power_3"]
     assert (relay.part.service_type, relay.part.category) == ("x_binary_sensor", "diagnostic")
-    assert said(relay, "t/STATE", {"POWER1": "OFF", "POWER3": "ON"}) == {"state": True}
+    assert heard(relay, "t/STATE", {"POWER1": "OFF", "POWER3": "ON"}) == {"state": True}
     assert not any(one.settable for one in relay.part.capabilities)
     with pytest.raises(RefusedError):
         relay.codec.write("on_off", True)
