@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -33,65 +35,45 @@ def test_the_example_of_the_specification_is_sealed() -> None:
     assert seal(KEY, ADDRESS, 0x41, 0x33221100, bytes.fromhex("02ca0903bf13")) == EXAMPLE
 
 
-def test_a_packet_is_opened_once_and_an_older_one_not_at_all() -> None:
+OTHER = b"\x01\x62"
+SEQUENCES: dict[str, list[tuple[int, float, str] | tuple[int, float, str, bytes]]] = {
+    "an older one is refused": [(500, 0, ""), (501, 0, ""), (500, 600, "500 does not follow 501")],
+    "another one with the same counter is refused": [(500, 0, ""), (500, 600, "500 does not follow 500", OTHER)],
+    "a counter wraps around": [
+        *((counter, 0, "") for counter in (2**32 - 2, 2**32 - 1, 0, 1)),
+        (2**32 - 1, 600, "4294967295 does not follow 1"),
+    ],
+    "a counter begins again with a new battery": [
+        (500, 0, ""), (3, RESTARTS_AFTER, ""), (4, RESTARTS_AFTER, ""), (3, RESTARTS_AFTER, "replay"),
+    ],
+    "too high a counter is no new battery": [(500, 0, ""), (RESTARTS_BELOW, 3600, "replay")],
+    "it is too soon for a new battery": [(500, 0, ""), (3, RESTARTS_AFTER - 0.1, "replay")],
+    "what was opened before is no new battery": [
+        (5, 0, ""), (500, 0, ""), (5, 3600, "5 does not follow 500"), (5, 3600, "", OTHER),
+    ],
+    "what was opened is refused after the counter began again": [
+        (500, 0, ""), (0, RESTARTS_AFTER, ""), (500, RESTARTS_AFTER, "500 does not follow 0"), (1, RESTARTS_AFTER, ""),
+    ],
+}  # fmt: skip
+"""Counter, time and refusal of packets, one after the other; as in ``bthome-ble`` a counter may fall below 100."""
+
+
+@pytest.mark.parametrize("steps", SEQUENCES.values(), ids=SEQUENCES)
+def test_counters_go_up_or_begin_again(steps: list[tuple[Any, ...]]) -> None:
     key = BindKey(KEY, ADDRESS)
-    assert opened(key, packet(500)) == opened(key, packet(501)) == b"\x01\x61"
+    for counter, now, refusal, *objects in steps:
+        data = packet(counter, *objects)
+        if refusal:
+            with pytest.raises(WireError, match=refusal):
+                opened(key, data, now)
+        else:
+            assert opened(key, data, now) == (objects or [b"\x01\x61"])[0]
+
+
+def test_the_last_packet_again_is_passed_over() -> None:
+    key = BindKey(KEY, ADDRESS)
+    opened(key, packet(501))
     assert key.open(read_frame(packet(501)), 600.0) is None
-    with pytest.raises(WireError, match="500 does not follow 501"):
-        opened(key, packet(500), 600.0)
-
-
-def test_another_packet_with_the_same_counter_is_a_replay() -> None:
-    key = BindKey(KEY, ADDRESS)
-    opened(key, packet(500))
-    with pytest.raises(WireError, match="500 does not follow 500"):
-        opened(key, packet(500, b"\x01\x62"), 600.0)
-
-
-def test_a_counter_wraps_around() -> None:
-    key = BindKey(KEY, ADDRESS)
-    for counter in (2**32 - 2, 2**32 - 1, 0, 1):
-        assert opened(key, packet(counter)) == b"\x01\x61"
-    with pytest.raises(WireError, match="4294967295 does not follow 1"):
-        opened(key, packet(2**32 - 1), 600.0)
-
-
-def test_a_counter_begins_again_with_a_new_battery() -> None:
-    key = BindKey(KEY, ADDRESS)
-    opened(key, packet(500))
-    assert opened(key, packet(3), RESTARTS_AFTER) == b"\x01\x61"
-    assert opened(key, packet(4), RESTARTS_AFTER) == b"\x01\x61"
-    with pytest.raises(WireError, match="replay"):
-        opened(key, packet(3), RESTARTS_AFTER)
-
-
-@pytest.mark.parametrize(
-    ("counter", "now"), [(RESTARTS_BELOW, 3600.0), (3, RESTARTS_AFTER - 0.1)], ids=["too high", "too soon"]
-)
-def test_a_lower_counter_is_no_new_battery(counter: int, now: float) -> None:
-    key = BindKey(KEY, ADDRESS)
-    opened(key, packet(500))
-    with pytest.raises(WireError, match="replay"):
-        opened(key, packet(counter), now)
-
-
-def test_a_recorded_packet_with_a_low_counter_is_no_new_battery() -> None:
-    """As in ``bthome-ble`` a counter may fall below 100; but what was opened before is not opened again."""
-    key = BindKey(KEY, ADDRESS)
-    for counter in (5, 500):
-        opened(key, packet(counter))
-    with pytest.raises(WireError, match="5 does not follow 500"):
-        opened(key, packet(5), 3600.0)
-    assert opened(key, packet(5, b"\x01\x62"), 3600.0) == b"\x01\x62"
-
-
-def test_a_recorded_packet_is_refused_after_the_counter_began_again() -> None:
-    key = BindKey(KEY, ADDRESS)
-    opened(key, packet(500))
-    opened(key, packet(0), RESTARTS_AFTER)
-    with pytest.raises(WireError, match="500 does not follow 0"):
-        opened(key, packet(500), RESTARTS_AFTER)
-    assert opened(key, packet(1), RESTARTS_AFTER) == b"\x01\x61"
 
 
 def test_a_bounded_number_of_packets_is_remembered() -> None:

@@ -42,12 +42,8 @@ def entity(kind: str, **info: Any) -> EsphomeEntity:
     ("kind", "info", "state", "values"),
     [
         ("light", {"supported_color_modes": [1]}, {"state": True}, {"on_off": True}),
-        (
-            "light",
-            RGB_CT,
-            {"state": True, "brightness": 0.5, "color_mode": 11, "color_temperature": 250.0},
-            {"on_off": True, "level": 50.0, "color_temperature": 4000.0, "color": None},
-        ),
+        ("light", RGB_CT, {"state": True, "brightness": 0.5, "color_mode": 11, "color_temperature": 250.0},
+         {"on_off": True, "level": 50.0, "color_temperature": 4000.0, "color": None}),
         (
             "light",
             RGB_CT,
@@ -55,19 +51,11 @@ def entity(kind: str, **info: Any) -> EsphomeEntity:
             | {"blue": 0.0, "color_temperature": 250.0},
             {"on_off": True, "level": 100.0, "color_temperature": None, "color": (120.0, 100.0)},
         ),
-        (
-            "light",
-            RGBWW,
-            {"state": True, "brightness": 1.0, "color_mode": 19, "cold_white": 1.0, "warm_white": 0.0},
-            {"on_off": True, "level": 100.0, "color_temperature": 6494.0, "color": None},
-        ),
+        ("light", RGBWW, {"state": True, "brightness": 1.0, "color_mode": 19, "cold_white": 1.0, "warm_white": 0.0},
+         {"on_off": True, "level": 100.0, "color_temperature": 6494.0, "color": None}),
         ("light", RGB_CT, {"state": True, "brightness": math.nan, "color_mode": 99}, {"on_off": True, "level": None}),
-        (
-            "sensor",
-            {"device_class": "temperature", "unit_of_measurement": "°F"},
-            {"state": 68.0},
-            {"temperature": 20.0},
-        ),
+        ("sensor", {"device_class": "temperature", "unit_of_measurement": "°F"}, {"state": 68.0},
+         {"temperature": 20.0}),
         ("sensor", {"device_class": "energy", "unit_of_measurement": "Wh"}, {"state": 1500.0}, {"energy": 1.5}),
         ("sensor", {"unit_of_measurement": "bananas"}, {"state": 0.30000001192092896}, {"measurement": 0.3}),
         ("sensor", {}, {"state": math.nan}, {"measurement": None}),
@@ -75,33 +63,18 @@ def entity(kind: str, **info: Any) -> EsphomeEntity:
         ("binary_sensor", {"device_class": "motion"}, {"state": True}, {"occupancy": True}),
         ("binary_sensor", {"device_class": "new"}, {"state": False}, {"state": False}),
         ("cover", {}, {"position": 1.0, "current_operation": 0}, {"movement": "open"}),
-        (
-            "cover",
-            {"supports_position": True, "supports_tilt": True},
-            {"position": 0.3, "tilt": 0.5, "current_operation": 2},
-            {"movement": "closing", "position": 30.0, "tilt": 50.0},
-        ),
+        ("cover", {"supports_position": True, "supports_tilt": True},
+         {"position": 0.3, "tilt": 0.5, "current_operation": 2},
+         {"movement": "closing", "position": 30.0, "tilt": 50.0}),
         ("valve", {"supports_position": True}, {"position": 0.0}, {"valve": "closed", "position": 0.0}),
         ("lock", {}, {"state": 7}, {"lock": "open"}),
         ("lock", {}, {"state": 0}, {"lock": None}),
-        (
-            "fan",
-            {"supports_speed": True, "supported_speed_count": 4},
-            {"state": True, "speed_level": 1},
-            {"fan_speed": 25.0},
-        ),
-        (
-            "fan",
-            {"supports_speed": True, "supported_speed_count": 4},
-            {"state": False, "speed_level": 1},
-            {"fan_speed": 0.0},
-        ),
-        (
-            "climate",
-            THERMOSTAT,
-            {"mode": 3, "current_temperature": 19.5, "target_temperature": 21.0},
-            {"thermostat_mode": "heat", "on_off": True, "local_temperature": 19.5, "heating_setpoint": 21.0},
-        ),
+        ("fan", {"supports_speed": True, "supported_speed_count": 4}, {"state": True, "speed_level": 1},
+         {"fan_speed": 25.0}),
+        ("fan", {"supports_speed": True, "supported_speed_count": 4}, {"state": False, "speed_level": 1},
+         {"fan_speed": 0.0}),
+        ("climate", THERMOSTAT, {"mode": 3, "current_temperature": 19.5, "target_temperature": 21.0},
+         {"thermostat_mode": "heat", "on_off": True, "local_temperature": 19.5, "heating_setpoint": 21.0}),
         (
             "climate",
             CONDITIONER,
@@ -118,12 +91,9 @@ def entity(kind: str, **info: Any) -> EsphomeEntity:
             {"heating_setpoint": 20.0, "cooling_setpoint": 24.0, "thermostat_mode": "cool", "fan_mode": "low"},
         ),
         ("climate", {**THERMOSTAT, "temperature_unit": 1}, {"current_temperature": 68.0}, {"local_temperature": 20.0}),
-        (
-            "water_heater",
-            {"supported_features": 1 | 2 | 4 | 16, "supported_modes": [0, 1]},
-            {"current_temperature": 48.0, "target_temperature": 55.0, "mode": 1, "state": 2},
-            {"local_temperature": 48.0, "heating_setpoint": 55.0, "water_heater_mode": "eco", "on_off": True},
-        ),
+        ("water_heater", {"supported_features": 1 | 2 | 4 | 16, "supported_modes": [0, 1]},
+         {"current_temperature": 48.0, "target_temperature": 55.0, "mode": 1, "state": 2},
+         {"local_temperature": 48.0, "heating_setpoint": 55.0, "water_heater_mode": "eco", "on_off": True}),
         ("media_player", {"feature_flags": 4}, {"state": 2, "volume": 0.25}, {"value": "playing", "volume": 25.0}),
         ("alarm_control_panel", {}, {"state": 9}, {"alarm": "triggered"}),
         ("event", {"event_types": ["ring"]}, {"event_type": "ring"}, {"press": "ring"}),
@@ -134,14 +104,10 @@ def entity(kind: str, **info: Any) -> EsphomeEntity:
         ("date", {}, {"year": 2026, "month": 2, "day": 30}, {"text": None}),
         ("time", {}, {"hour": 7, "minute": 5, "second": 0}, {"text": "07:05:00"}),
         ("datetime", {}, {"epoch_seconds": 0}, {"text": "1970-01-01T00:00:00+00:00"}),
-        (
-            "update",
-            {},
-            {"current_version": "1", "latest_version": "2"},
-            {"version": "1", "latest_version": "2", "update_available": True},
-        ),
+        ("update", {}, {"current_version": "1", "latest_version": "2"},
+         {"version": "1", "latest_version": "2", "update_available": True}),
     ],
-)
+)  # fmt: skip
 def test_states_are_read(kind: str, info: dict[str, Any], state: dict[str, Any], values: dict[str, PlainValue]) -> None:
     read = entity(kind, **info).read(state)
     assert {name: read.get(name) for name in values} == values
@@ -153,24 +119,14 @@ def test_states_are_read(kind: str, info: dict[str, Any], state: dict[str, Any],
     [
         ("light", RGB_CT, "level", 0.0, {"state": False}),
         ("light", RGB_CT, "color_temperature", 4000.0, {"state": True, "color_mode": 11, "color_temperature": 250.0}),
-        (
-            "light",
-            RGB_CT,
-            "color",
-            (0.0, 100.0),
-            {"state": True, "color_mode": 35, "rgb": (1.0, 0.0, 0.0), "color_brightness": 1.0},
-        ),
+        ("light", RGB_CT, "color", (0.0, 100.0),
+         {"state": True, "color_mode": 35, "rgb": (1.0, 0.0, 0.0), "color_brightness": 1.0}),
         ("light", RGBWW, "color_temperature", 5000.0, {"state": True, "color_mode": 19, "color_temperature": 200.0}),
         ("cover", {"supports_stop": True}, "movement", "stopped", {"stop": True}),
         ("cover", {"supports_position": True}, "position", 40.0, {"position": 0.4}),
         ("lock", {"supports_open": True}, "lock", "open", {"command": 2, "code": "12"}),
-        (
-            "fan",
-            {"supports_speed": True, "supported_speed_count": 3},
-            "fan_speed",
-            34.0,
-            {"state": True, "speed_level": 2},
-        ),
+        ("fan", {"supports_speed": True, "supported_speed_count": 3}, "fan_speed", 34.0,
+         {"state": True, "speed_level": 2}),
         ("fan", {"supports_speed": True, "supported_speed_count": 3}, "fan_speed", 0.0, {"state": False}),
         ("climate", THERMOSTAT, "heating_setpoint", 21.0, {"target_temperature": 21.0}),
         ("climate", CONDITIONER, "heating_setpoint", 21.0, {"target_temperature_low": 21.0}),
@@ -185,7 +141,7 @@ def test_states_are_read(kind: str, info: dict[str, Any], state: dict[str, Any],
         ("time", {}, "text", "07:05", {"hour": 7, "minute": 5, "second": 0}),
         ("datetime", {}, "text", "1970-01-01T01:00:00+00:00", {"epoch_seconds": 3600}),
     ],
-)
+)  # fmt: skip
 def test_commands_are_made(
     kind: str, info: dict[str, Any], capability: str, value: PlainValue, fields: dict[str, Any]
 ) -> None:

@@ -91,40 +91,32 @@ def test_the_facts_of_a_device() -> None:
         "architecture": "esp32",
     }
     assert "e8db84aabbcc" in described.identifiers[0].replace(":", "").lower()
-
-
-def test_a_strip_of_one_segment_is_one_lamp() -> None:
-    found = values(RGB_0_15)
-    assert found["", "on_off"] is True
-    assert found["", "level"] == pytest.approx(50, abs=0.5)
-    assert found["", "color"] == pytest.approx((37.647, 100))
-    assert found["", "effect"] == "Wipe"
-
-
-def test_its_level_is_that_of_the_master_and_of_the_segment_together() -> None:
-    assert values(RGBW_0_14)["", "level"] == pytest.approx(50, abs=0.5)
-
-
-def test_light_of_a_white_channel_alone_has_no_color() -> None:
-    assert values(RGBW_0_14)["", "color"] == (0, 0)
-
-
-def test_segments_are_on_where_the_master_is() -> None:
-    found = values(TWO_SEGMENTS_0_15)
-    assert (found["", "on_off"], found["segment:0", "on_off"], found["segment:3", "on_off"]) == (True, False, True)
-    assert found["segment:3", "level"] == 20
-    off = copy.deepcopy(TWO_SEGMENTS_0_15)
-    off["state"]["on"] = False
-    assert values(off)["segment:3", "on_off"] is False
-
-
-def test_a_segment_has_the_name_that_people_gave_it() -> None:
     assert part_of(TWO_SEGMENTS_0_15, "segment:0").name == "Desk"
 
 
-def test_whites_have_steps_of_32_kelvin() -> None:
-    assert values(WHITES_0_13)["", "color_temperature"] == 1900
-    assert values(TWO_SEGMENTS_0_15)["segment:3", "color_temperature"] == 2700
+OFF_0_15 = {**TWO_SEGMENTS_0_15, "state": {**TWO_SEGMENTS_0_15["state"], "on": False}}
+
+
+@pytest.mark.parametrize(
+    ("document", "part", "capability", "value"),
+    [
+        (RGB_0_15, "", "on_off", True),
+        (RGB_0_15, "", "level", pytest.approx(50, abs=0.5)),
+        (RGB_0_15, "", "color", pytest.approx((37.647, 100))),
+        (RGB_0_15, "", "effect", "Wipe"),
+        (RGBW_0_14, "", "level", pytest.approx(50, abs=0.5)),  # of the master and of the segment together
+        (RGBW_0_14, "", "color", (0, 0)),  # a white channel alone has none
+        (TWO_SEGMENTS_0_15, "", "on_off", True),
+        (TWO_SEGMENTS_0_15, "segment:0", "on_off", False),
+        (TWO_SEGMENTS_0_15, "segment:3", "on_off", True),
+        (TWO_SEGMENTS_0_15, "segment:3", "level", 20),
+        (OFF_0_15, "segment:3", "on_off", False),
+        (WHITES_0_13, "", "color_temperature", 1900),
+        (TWO_SEGMENTS_0_15, "segment:3", "color_temperature", 2700),
+    ],
+)
+def test_a_state_is_read(document: dict[str, Any], part: str, capability: str, value: object) -> None:
+    assert values(document)[part, capability] == value
 
 
 def test_capabilities_of_inactive_segments_are_listed_before_0_14() -> None:
