@@ -55,11 +55,11 @@ def duplicate_key_hook(note: Callable[[str], None]) -> Callable[[list[tuple[str,
     return build_object
 
 
-def _reject_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    if len(found) < len(pairs):
-        raise DuplicateKeyError(f"the key {_repeated(pairs)[:60]!r} occurs twice")
-    return found
+def _reject(key: str) -> None:
+    raise DuplicateKeyError(f"the key {key[:60]!r} occurs twice")
+
+
+_reject_duplicates = duplicate_key_hook(_reject)
 
 
 def _repeated(pairs: list[tuple[str, Any]]) -> str:

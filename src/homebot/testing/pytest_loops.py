@@ -224,14 +224,7 @@ def _is_left_with_a_broker(test: pytest.Item) -> bool:
 def _loop_scope(test: pytest.Item) -> str:
     mark = test.get_closest_marker("asyncio")
     scope = {} if mark is None else mark.kwargs
-    return scope.get("loop_scope") or scope.get("scope") or _default_loop_scope(test.config)
-
-
-def _default_loop_scope(config: pytest.Config) -> str:
-    try:
-        return str(config.getini("asyncio_default_test_loop_scope"))
-    except ValueError:  # unknown before pytest-asyncio 0.26
-        return "function"
+    return scope.get("loop_scope") or scope.get("scope") or str(test.config.getini("asyncio_default_test_loop_scope"))
 
 
 def _is_coroutine(test: pytest.Item) -> bool:

@@ -23,7 +23,7 @@ __all__ = ["Backpressure"]
 
 @final
 class Backpressure:
-    """The waiting packets of one publisher and the session they wait for; fills the port ``HeldPublisher``.
+    """The waiting packets of one publisher and the session they wait for.
 
     Args:
         go_on: Called, not from within another call, when the wait is over; it takes the packets.
@@ -60,7 +60,7 @@ class Backpressure:
         self._is_endless = endless
         for session in slow:
             self._slow[session] = session.settled
-            session.held_publishers[self] = None
+            session.held_publishers[self.caught_up] = None
         if self._end is None:
             self._state.counters.holds += 1
             self._wait_on()
@@ -102,7 +102,7 @@ class Backpressure:
     def stop(self) -> None:
         """End the wait; the waiting packets remain."""
         for session in self._slow:
-            session.held_publishers.pop(self, None)
+            session.held_publishers.pop(self.caught_up, None)
         self._slow.clear()
         if self._end is not None:
             self._end.cancel()

@@ -1,4 +1,4 @@
-"""The packets of one client that has logged in, without a socket.
+"""The packets of one client that has logged in, without a socket: its messages, with their aliases and answers.
 
 Order: packets are handled one after the other as they come. While a publisher is held back for a slow subscriber,
 its acknowledgements and pings are still handled, everything else waits in its order.
@@ -7,16 +7,19 @@ its acknowledgements and pings are still handled, everything else waits in its o
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Final, final
 
 from homebot.mqtt.broker.backpressure import Backpressure
+from homebot.mqtt.broker.exchange import Receipt
 from homebot.mqtt.broker.filter_requests import FilterRequests
-from homebot.mqtt.broker.inbound import Inbound
 from homebot.mqtt.broker.login import expiry_of
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.mqtt.broker.outbound import Outbound
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.state import BrokerState
 from homebot.mqtt.packets import (
+    NO_PROPERTIES,
     Auth,
     Disconnect,
     Packet,
@@ -24,6 +27,7 @@ from homebot.mqtt.packets import (
     PacketReader,
     Pingreq,
     Pingresp,
+    ProtocolVersion,
     Puback,
     Pubcomp,
     Publish,
@@ -36,6 +40,7 @@ from homebot.mqtt.packets import (
 
 __all__ = ["ClientPackets"]
 
+_REFUSED: Final = Receipt(ReasonCode.NOT_AUTHORIZED)
 _UNCHECKED: Final = 8  # packets that are handled before the clock is read
 
 
@@ -65,7 +70,11 @@ class ClientPackets:
         self._on_disconnect = on_disconnect
         self._on_failure = on_failure
         self._stopped = False
-        self._inbound = Inbound(state, session, outbound)
+        self._aliases: dict[int, str] = {}
+        self._alias_text = 0
+        self._open: set[int] = set()  # QoS 2 ids taken on this connection and not released
+        self._is_v5 = outbound.version is ProtocolVersion.V5
+        self._max_levels = state.limits.max_topic_levels
         self._holding = Backpressure(state, outbound.link, self._go_on)
         self._filters = FilterRequests(state, session, outbound, self._holding, self._resume, is_bridge=is_bridge)
 
@@ -117,7 +126,7 @@ class ClientPackets:
             self._session.pump()
         elif self._holding.active and not isinstance(packet, _NEVER_HELD):
             if isinstance(packet, Publish):
-                self._inbound.check_quota(packet, self._holding.messages)
+                self._check_quota(packet)
             self._holding.push(packet)
         else:
             self._act(packet)
@@ -135,11 +144,10 @@ class ClientPackets:
         self._holding.paused = False
         self._state.turn.forget(self._go_on)
         self._filters.stop()
-        self._inbound.gone = True
         try:
             while (packet := self._holding.pop()) is not None:
                 if isinstance(packet, Publish):
-                    self._inbound.publish(packet)
+                    self._publish(packet)
         except PacketError as error:
             return error
         finally:
@@ -149,10 +157,10 @@ class ClientPackets:
     def _act(self, packet: Packet) -> None:
         if type(packet) is Publish:
             if packet.qos:
-                self._inbound.check_quota(packet, self._holding.messages)
+                self._check_quota(packet)
             if self._state.exchange.crowded and self._wait_for_room(packet):
                 return
-            slow = self._inbound.publish(packet)
+            slow = self._publish(packet)
             if slow:
                 self._holding.wait_for(slow)
         else:
@@ -161,7 +169,7 @@ class ClientPackets:
     def _act_on_rare(self, packet: Packet) -> None:
         match packet:
             case Pubrel():
-                self._inbound.release(packet)
+                self._release(packet)
             case Pubrec():
                 self._taken(packet)
             case Pubcomp():
@@ -180,12 +188,103 @@ class ClientPackets:
                 raise _protocol_error(f"a client must not send {type(packet).__name__}")
 
     def _wait_for_room(self, packet: Publish) -> bool:
-        """Return whether *packet* has to wait because a queue is full."""
-        full = self._inbound.must_wait_for(packet)
-        if full:
+        """Return whether *packet* has to wait because a queue is full; before MQTT 5 it cannot be refused."""
+        full = self._state.exchange.without_room(self._resolve(packet)) if packet.qos else ()
+        slow = tuple(session for session in full if not (self._is_v5 and session.overrun))
+        if slow:
             self._holding.push_front(packet)
-            self._holding.wait_for(full, endless=not self._inbound.refusable)
-        return bool(full)
+            self._holding.wait_for(slow, endless=not self._is_v5)
+        return bool(slow)
+
+    def _check_quota(self, packet: Publish) -> None:
+        """Make sure that an MQTT 5 client keeps to the broker's Receive Maximum, with all that waits."""
+        if not self._is_v5 or not packet.qos:
+            return
+        if self._holding.messages + len(self._open) >= self._state.limits.receive_maximum:
+            if packet.packet_id in self._open:
+                return
+            raise PacketError(
+                f"more than {self._state.limits.receive_maximum} unacknowledged messages",
+                code=ReasonCode.RECEIVE_MAXIMUM_EXCEEDED,
+            )
+
+    def _publish(self, packet: Publish) -> tuple[BrokerSession, ...]:
+        """Take a PUBLISH, answer it, and return the sessions that are now too slow for more."""
+        self._state.counters.messages_received += 1
+        qos = packet.qos
+        if qos == 2:
+            return self._publish_qos2(packet)
+        receipt = self._forward(packet)
+        if qos and not (self._stopped and receipt.reason is ReasonCode.QUOTA_EXCEEDED):
+            packet_id = packet.packet_id or 0
+            if self._is_v5 and receipt.reason:
+                self._outbound.send(Puback(packet_id, receipt.reason))
+            else:
+                self._outbound.link.write(b"\x40\x02" + packet_id.to_bytes(2, "big"))
+        return receipt.slow
+
+    def _release(self, packet: Pubrel) -> None:
+        known = packet.packet_id in self._session.received
+        self._session.received.discard(packet.packet_id)
+        self._open.discard(packet.packet_id)
+        reason = ReasonCode.SUCCESS if known else ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
+        self._outbound.send(Pubcomp(packet.packet_id, reason))
+
+    def _publish_qos2(self, packet: Publish) -> tuple[BrokerSession, ...]:
+        packet_id = packet.packet_id or 0
+        session = self._session
+        if packet_id in session.received:  # sent again: it was forwarded the first time
+            self._resolve(packet)
+            self._open.add(packet_id)
+            self._outbound.send(Pubrec(packet_id))
+            return ()
+        receipt = self._forward(packet)
+        if self._stopped and receipt.reason is ReasonCode.QUOTA_EXCEEDED:
+            return ()
+        if not receipt.reason.failed or not self._is_v5:
+            session.received.add(packet_id)
+            self._open.add(packet_id)
+        self._outbound.send(Pubrec(packet_id, receipt.reason))
+        return receipt.slow
+
+    def _forward(self, packet: Publish) -> Receipt:
+        topic, payload, qos, retain, _, _, properties = packet
+        state = self._state
+        expires_at = None
+        if properties is not NO_PROPERTIES:
+            topic = self._resolve(packet)
+            if properties.topic_alias is not None:
+                properties = replace(properties, topic_alias=None)
+            if properties.message_expiry_interval is not None:
+                expires_at = state.clock.monotonic() + properties.message_expiry_interval
+        if topic.count("/") >= self._max_levels:
+            raise PacketError("the topic has too many levels", code=ReasonCode.TOPIC_NAME_INVALID)
+        verdict = state.policy.publish(self._session.client_id, topic)
+        if verdict:
+            state.counters.dropped_refused += 1
+            return _REFUSED if verdict is ReasonCode.NOT_AUTHORIZED else Receipt(verdict)
+        return state.exchange.publish(
+            BrokerMessage(topic, payload, qos, retain, properties, self._session.client_id, expires_at)
+        )
+
+    def _resolve(self, packet: Publish) -> str:
+        """Return the topic a PUBLISH means, noting a topic alias."""
+        properties = packet.properties
+        if properties.subscription_identifiers:
+            raise PacketError("a client must not send a subscription identifier", code=ReasonCode.PROTOCOL_ERROR)
+        alias = properties.topic_alias
+        if alias is None:
+            return packet.topic
+        if alias > self._state.limits.topic_alias_maximum:
+            raise PacketError(f"topic alias {alias} is too high", code=ReasonCode.TOPIC_ALIAS_INVALID)
+        if packet.topic:
+            self._alias_text += len(packet.topic) - len(self._aliases.get(alias, ""))
+            if self._alias_text > self._state.limits.max_alias_text:
+                raise PacketError("the topics of its aliases are too long", code=ReasonCode.QUOTA_EXCEEDED)
+            self._aliases[alias] = packet.topic
+        elif alias not in self._aliases:
+            raise PacketError(f"topic alias {alias} was not set", code=ReasonCode.PROTOCOL_ERROR)
+        return self._aliases[alias]
 
     def _taken(self, packet: Pubrec) -> None:
         reason = self._session.taken(packet.packet_id, packet.reason)

@@ -7,7 +7,7 @@ everything in flight is sent again before the queue.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Final, Protocol, final
+from typing import Final, final
 
 from homebot.clock import Clock
 from homebot.mqtt.broker.in_flight import InFlight
@@ -21,17 +21,9 @@ from homebot.mqtt.broker.stats import Counters
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.turn_budget import TurnBudget
 
-__all__ = ["BrokerSession", "HeldPublisher"]
+__all__ = ["BrokerSession"]
 
 _UNCHECKED: Final = 16  # messages that are sent before the clock is read
-
-
-class HeldPublisher(Protocol):
-    """A publisher that waits for slow sessions."""
-
-    def caught_up(self, session: BrokerSession) -> None:
-        """Stop waiting for *session*, which has room again or has gone."""
-        ...
 
 
 @final
@@ -42,6 +34,7 @@ class BrokerSession:
         expiry: Seconds it is kept after the connection ends; infinite for ever.
         outbound: Where messages go, None while the client is away.
         received: Packet ids of QoS 2 messages taken from the client and not released.
+        held_publishers: Called once the session has room again, or has gone.
         overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
 
     Args:
@@ -67,7 +60,7 @@ class BrokerSession:
         self.received: set[int] = set()
         self.has_ended = False
         self.overrun = False
-        self.held_publishers: dict[HeldPublisher, None] = {}  # in their order, so that runs are alike
+        self.held_publishers: dict[Callable[[BrokerSession], None], None] = {}  # in their order, so that runs are alike
         self._congested = {} if crowded is None else crowded
         self._turn = turn
         self._clock = clock
@@ -295,5 +288,5 @@ class BrokerSession:
 
     def _release_publishers(self) -> None:
         publishers, self.held_publishers = self.held_publishers, {}
-        for publisher in publishers:
-            publisher.caught_up(self)
+        for caught_up in publishers:
+            caught_up(self)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Final, Protocol
+from collections.abc import Awaitable, Callable
+from typing import Final, Protocol, TypeAlias
 
 from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.options import MqttOptions
@@ -58,15 +59,9 @@ class ClientTransport(Protocol):
         ...
 
 
-class Dial(Protocol):
-    """Opens a link to a broker."""
+Dial: TypeAlias = Callable[[MqttOptions, TransportUser], Awaitable[ClientTransport]]
+"""Opens a link to the broker whose address is in the options; its bytes go to the user.
 
-    async def __call__(self, options: MqttOptions, user: TransportUser) -> ClientTransport:
-        """Connect to the address in *options*; bytes of the broker go to *user*.
-
-        Raises:
-            LinkError: No answer within the time limit.
-            RefusedError: The certificate of one side is not trusted by the other.
-            UsageError: A certificate file cannot be used.
-        """
-        ...
+It raises LinkError if no answer comes in time, RefusedError if the certificate of one side is not trusted by the other,
+and UsageError if a certificate file cannot be used.
+"""
