@@ -11,6 +11,7 @@ import math
 import os
 import random
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -27,23 +28,7 @@ CASES = int(os.environ.get("FUZZ_CASES", "250"))
 PARTS = 4
 FIXTURES = Path(__file__).parents[1] / "gateways" / "mqtt" / "fixtures"
 KINDS = {"bool": bool, "number": float, "text": str, "numbers": tuple}
-WORDS = (
-    "on",
-    "off",
-    "ON",
-    "",
-    "None",
-    "null",
-    "{{ value }}",
-    "a/b",
-    "#",
-    "+",
-    "$x",
-    "\x00",
-    "\ud800",
-    "ü" * 40,
-    "9" * 400,
-)
+WORDS = (*"on off ON None null a/b # + $x".split(), "", "{{ value }}", "\x00", "\ud800", "ü" * 40, "9" * 400)  # noqa: SIM905
 NUMBERS = (0, 1, -1, 2**31, 10**40, -(10**400), 0.5, 1e308, -0.0, math.nan, math.inf, True, 255, 65_536)
 TOPICS = ("homeassistant/x", "zigbee2mqtt/bridge/devices", "homie/5/d/$state", "shellies/announce", "a/../b", "+/#")
 
@@ -128,40 +113,42 @@ class Mutator:
         return self.damaged_bytes(text.encode(errors="surrogatepass")).decode(errors="replace")
 
 
-class Fuzz:
-    """Runs the cases of one part of a test."""
+Fuzz = Callable[..., Iterator[tuple[Mutator, random.Random]]]
+"""Makes the cases of one part of a test, from the name of its target and words that may mean something to it."""
 
-    def __init__(self, part: int) -> None:
-        self._part = part
 
-    def run(self, target: str, case: Callable[[random.Random], None]) -> None:
-        """Run the cases of *target*; one that fails tells how to repeat it."""
-        for number in range(self._part, CASES, PARTS):
-            try:
-                case(random.Random(f"{SEED}/{target}/{number}"))  # noqa: S311 - nobody guesses at it
-            except Exception as error:
-                raise AssertionError(f"{target}, seed {SEED}, case {number}: {error!r}") from error
+@pytest.fixture(params=range(PARTS))
+def fuzz(request: pytest.FixtureRequest) -> Iterator[Fuzz]:
+    """The cases of one part of a test; where one fails, an error beside it tells how to repeat it."""
+    running = ""
 
-    def convention(self, name: str, make: Callable[[], Convention], rows: Sequence[Mapping[str, Any]]) -> None:
-        """Let *make*'s convention hear damaged announcements and messages of *rows*, and tell what it described."""
-        words = tuple(sorted({word for row in rows for _, text in row["messages"] for word in words_of(text)}))
+    def cases(target: str, words: Sequence[str] = ()) -> Iterator[tuple[Mutator, random.Random]]:
+        nonlocal running
+        for number in range(request.param, CASES, PARTS):
+            running = f"{target}, seed {SEED}, case {number}"
+            rng = random.Random(f"{SEED}/{target}/{number}")  # noqa: S311 - nobody guesses at it
+            yield Mutator(rng, words), rng
+        running = ""
 
-        def case(rng: random.Random) -> None:
-            mutator = Mutator(rng, words)
-            convention = make()
-            described: dict[str, DeviceAnnounced] = {}
-            for topic, payload in announcements(mutator, rows):
-                try:
-                    heard = convention.read_message(topic, payload, retained=rng.random() < 0.7)
-                except WireError:
-                    continue
+    yield cases
+    if running:
+        pytest.fail(running, pytrace=False)
+
+
+def fuzz_convention(fuzz: Fuzz, name: str, make: Callable[[], Convention], rows: Sequence[Mapping[str, Any]]) -> None:
+    """Let *make*'s convention hear damaged announcements and messages of *rows*, and tell what it described."""
+    words = tuple(sorted({word for row in rows for _, text in row["messages"] for word in words_of(text)}))
+    for mutator, rng in fuzz(name, words):
+        convention = make()
+        described: dict[str, DeviceAnnounced] = {}
+        for topic, payload in announcements(mutator, rows):
+            with suppress(WireError):
+                heard = convention.read_message(topic, payload, retained=rng.random() < 0.7)
                 described |= {one.key: one for one in heard if isinstance(one, DeviceAnnounced)}
-            says = rng.choice(rows)["says"]
-            for one in described.values():
-                for part in one.parts[:4]:
-                    check_part(mutator, part, [said[1] for said in says])
-
-        self.run(name, case)
+        says = rng.choice(rows)["says"]
+        for one in described.values():
+            for part in one.parts[:4]:
+                check_part(mutator, part, [said[1] for said in says])
 
 
 def words_of(text: str) -> Iterator[str]:
@@ -209,8 +196,7 @@ def check_part(mutator: Mutator, part: DescribedPart, spoken: Iterable[str]) -> 
             read = part.codec.read(topic.replace("+", "x").replace("#", "x"), payload, retained=rng.random() < 0.5)
             for name, value in read.items():
                 assert name in names, (name, names)
-                assert value is None or type(value) is KINDS[CAPABILITIES[name].kind], (name, value)
-                assert not isinstance(value, float) or math.isfinite(value), (name, value)
+                check_value(name, value)
     for one in part.part.capabilities[:4]:
         try:
             told = part.codec.write(one.name, mutator.plain(), transition=rng.choice((0.0, 1.5)))
@@ -220,12 +206,12 @@ def check_part(mutator: Mutator, part: DescribedPart, spoken: Iterable[str]) -> 
         assert {publication.topic for publication in told} <= set(part.part.writes)
 
 
+def check_value(capability: str, value: PlainValue) -> None:
+    assert value is None or type(value) is KINDS[CAPABILITIES[capability].kind], (capability, value)
+    assert not isinstance(value, float) or math.isfinite(value), (capability, value)
+
+
 def rows_of(convention: str) -> list[dict[str, Any]]:
     """The real devices that are known to speak *convention*."""
     lines = (FIXTURES / f"{convention}.jsonl").read_text(encoding="utf-8").splitlines()
     return [json.loads(line) for line in lines]
-
-
-@pytest.fixture(params=range(PARTS))
-def fuzz(request: pytest.FixtureRequest) -> Fuzz:
-    return Fuzz(request.param)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import random
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, Mutator
@@ -51,27 +50,24 @@ DOCUMENTS = (
     [{-2: "a", 0: "b", 2: 21.5}, {0: "c", 4: False, 8: "x"}],
     21.5,
 )
+WORDS = ("coap", "coap://h/x", "cov:observe", "readproperty", "application/cbor", "..", "//[")
 TYPES = ("application/cbor", "application/senml+cbor", "application/senml+json", "application/json", "text/plain")
 
 
 def test_damaged_links_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        damaged = Mutator(rng).damaged_bytes(rng.choice((LINKS, ENDPOINTS)))
+    for mutate, rng in fuzz("coap links"):
+        damaged = mutate.damaged_bytes(rng.choice((LINKS, ENDPOINTS)))
         with suppress(WireError):
             links = parse_links(damaged)
-            check_parts(
-                Mutator(rng), thing_of_links(links, {one.target: f"coap://h/{one.target}" for one in links}, "x")
-            )
+            check_parts(mutate, thing_of_links(links, {one.target: f"coap://h/{one.target}" for one in links}, "x"))
             for link in links:
                 with suppress(WireError):
                     assert endpoint_of_link(link).base.isprintable()
 
-    fuzz.run("coap links", case)
-
 
 def test_damaged_payloads_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate, document = Mutator(rng), rng.choice(DOCUMENTS)
+    for mutate, rng in fuzz("coap payloads"):
+        document = rng.choice(DOCUMENTS)
         encoded = encode_cbor(document) if rng.random() < 0.7 else json.dumps(document, default=str).encode()
         damaged = mutate.damaged_bytes(encoded)
         found = coap_formats(rng.choice(TYPES))
@@ -81,19 +77,14 @@ def test_damaged_payloads_are_refused_or_read(fuzz: Fuzz) -> None:
         with suppress(WireError):
             json.dumps(decode_cbor(damaged), default=str)
 
-    fuzz.run("coap payloads", case)
-
 
 def test_damaged_descriptions_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, ("coap", "coap://h/x", "cov:observe", "readproperty", "application/cbor", "..", "//["))
+    for mutate, _ in fuzz("coap things", WORDS):
         try:
             thing = read_thing(json.loads(mutate.damaged_json(json.dumps(THING))), "coap://h/.well-known/wot")
         except (WireError, ValueError):
-            return
+            continue
         check_parts(mutate, thing)
-
-    fuzz.run("coap things", case)
 
 
 def check_parts(mutate: Mutator, thing: Thing) -> None:

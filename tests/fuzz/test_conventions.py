@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tests.fuzz.conftest import Fuzz, rows_of
+from tests.fuzz.conftest import Fuzz, fuzz_convention, rows_of
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
@@ -43,4 +43,4 @@ def components() -> list[dict[str, Any]]:
 
 @pytest.mark.parametrize("name", CONVENTIONS)
 def test_damaged_devices_are_refused_or_read(fuzz: Fuzz, name: str) -> None:
-    fuzz.convention(name, CONVENTIONS[name], [*rows_of(name), *(components() if name == "homeassistant" else ())])
+    fuzz_convention(fuzz, name, CONVENTIONS[name], [*rows_of(name), *(components() if name == "homeassistant" else ())])

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-import random
 from contextlib import suppress
 
 from tests.bridges.frames import parse_frame
-from tests.fuzz.conftest import Fuzz, Mutator
+from tests.fuzz.conftest import Fuzz
 
 from homebot.bridges.rosbridge.protocol import FrameError, Operation
 from homebot.devices import RawMessage
@@ -33,8 +32,7 @@ MESSAGES: tuple[type[Message], ...] = (RawMessage, Command)
 
 
 def test_any_frame_is_an_operation_or_refused(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, WORDS)
+    for mutate, rng in fuzz("door frames", WORDS):
         text = mutate.damaged_json(json.dumps(rng.choice(FRAMES))).decode(errors="surrogateescape")
         with suppress(FrameError):
             assert isinstance(parse_frame(text), Operation)
@@ -42,5 +40,3 @@ def test_any_frame_is_an_operation_or_refused(fuzz: Fuzz) -> None:
         fields = {name: mutate.value() for name in message_type.model_fields if rng.random() < 0.95}
         with suppress(TypeMismatchError):
             assert isinstance(message_from_json(message_type, fields), message_type)
-
-    fuzz.run("door frames", case)

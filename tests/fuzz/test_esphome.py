@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import random
 from collections.abc import Callable
 
 from aioesphomeapi import model
@@ -45,8 +44,7 @@ def fields(mutator: Mutator, cls: type) -> dict[str, object]:
 
 
 def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, CLASSES)
+    for mutate, rng in fuzz("esphome", CLASSES):
         listed = [(kind, fields(mutate, KINDS[kind])) for kind in rng.choices(tuple(KINDS), k=rng.choice((1, 2, 4)))]
         device = EsphomeDevice(fields(mutate, model.DeviceInfo), listed)
         parts = {part.id: part for part in device.parts()}
@@ -67,8 +65,6 @@ def test_odd_entities_are_described_read_and_commanded(fuzz: Fuzz) -> None:
                 except RefusedError:
                     continue
                 tell(entity.command, one.name, allowed, 0.0)
-
-    fuzz.run("esphome", case)
 
 
 def tell(command: Callable[..., object], name: str, value: PlainValue, transition: float) -> None:

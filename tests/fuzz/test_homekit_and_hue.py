@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import json
-import random
 from contextlib import suppress
 
-from tests.fuzz.conftest import Fuzz, Mutator
+from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
 from tests.gateways.homekit.fake_accessories import PERMS, accessory, characteristic, service
 
@@ -30,8 +29,7 @@ LIMITS = ("minValue", "maxValue", "minStep", "valid-values")
 
 
 def test_damaged_accessories_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        damage = Mutator(rng, KINDS)
+    for damage, rng in fuzz("homekit accessories", KINDS):
         limits = {name: damage.value(1) for name in LIMITS if rng.random() < 0.2}
         chosen = enumerate(rng.sample(KINDS, 8), 20)
         known = [characteristic(at, kind, damage.scalar(), PERMS, **limits) for at, kind in chosen]
@@ -48,8 +46,6 @@ def test_damaged_accessories_are_refused_or_read(fuzz: Fuzz) -> None:
                             if kind in part.service.characteristics:
                                 json.dumps(part.service.characteristics[kind].encode(number), allow_nan=False)
 
-    fuzz.run("homekit accessories", case)
-
 
 def test_damaged_resources_are_refused_or_read(fuzz: Fuzz) -> None:
     device, state = SimulatedDeviceInfo("home", "lamp", "x", "x", "hall"), DeviceState(text="on", value=5.0)
@@ -58,8 +54,8 @@ def test_damaged_resources_are_refused_or_read(fuzz: Fuzz) -> None:
     listed += [*group_resources("room", "Hall", [(str(listed[0]["id"]), "device")], "")]
     listed.append(scene_resource("Hall", "x", [], 1.0))
 
-    def case(rng: random.Random) -> None:
-        damage, resources = Mutator(rng), HueResources()
+    for damage, rng in fuzz("hue resources"):
+        resources = HueResources()
         with suppress(WireError):
             resources.replace([damage.damaged(one) if rng.random() < 0.3 else one for one in listed])
             change = damage.damaged(rng.choice(listed))
@@ -74,5 +70,3 @@ def test_damaged_resources_are_refused_or_read(fuzz: Fuzz) -> None:
                             one.part, row.capability, damage.plain(), transition=rng.choice((0.0, 1e9))
                         )
                         json.dumps(row.write and row.write(resources.get(one.id), command), allow_nan=False)
-
-    fuzz.run("hue resources", case)

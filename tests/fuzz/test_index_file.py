@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import random
 from contextlib import suppress
 from pathlib import Path
 
 from tests.announcements import LAMP, sighting_of
-from tests.fuzz.conftest import Fuzz, Mutator
+from tests.fuzz.conftest import Fuzz
 
 from homebot.discovery import DeviceIndex
 from homebot.discovery.record import Records, entry_record, read_entry, read_tombstone
@@ -38,15 +37,12 @@ def test_a_damaged_index_is_refused_or_read(fuzz: Fuzz, tmp_path: Path) -> None:
     file.close()
     image = whole.read_bytes()
 
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, ("mqtt", "lamp", "sighting", "claims", "part_ids"))
+    for mutate, rng in fuzz("index file", ("mqtt", "lamp", "sighting", "claims", "part_ids")):
         for read, text in ((read_entry, record), (read_tombstone, STONE)):
             with suppress(WireError):
                 read("lamp", mutate.damaged_json(text).decode(errors="replace"))
         if rng.random() < 0.02:
             open_damaged(mutate.damaged_bytes(image), tmp_path / f"{rng.random()}.sqlite")
-
-    fuzz.run("index file", case)
 
 
 def open_damaged(image: bytes, path: Path) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import random
-
-from tests.fuzz.conftest import CASES, SEED, Mutator
+from tests.fuzz.conftest import Fuzz, Mutator
 from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
 from zeroconf._protocol.incoming import DNSIncoming
 from zeroconf.asyncio import AsyncZeroconf
@@ -21,10 +19,10 @@ HOSTS = ("hall.local.", "A8032ABE54DC.local.", "", "x" * 60 + ".local.", "hall._
 TEXTS = (b"\0", b"\x03a=1", b"\x0emac=a8032abe54dc", b"\xff", b"\x04=abc\x02id", bytes(range(256)), b"\x05id=\xff\xfe")
 
 
-def packet(rng: random.Random) -> bytes:
+def packet(mutator: Mutator) -> bytes:
+    rng = mutator.rng
     name, host = f"{rng.choice(NAMES)}.{LAMP}", rng.choice(HOSTS)
     ttl = rng.choice((0, 1, 120, 4500, 2**31, 2**32 - 1))
-    mutator = Mutator(rng)
     data = rng.choice(TEXTS)
     records = [
         pointer(LAMP, name, ttl),
@@ -38,15 +36,14 @@ def packet(rng: random.Random) -> bytes:
     return mutator.damaged_bytes(whole) if rng.random() < 0.7 else whole
 
 
-async def test_what_anybody_sends_on_the_network_raises_nothing() -> None:
+async def test_what_anybody_sends_on_the_network_raises_nothing(fuzz: Fuzz) -> None:
     heard: list[ServiceNews] = []
     async with MdnsNetwork.opened(("127.0.0.1",), heard.append, GatewayCounters()) as network:
         network.browse(LAMP)
         library = network._zeroconf
         assert isinstance(library, AsyncZeroconf)
-        for number in range(CASES):
-            rng = random.Random(f"{SEED} mdns {number}")  # noqa: S311
-            incoming = DNSIncoming(packet(rng))
+        for mutator, rng in fuzz("mdns"):
+            incoming = DNSIncoming(packet(mutator))
             if incoming.valid:
                 library.zeroconf.record_manager.async_updates_from_response(incoming)
             for news in heard:
@@ -67,7 +64,6 @@ def check(network: MdnsNetwork, news: ServiceNews) -> None:
     assert all(one.startswith(("mac:", "eui64:", "id:")) for one in identifiers_of(found.service))
 
 
-def test_any_txt_record_is_read() -> None:
-    for number in range(CASES):
-        rng = random.Random(f"{SEED} txt {number}")  # noqa: S311
-        read_txt(Mutator(rng).damaged_bytes(rng.choice(TEXTS)))
+def test_any_txt_record_is_read(fuzz: Fuzz) -> None:
+    for mutator, rng in fuzz("txt"):
+        read_txt(mutator.damaged_bytes(rng.choice(TEXTS)))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import random
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, Mutator
@@ -43,40 +42,37 @@ MOST_STEPS = 3 * 8192
 
 
 def test_damaged_messages_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        message = Mutator(rng).damaged_bytes(rng.choice(MESSAGES))
+    for mutate, rng in fuzz("nfc messages"):
+        message = mutate.damaged_bytes(rng.choice(MESSAGES))
         with suppress(WireError):
             pointer_of_records(read_ndef(message), read_thing)
 
-    fuzz.run("nfc messages", case)
-
 
 def test_damaged_codes_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        code = Mutator(rng).damaged_bytes(rng.choice(CODES).encode()).decode(errors="replace")
+    for mutate, rng in fuzz("nfc codes"):
+        code = mutate.damaged_bytes(rng.choice(CODES).encode()).decode(errors="replace")
         with suppress(WireError):
             pointer_of_code(code, read_thing)
 
-    fuzz.run("nfc codes", case)
-
 
 def test_tags_that_answer_what_they_like_cost_a_bounded_number_of_steps(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutator, asked = Mutator(rng), 0
-        card = Type4Card(bytes.fromhex("04a1b2c3d4e5f6"), rng.choice(MESSAGES))
-
-        def transmit(apdu: bytes) -> tuple[bytes, int]:
-            nonlocal asked
-            asked += 1
-            answer = card.answer(apdu)
-            if rng.random() < 0.1:
-                answer = mutator.damaged_bytes(answer[:-2]) + answer[-2:]
-            return answer[:-2], int.from_bytes(answer[-2:], "big")
-
+    for mutator, _ in fuzz("nfc tags"):
+        card = LyingCard(mutator)
         with suppress(TagError):
-            tag = CardTag(transmit)
+            tag = CardTag(card.transmit)
             tag.read()
             tag.write(b"\xd0\x00\x00")
-        assert asked < MOST_STEPS
+        assert card.asked < MOST_STEPS
 
-    fuzz.run("nfc tags", case)
+
+class LyingCard:
+    def __init__(self, mutator: Mutator) -> None:
+        self.asked = 0
+        self._mutator = mutator
+        self._card = Type4Card(bytes.fromhex("04a1b2c3d4e5f6"), mutator.rng.choice(MESSAGES))
+
+    def transmit(self, apdu: bytes) -> tuple[bytes, int]:
+        self.asked += 1
+        answer = self._card.answer(apdu)
+        data = self._mutator.damaged_bytes(answer[:-2]) if self._mutator.rng.random() < 0.1 else answer[:-2]
+        return data, int.from_bytes(answer[-2:], "big")

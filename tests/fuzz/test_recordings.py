@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import random
-
-from tests.fuzz.conftest import Fuzz, Mutator
+from tests.fuzz.conftest import Fuzz
 
 from homebot.devices import RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult, Setting
@@ -57,8 +55,7 @@ WORDS = ("at", "kind", "message", "recording", "raw", "format", "on_off", "mqtt"
 
 
 def test_a_damaged_recording_is_read_or_refused(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, WORDS)
+    for mutate, rng in fuzz("recordings", WORDS):
         damaged = rng.randrange(len(LINES))
         lines = [mutate.damaged_json(text) if number == damaged else text.encode() for number, text in enumerate(LINES)]
         try:
@@ -67,26 +64,20 @@ def test_a_damaged_recording_is_read_or_refused(fuzz: Fuzz) -> None:
         except UsageError as exc:
             assert str(exc)  # noqa: PT017 - each refusal says why
 
-    fuzz.run("recordings", case)
-
 
 def test_what_is_read_is_written_in_the_same_way(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        text = Mutator(rng, WORDS).damaged_json(rng.choice(LINES))
+    for mutate, rng in fuzz("recording lines", WORDS):
+        text = mutate.damaged_json(rng.choice(LINES))
         try:
             line = read_line(text)
         except UsageError:
-            return
+            continue
         again = read_line(line_text(line))
         assert line_text(again) == line_text(line)
 
-    fuzz.run("recording lines", case)
-
 
 def test_any_payload_can_be_recorded(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        payload = Mutator(rng, ("code", "pin", *WORDS)).damaged_json('{"code": "1234", "state": {"on": true}}')
+    for mutate, _ in fuzz("recorded payloads", ("code", "pin", *WORDS)):
+        payload = mutate.damaged_json('{"code": "1234", "state": {"on": true}}')
         kept = without_secrets(payload)
         assert without_secrets(kept) == kept
-
-    fuzz.run("recorded payloads", case)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import json
 import math
-import random
 
 from pydantic import SecretStr
 from tests.conventions.shelly.rpc_documents import MODELS
-from tests.fuzz.conftest import Fuzz, Mutator
+from tests.fuzz.conftest import Fuzz
 
 from homebot.conventions.payload import as_fields, parse_object
 from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_setup_change
@@ -21,8 +20,7 @@ WORDS = tuple(sorted({key for model in MODELS.values() for key in (*model.status
 
 
 def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, WORDS)
+    for mutate, rng in fuzz("shelly rpc", WORDS):
         model = rng.choice(list(MODELS.values()))
         device = Gen2RpcDevice(model.info["id"])
         frame = b"{}"
@@ -56,17 +54,13 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
                 continue
             assert all(method.isprintable() for method, _ in calls)
 
-    fuzz.run("shelly rpc", case)
-
 
 def test_damaged_challenges_are_refused_or_signed(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
+    for mutate, _ in fuzz("shelly challenges"):
         login = RpcLogin(SecretStr("correct horse"))
         try:
-            login.accept_challenge(Mutator(rng).damaged_json(CHALLENGE).decode(errors="replace"))
+            login.accept_challenge(mutate.damaged_json(CHALLENGE).decode(errors="replace"))
         except WireError:
             assert not login.is_challenged
-            return
+            continue
         assert "correct horse" not in json.dumps(login.sign())
-
-    fuzz.run("shelly challenges", case)

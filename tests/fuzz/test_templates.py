@@ -2,68 +2,21 @@
 
 from __future__ import annotations
 
-import random
 from contextlib import suppress
 
-from tests.fuzz.conftest import Fuzz, Mutator, rows_of
+from tests.fuzz.conftest import Fuzz, rows_of
 
 from homebot.conventions.jinja import TemplateError, compile_template
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS
 from homebot.conventions.jinja.lists import CHECKS
 from homebot.conventions.jinja.texts import METHODS
 
+SIGNS = r"- value_json value . | [ ] ( ) { } : , ' + * ** / % ~ == < a 1 2.5 \ é 1e9 _ *a range(3) loop.index"
+WORDS = "{{ }} {% %} if else elif endif for in endfor set is not and none"
 PIECES = (
-    "{{ ",
-    " }}",
-    "{% ",
-    " %}",
-    "-",
-    "if ",
-    "else ",
-    "elif ",
-    "endif ",
-    "for ",
-    "in ",
-    "endfor ",
-    "set ",
-    "value_json",
-    "value",
-    ".",
-    "|",
-    "[",
-    "]",
-    "(",
-    ")",
-    "{",
-    "}",
-    ":",
-    ",",
-    "'",
-    "+",
-    "*",
-    "**",
-    "/",
-    "%",
-    "~",
-    "==",
-    "<",
-    "is ",
-    "not ",
-    "and ",
-    "a",
-    "1",
-    "2.5",
-    "9" * 30,
-    "none ",
-    "loop.index",
-    "range(3)",
-    "\n",
-    "\\",
-    "\ud800",
-    "é",
-    "1e9",
-    "_",
-    "*a",
+    *SIGNS.split(),
+    *(f" {word} " for word in WORDS.split()),
+    *("9" * 30, "\n", "\ud800"),
     *(f"| {name}" for name in FILTERS),
     *(f"is {name} " for name in CHECKS),
     *(f"{name}(" for name in FUNCTIONS),
@@ -95,8 +48,7 @@ def sources() -> list[str]:
 def test_any_template_gives_a_text_or_says_why_not(fuzz: Fuzz) -> None:
     real = [one for one in sources() if "{" in one] or ["{{ value_json.a | float(0) * 2 }}"]
 
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng)
+    for mutate, rng in fuzz("templates"):
         if rng.random() < 0.5:
             source = "".join(rng.choice(PIECES) for _ in range(rng.randrange(1, 25)))
         else:
@@ -107,16 +59,11 @@ def test_any_template_gives_a_text_or_says_why_not(fuzz: Fuzz) -> None:
         with suppress(TemplateError):
             assert isinstance(compile_template(source).render_value(mutate.word()), str)
 
-    fuzz.run("templates", case)
-
 
 def test_any_function_takes_any_values(fuzz: Fuzz) -> None:
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, TEXTS)
+    for mutate, rng in fuzz("functions of templates", TEXTS):
         template = compile_template(rng.choice(CALLS).replace("ARGUMENTS", rng.choice(ARGUMENTS)))
         assert template.problem == ""
         with suppress(TemplateError):
             text = template.render({name: mutate.value() for name in "abx"})
             assert len(text.encode()) >= len(text)
-
-    fuzz.run("functions of templates", case)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from tests.fuzz.conftest import Fuzz
+from tests.fuzz.conftest import Fuzz, fuzz_convention
 
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 from homebot.wot.parse import CONTEXT
@@ -54,4 +54,4 @@ ROWS = [
 
 
 def test_damaged_descriptions_are_refused_or_read(fuzz: Fuzz) -> None:
-    fuzz.convention("thing", lambda: ThingDescriptions(ThingSettings()), ROWS)
+    fuzz_convention(fuzz, "thing", lambda: ThingDescriptions(ThingSettings()), ROWS)

@@ -9,7 +9,7 @@ import re
 import pytest
 from structlog.testing import capture_logs
 from tests.bridges.thing_directory.conftest import ServedHouse, open_house
-from tests.fuzz.conftest import CASES, PARTS, SEED, Mutator
+from tests.fuzz.conftest import Fuzz, Mutator
 
 from homebot.bridges.thing_directory.http_server import BODY_WITHIN, IDLE_FOR, TAKES_WITHIN
 from homebot.testing import VirtualTimeLoop
@@ -89,9 +89,9 @@ class Link(asyncio.Transport):
             self._protocol.data_received(data)
 
 
-def stream_of(rng: random.Random) -> bytes:
+def stream_of(mutator: Mutator) -> bytes:
     """Return some requests, most of them damaged."""
-    mutator = Mutator(rng)
+    rng = mutator.rng
     found = bytearray()
     for _ in range(rng.choice((1, 1, 1, 2, 4))):
         request = rng.choice(REQUESTS)
@@ -133,21 +133,14 @@ async def use(house: ServedHouse, pieces: list[bytes], *, waits: bool) -> bytes:
 
 
 @pytest.mark.virtual_time
-@pytest.mark.parametrize("part", range(PARTS))
-async def test_what_any_client_sends_is_answered_or_its_connection_closed(part: int) -> None:
+async def test_what_any_client_sends_is_answered_or_its_connection_closed(fuzz: Fuzz) -> None:
     async with open_house() as open_to_all, open_house(token="let-me-in") as guarded:
-        for number in range(part, CASES, PARTS):
-            rng = random.Random(f"{SEED}/thing_directory_server/{number}")  # noqa: S311
-            stream = stream_of(rng)
-            what = f"seed {SEED}, case {number}: {stream!r}"
+        for mutator, rng in fuzz("thing_directory_server"):
+            stream = stream_of(mutator)
             house = rng.choice((open_to_all, guarded))
-            try:
-                with capture_logs() as lines:
-                    written = await use(house, pieces_of(rng, stream), waits=rng.random() < 0.2)
-                    await use(open_to_all, [b"GET /things HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"], waits=False)
-            except Exception as error:
-                raise AssertionError(what) from error
-            found = {int(one) for one in STATUS.findall(written)}
-            assert found <= EXPECTED, f"{what}: {found}"
-            assert not [one for one in lines if one["log_level"] == "error"], f"{what}: {lines}"
-            assert not written or written.startswith(b"HTTP/1."), f"{what}: {written[:100]!r}"
+            with capture_logs() as lines:
+                written = await use(house, pieces_of(rng, stream), waits=rng.random() < 0.2)
+                await use(open_to_all, [b"GET /things HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"], waits=False)
+            assert {int(one) for one in STATUS.findall(written)} <= EXPECTED, stream
+            assert not [one for one in lines if one["log_level"] == "error"], (stream, lines)
+            assert not written or written.startswith(b"HTTP/1."), (stream, written[:100])

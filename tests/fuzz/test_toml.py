@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import random
 from contextlib import suppress
 from pathlib import Path
 
-from tests.fuzz.conftest import Fuzz, Mutator
+from tests.fuzz.conftest import Fuzz
 
 from homebot.config import load_config, parse_settings
 from homebot.errors import ConfigError
@@ -45,8 +44,7 @@ LINES = WHOLE.splitlines()
 def test_any_file_is_a_configuration_or_refused(fuzz: Fuzz, tmp_path: Path) -> None:
     file = tmp_path / "homebot.toml"
 
-    def case(rng: random.Random) -> None:
-        mutate = Mutator(rng, LINES)
+    for mutate, rng in fuzz("toml", LINES):
         lines = [line for line in LINES if rng.random() < 0.9]
         for _ in range(rng.choice((0, 1, 2))):
             lines.insert(rng.randrange(len(lines) + 1), f"{mutate.word()} = {mutate.value()!r}")
@@ -55,5 +53,3 @@ def test_any_file_is_a_configuration_or_refused(fuzz: Fuzz, tmp_path: Path) -> N
         with suppress(ConfigError):
             config = load_config(file)
             parse_settings(MqttGatewaySettings, config.gateways.get("mqtt", {}), str(file), "gateways.mqtt")
-
-    fuzz.run("toml", case)
