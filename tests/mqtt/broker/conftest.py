@@ -14,30 +14,12 @@ import pytest
 from tests.patience import PATIENCE
 
 from homebot.clock import ManualClock
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import Broker, BrokerLimits, BrokerPolicy, BrokerState, Peer
 from homebot.mqtt.broker.authentication import Authentication
 from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.retained import Owed, Replay, RetainedMessages
 from homebot.mqtt.broker.session_subscription import SessionSubscription
-from homebot.mqtt.packets import (
-    NO_PROPERTIES,
-    Connack,
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Packet,
-    PacketReader,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    Pubrec,
-    ReasonCode,
-    Suback,
-    Subscribe,
-    Will,
-    encode,
-)
 from homebot.support.turn_budget import TurnBudget
 
 Kind = TypeVar("Kind")
@@ -117,22 +99,22 @@ class MemoryLink:
 class MemoryClient:
     """One client of a broker: packets in, packets out."""
 
-    def __init__(self, state: BrokerState, version: ProtocolVersion = ProtocolVersion.V5) -> None:
+    def __init__(self, state: BrokerState, version: mqtt.ProtocolVersion = mqtt.ProtocolVersion.V5) -> None:
         self.state = state
         self.link = MemoryLink()
         self.peer = Peer(state, self.link)
         self.version = version
-        self._reader = PacketReader(version)
+        self._reader = mqtt.PacketReader(version)
 
-    def send(self, *packets: Packet) -> None:
+    def send(self, *packets: mqtt.Packet) -> None:
         """Send all in one piece, then let the broker do what is due."""
-        self.send_bytes(b"".join(encode(packet, self.version) for packet in packets))
+        self.send_bytes(b"".join(mqtt.encode(packet, self.version) for packet in packets))
 
     def send_bytes(self, data: bytes) -> None:
         self.peer.receive(data)
         self.state.deadlines.run(self.state.clock.monotonic())
 
-    def take(self) -> list[Packet]:
+    def take(self) -> list[mqtt.Packet]:
         """All packets received since the last call."""
         data = bytes(self.link.written)
         self.link.written.clear()
@@ -147,42 +129,44 @@ class MemoryClient:
         self.link.closed = True
         self.peer.lost()
 
-    def leave(self, reason: ReasonCode = ReasonCode.SUCCESS, properties: Properties = NO_PROPERTIES) -> None:
+    def leave(
+        self, reason: mqtt.ReasonCode = mqtt.ReasonCode.SUCCESS, properties: mqtt.Properties = mqtt.NO_PROPERTIES
+    ) -> None:
         """Disconnect as one should."""
-        self.send(Disconnect(reason, properties))
+        self.send(mqtt.Disconnect(reason, properties))
         self.peer.lost()
 
     def subscribe(
-        self, *requests: MqttSubscription | str, qos: int = 2, identifier: int | None = None
-    ) -> tuple[ReasonCode, ...]:
+        self, *requests: mqtt.MqttSubscription | str, qos: int = 2, identifier: int | None = None
+    ) -> tuple[mqtt.ReasonCode, ...]:
         """Subscribe and return the reasons; what else came stays out."""
-        filters = tuple(MqttSubscription(each, qos) if isinstance(each, str) else each for each in requests)
-        properties = NO_PROPERTIES
+        filters = tuple(mqtt.MqttSubscription(each, qos) if isinstance(each, str) else each for each in requests)
+        properties = mqtt.NO_PROPERTIES
         if identifier is not None:
-            properties = Properties(subscription_identifiers=(identifier,))
+            properties = mqtt.Properties(subscription_identifiers=(identifier,))
         written = bytes(self.link.written)
         self.link.written.clear()
-        self.send(Subscribe(1, filters, properties))
+        self.send(mqtt.Subscribe(1, filters, properties))
         suback, *rest = self.take()
-        assert isinstance(suback, Suback)
-        self.link.written += written + b"".join(encode(packet, self.version) for packet in rest)
+        assert isinstance(suback, mqtt.Suback)
+        self.link.written += written + b"".join(mqtt.encode(packet, self.version) for packet in rest)
         return suback.reasons
 
     def publish(
         self, topic: str, payload: bytes = b"x", qos: int = 0, packet_id: int | None = None, **more: object
     ) -> None:
         """Publish; QoS 1 and 2 need a packet id."""
-        self.send(Publish(topic, payload, qos, packet_id=packet_id)._replace(**more))  # type: ignore[arg-type] # fields of Publish
+        self.send(mqtt.Publish(topic, payload, qos, packet_id=packet_id)._replace(**more))  # type: ignore[arg-type] # fields of Publish
 
-    def messages(self) -> list[Publish]:
+    def messages(self) -> list[mqtt.Publish]:
         """The messages received since the last call; nothing is acknowledged."""
-        return self.take_only(Publish)
+        return self.take_only(mqtt.Publish)
 
-    def acknowledge(self, *messages: Publish) -> None:
+    def acknowledge(self, *messages: mqtt.Publish) -> None:
         """Send PUBACK or PUBREC for each."""
         for message in messages:
             assert message.packet_id is not None
-            self.send(Puback(message.packet_id) if message.qos == 1 else Pubrec(message.packet_id))
+            self.send(mqtt.Puback(message.packet_id) if message.qos == 1 else mqtt.Pubrec(message.packet_id))
 
 
 NewState = Callable[..., BrokerState]
@@ -220,7 +204,7 @@ def state(new_state: NewState) -> BrokerState:
 def stranger(state: BrokerState) -> Stranger:
     """A connection that has not sent CONNECT."""
 
-    def make(version: ProtocolVersion = ProtocolVersion.V5, at: BrokerState | None = None) -> MemoryClient:
+    def make(version: mqtt.ProtocolVersion = mqtt.ProtocolVersion.V5, at: BrokerState | None = None) -> MemoryClient:
         return MemoryClient(at or state, version)
 
     return make
@@ -233,21 +217,21 @@ def join(state: BrokerState) -> Join:
     def make(
         client_id: str = "a",
         *,
-        version: ProtocolVersion = ProtocolVersion.V5,
+        version: mqtt.ProtocolVersion = mqtt.ProtocolVersion.V5,
         at: BrokerState | None = None,
         clean: bool = True,
         keep_alive: int = 0,
-        will: Will | None = None,
+        will: mqtt.Will | None = None,
         present: bool = False,
         **properties: object,
     ) -> MemoryClient:
         client = MemoryClient(at or state, version)
-        wanted = Properties(**properties) if properties else NO_PROPERTIES  # type: ignore[arg-type] # names of properties
-        client.send(Connect(client_id, version, clean, keep_alive, will=will, properties=wanted))
+        wanted = mqtt.Properties(**properties) if properties else mqtt.NO_PROPERTIES  # type: ignore[arg-type] # names of properties
+        client.send(mqtt.Connect(client_id, version, clean, keep_alive, will=will, properties=wanted))
         first, *rest = client.take()
-        assert isinstance(first, Connack)
-        assert (first.reason, first.session_present) == (ReasonCode.SUCCESS, present)
-        client.link.written += b"".join(encode(packet, version) for packet in rest)
+        assert isinstance(first, mqtt.Connack)
+        assert (first.reason, first.session_present) == (mqtt.ReasonCode.SUCCESS, present)
+        client.link.written += b"".join(mqtt.encode(packet, version) for packet in rest)
         return client
 
     return make
@@ -267,18 +251,20 @@ def pass_time(clock: ManualClock, state: BrokerState) -> Callable[[float], None]
 class WireClient:
     """A client on a real socket: packets in, packets out; ``end`` is what the stream ended with."""
 
-    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, version: ProtocolVersion) -> None:
+    def __init__(
+        self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, version: mqtt.ProtocolVersion
+    ) -> None:
         self.reader, self.writer, self.version = reader, writer, version
-        self._packets = PacketReader(version)
+        self._packets = mqtt.PacketReader(version)
 
-    async def send(self, *packets: Packet) -> None:
-        await self.send_bytes(b"".join(encode(packet, self.version) for packet in packets))
+    async def send(self, *packets: mqtt.Packet) -> None:
+        await self.send_bytes(b"".join(mqtt.encode(packet, self.version) for packet in packets))
 
     async def send_bytes(self, data: bytes) -> None:
         self.writer.write(data)
         await self.writer.drain()
 
-    async def take(self) -> Packet:
+    async def take(self) -> mqtt.Packet:
         """The next packet; EOFError where the broker closed instead."""
         with anyio.fail_after(PATIENCE):
             while (packet := self._packets.pop()) is None:
@@ -288,12 +274,12 @@ class WireClient:
                 self._packets.feed(data)
         return packet
 
-    async def call(self, packet: Packet) -> Packet:
+    async def call(self, packet: mqtt.Packet) -> mqtt.Packet:
         """Send one packet and return the next that comes."""
         await self.send(packet)
         return await self.take()
 
-    async def rest(self) -> list[Packet]:
+    async def rest(self) -> list[mqtt.Packet]:
         """All packets until the broker closes."""
         packets = []
         while True:
@@ -319,7 +305,7 @@ async def dial() -> AsyncIterator[Dial]:
     async def make(
         broker: Broker,
         client_id: str | None = "a",
-        version: ProtocolVersion = ProtocolVersion.V5,
+        version: mqtt.ProtocolVersion = mqtt.ProtocolVersion.V5,
         *,
         context: ssl.SSLContext | None = None,
         limit: int = 65_536,
@@ -329,8 +315,8 @@ async def dial() -> AsyncIterator[Dial]:
         client = WireClient(*streams, version)
         clients.append(client)
         if client_id is not None:
-            connack = await client.call(Connect(client_id, version, **more))  # type: ignore[arg-type] # fields of Connect
-            assert isinstance(connack, Connack)
+            connack = await client.call(mqtt.Connect(client_id, version, **more))  # type: ignore[arg-type] # fields of Connect
+            assert isinstance(connack, mqtt.Connack)
             assert not connack.reason.failed
         return client
 

@@ -8,25 +8,13 @@ from typing import TYPE_CHECKING
 import pytest
 
 from homebot.clock import ManualClock
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.packets import (
-    Connack,
-    Disconnect,
-    Pingreq,
-    Pingresp,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    Pubrec,
-    ReasonCode,
-    Will,
-)
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
-V311 = ProtocolVersion.V311
+V311 = mqtt.ProtocolVersion.V311
 
 
 @pytest.fixture
@@ -48,7 +36,7 @@ def pour(client: MemoryClient, count: int, start: int = 1) -> int:
     """Publish *count* messages at QoS 1 and return how many were acknowledged."""
     for number in range(start, start + count):
         client.publish("t", str(number).encode(), 1, number)
-    return len(client.take_only(Puback))
+    return len(client.take_only(mqtt.Puback))
 
 
 def drain(client: MemoryClient) -> list[bytes]:
@@ -66,7 +54,7 @@ def test_no_acknowledged_message_is_lost_however_slow_the_subscriber(small: Brok
     assert pour(publisher, 15) == 7
     assert small.stats.queued_messages == 6
     assert drain(slow) == [str(number).encode() for number in range(1, 16)]
-    assert len(publisher.take_only(Puback)) == 8
+    assert len(publisher.take_only(mqtt.Puback)) == 8
     assert small.stats.holds >= 1
     assert small.stats.dropped_overrun == 0
 
@@ -78,8 +66,8 @@ def test_a_held_publisher_may_still_ping_and_acknowledge(small: BrokerState, joi
     pour(publisher, 9)
     join("o", at=small).publish("mine", b"1", 1, 1)
     (message,) = publisher.messages()
-    publisher.send(Puback(message.packet_id or 0), Pingreq())
-    assert publisher.take() == [Pingresp()]
+    publisher.send(mqtt.Puback(message.packet_id or 0), mqtt.Pingreq())
+    assert publisher.take() == [mqtt.Pingresp()]
 
 
 def test_a_client_that_floods_itself_does_not_block_itself(small: BrokerState, join: Join) -> None:
@@ -89,10 +77,10 @@ def test_a_client_that_floods_itself_does_not_block_itself(small: BrokerState, j
     for number in range(1, 31):
         client.publish("t", b"x", 1, number)
         for packet in client.take():
-            acknowledged += isinstance(packet, Puback)
-            if isinstance(packet, Publish):
-                client.send(Puback(packet.packet_id or 0))
-    acknowledged += sum(isinstance(packet, Puback) for packet in client.take())
+            acknowledged += isinstance(packet, mqtt.Puback)
+            if isinstance(packet, mqtt.Publish):
+                client.send(mqtt.Puback(packet.packet_id or 0))
+    acknowledged += sum(isinstance(packet, mqtt.Puback) for packet in client.take())
     assert acknowledged == 30
 
 
@@ -128,8 +116,8 @@ def test_after_its_time_a_slow_subscriber_gets_only_what_it_has_room_for(
     slow.subscribe("t")
     pour(publisher, 12)
     later(10)
-    reasons = [ack.reason for ack in publisher.take_only(Puback)]
-    assert reasons == [ReasonCode.SUCCESS] * 2 + [ReasonCode.QUOTA_EXCEEDED] * 3
+    reasons = [ack.reason for ack in publisher.take_only(mqtt.Puback)]
+    assert reasons == [mqtt.ReasonCode.SUCCESS] * 2 + [mqtt.ReasonCode.QUOTA_EXCEEDED] * 3
     assert small.stats.dropped_overrun == 3
     assert drain(slow) == [str(number).encode() for number in range(1, 10)]
     assert pour(publisher, 3, start=200) == 3
@@ -142,14 +130,14 @@ def test_a_slow_subscriber_that_goes_lets_the_publisher_go_on(small: BrokerState
     pour(publisher, 20)
     slow.lose()
     small.deadlines.run(small.clock.monotonic())
-    assert len(publisher.take_only(Puback)) == 13
+    assert len(publisher.take_only(mqtt.Puback)) == 13
 
 
 def test_what_a_publisher_sent_before_it_left_is_not_lost(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small, will=Will("t", b"will", 1))
+    slow, publisher = join("s", at=small), join("p", at=small, will=mqtt.Will("t", b"will", 1))
     slow.subscribe("t")
     pour(publisher, 8)
-    publisher.send(Disconnect())
+    publisher.send(mqtt.Disconnect())
     assert not publisher.link.closed
     payloads = drain(slow)
     assert payloads == [str(number).encode() for number in range(1, 9)]
@@ -202,17 +190,17 @@ def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(sm
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 8)
-    publisher.send(Connack())
+    publisher.send(mqtt.Connack())
     assert not publisher.link.closed
     assert len(drain(slow)) == 8
-    assert publisher.take_only(Disconnect)[0].reason is ReasonCode.PROTOCOL_ERROR
+    assert publisher.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.PROTOCOL_ERROR
 
 
 def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: BrokerState, join: Join) -> None:
     slow, publisher = join("s", at=small), join("p", at=small)
     slow.subscribe("t")
     pour(publisher, 8)
-    publisher.publish("", b"no such alias", properties=Properties(topic_alias=5))
+    publisher.publish("", b"no such alias", properties=mqtt.Properties(topic_alias=5))
     publisher.publish("t", b"behind", 1, 99)
     publisher.lose()
     assert len(drain(slow)) == 8
@@ -221,12 +209,12 @@ def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: Broker
 @pytest.fixture
 def full(small: BrokerState, join: Join, later: Callable[[float], None]) -> tuple[MemoryClient, MemoryClient]:
     """A subscriber that took nothing for ten seconds, its queue full; and a publisher before MQTT 5, of 9 messages."""
-    slow = join("s", at=small, session_expiry_interval=60, will=Will("will", b"s"))
+    slow = join("s", at=small, session_expiry_interval=60, will=mqtt.Will("will", b"s"))
     publisher = join("o", at=small, version=V311)
     slow.subscribe("t")
     assert pour(publisher, 9) == 7
     later(10)
-    assert len(publisher.take_only(Puback)) == 2
+    assert len(publisher.take_only(mqtt.Puback)) == 2
     assert small.stats.queued_messages == 8
     return slow, publisher
 
@@ -238,7 +226,7 @@ def test_what_cannot_be_refused_is_neither_acknowledged_nor_dropped(
     assert pour(publisher, 5, start=10) == 0
     assert small.stats.dropped_overrun == 0
     assert drain(slow) == [str(number).encode() for number in range(1, 15)]
-    assert len(publisher.take_only(Puback)) == 5
+    assert len(publisher.take_only(mqtt.Puback)) == 5
 
 
 def test_at_qos_2_neither(small: BrokerState, full: tuple[MemoryClient, MemoryClient]) -> None:
@@ -246,7 +234,7 @@ def test_at_qos_2_neither(small: BrokerState, full: tuple[MemoryClient, MemoryCl
     publisher.publish("t", b"10", 2, 10)
     assert publisher.take() == []
     assert drain(slow)[-1] == b"10"
-    assert publisher.take_only(Pubrec) == [Pubrec(10)]
+    assert publisher.take_only(mqtt.Pubrec) == [mqtt.Pubrec(10)]
 
 
 def test_other_publishers_are_not_held_by_a_full_queue_that_is_not_theirs(
@@ -256,7 +244,7 @@ def test_other_publishers_are_not_held_by_a_full_queue_that_is_not_theirs(
     other.publish("elsewhere", b"x", 1, 1)
     other.publish("t", b"x", 0)
     other.publish("elsewhere", b"x", 1, 2)
-    assert other.take_only(Puback) == [Puback(1), Puback(2)]
+    assert other.take_only(mqtt.Puback) == [mqtt.Puback(1), mqtt.Puback(2)]
 
 
 def test_a_subscriber_that_stays_stuck_is_cut_off_and_keeps_its_session(
@@ -267,11 +255,11 @@ def test_a_subscriber_that_stays_stuck_is_cut_off_and_keeps_its_session(
     watcher.subscribe("will")
     pour(publisher, 2, start=10)
     later(10)
-    assert slow.take_only(Disconnect)[0].reason is ReasonCode.QUOTA_EXCEEDED
+    assert slow.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.QUOTA_EXCEEDED
     assert small.stats.clients_stalled == 1
     assert [message.payload for message in watcher.messages()] == [b"s"]
     later(0)
-    assert len(publisher.take_only(Puback)) == 2
+    assert len(publisher.take_only(mqtt.Puback)) == 2
     assert small.stats.dropped_offline == 2  # the bound of an absent client
     again = join("s", at=small, clean=False, present=True, session_expiry_interval=60)
     assert drain(again) == [b"1", *(str(number).encode() for number in range(4, 12))]
@@ -290,7 +278,7 @@ def test_a_subscriber_that_is_slow_but_alive_is_waited_for_and_not_cut_off(
         later(10)
     assert not slow.link.closed
     assert received == [str(number).encode() for number in range(1, 16)]
-    assert len(publisher.take_only(Puback)) == 6
+    assert len(publisher.take_only(mqtt.Puback)) == 6
     assert small.stats.dropped_overrun == small.stats.clients_stalled == 0
 
 
@@ -357,4 +345,4 @@ def test_a_client_that_comes_back_to_a_full_queue_holds_publishers_too(small: Br
     again = join("s", at=small, clean=False, present=True, session_expiry_interval=60)
     assert pour(publisher, 3, start=11) == 1  # one is in flight, so there is room for one
     assert drain(again) == [str(number).encode() for number in range(3, 14)]
-    assert len(publisher.take_only(Puback)) == 2
+    assert len(publisher.take_only(mqtt.Puback)) == 2

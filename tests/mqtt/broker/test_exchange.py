@@ -7,23 +7,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.mqtt.packets import (
-    NO_PROPERTIES,
-    MqttSubscription,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    ReasonCode,
-    Unsuback,
-    Unsubscribe,
-)
+from homebot.mqtt import packets as mqtt
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, NewState
 
 FOREVER = 0xFFFF_FFFF
-QUOTA = ReasonCode.QUOTA_EXCEEDED
+QUOTA = mqtt.ReasonCode.QUOTA_EXCEEDED
 
 
 def test_a_retained_message_is_not_kept_beyond_the_bounds(new_state: NewState, join: Join) -> None:
@@ -34,10 +24,10 @@ def test_a_retained_message_is_not_kept_beyond_the_bounds(new_state: NewState, j
     client.publish("c", b"3", 1, packet_id=3, retain=True)
     client.publish("b", bytes(99), 1, packet_id=4, retain=True)
     client.publish("b", bytes(98), 1, packet_id=5, retain=True)
-    reasons = [ack.reason for ack in client.take_only(Puback)]
-    assert reasons == [ReasonCode.NO_MATCHING_SUBSCRIBERS] * 2 + [QUOTA, QUOTA, QUOTA]
+    reasons = [ack.reason for ack in client.take_only(mqtt.Puback)]
+    assert reasons == [mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS] * 2 + [QUOTA, QUOTA, QUOTA]
     client.publish("b", bytes(97), 1, packet_id=6, retain=True)
-    assert client.take_only(Puback)[0].reason is ReasonCode.NO_MATCHING_SUBSCRIBERS
+    assert client.take_only(mqtt.Puback)[0].reason is mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS
     assert (state.stats.retained_messages, state.stats.retained_bytes) == (2, 100)
     assert state.stats.retained_refused == 3
 
@@ -45,7 +35,7 @@ def test_a_retained_message_is_not_kept_beyond_the_bounds(new_state: NewState, j
 def test_an_expired_retained_message_is_not_sent_and_makes_room(new_state: NewState, join: Join) -> None:
     state = new_state(max_retained_messages=1)
     client = join(at=state)
-    client.publish("a", retain=True, properties=Properties(message_expiry_interval=5))
+    client.publish("a", retain=True, properties=mqtt.Properties(message_expiry_interval=5))
     state.clock.advance(5)  # type: ignore[attr-defined] # a ManualClock
     client.subscribe("#")
     assert client.messages() == []
@@ -56,7 +46,7 @@ def test_an_expired_retained_message_is_not_sent_and_makes_room(new_state: NewSt
 
 def test_no_local_keeps_a_client_from_hearing_itself(join: Join) -> None:
     client, other = join("a"), join("b")
-    client.subscribe(MqttSubscription("t", 1, no_local=True))
+    client.subscribe(mqtt.MqttSubscription("t", 1, no_local=True))
     client.publish("t", b"own")
     other.publish("t", b"other")
     assert [message.payload for message in client.messages()] == [b"other"]
@@ -68,9 +58,9 @@ def test_no_local_keeps_a_client_from_hearing_itself(join: Join) -> None:
 def test_unsubscribing_says_what_was_not_there(join: Join) -> None:
     client = join()
     client.subscribe("a", "b/#")
-    client.send(Unsubscribe(7, ("a", "b/c", "b/#")))
-    none = ReasonCode.NO_SUBSCRIPTION_EXISTED
-    assert client.take() == [Unsuback(7, (ReasonCode.SUCCESS, none, ReasonCode.SUCCESS))]
+    client.send(mqtt.Unsubscribe(7, ("a", "b/c", "b/#")))
+    none = mqtt.ReasonCode.NO_SUBSCRIPTION_EXISTED
+    assert client.take() == [mqtt.Unsuback(7, (mqtt.ReasonCode.SUCCESS, none, mqtt.ReasonCode.SUCCESS))]
     client.publish("a")
     client.publish("b/c")
     assert client.messages() == []
@@ -78,29 +68,29 @@ def test_unsubscribing_says_what_was_not_there(join: Join) -> None:
 
 
 def test_a_message_with_no_reader_is_acknowledged_as_such(join: Join) -> None:
-    client, older = join("a"), join("b", version=ProtocolVersion.V311)
+    client, older = join("a"), join("b", version=mqtt.ProtocolVersion.V311)
     client.publish("t", qos=1, packet_id=1)
     older.publish("t", qos=1, packet_id=1)
-    assert client.take() == [Puback(1, ReasonCode.NO_MATCHING_SUBSCRIBERS)]
-    assert older.take() == [Puback(1)]
+    assert client.take() == [mqtt.Puback(1, mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS)]
+    assert older.take() == [mqtt.Puback(1)]
 
 
 @pytest.mark.parametrize("qos", [0, 1, 2])
 def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_an_older(join: Join, qos: int) -> None:
-    properties = Properties(
+    properties = mqtt.Properties(
         payload_format_indicator=1,
         content_type="text",
         response_topic="r",
         correlation_data=b"7",
         user_properties=(("k", "v"), ("k", "w")),
     )
-    client, older = join("a"), join("b", version=ProtocolVersion.V311)
+    client, older = join("a"), join("b", version=mqtt.ProtocolVersion.V311)
     client.subscribe("t")
     older.subscribe("t")
     packet_id = 1 if qos else None
     client.publish("t", b"x", qos, packet_id, properties=properties)
-    assert client.messages() == [Publish("t", b"x", qos, packet_id=packet_id, properties=properties)]
-    assert older.messages() == [Publish("t", b"x", qos, packet_id=packet_id)]
+    assert client.messages() == [mqtt.Publish("t", b"x", qos, packet_id=packet_id, properties=properties)]
+    assert older.messages() == [mqtt.Publish("t", b"x", qos, packet_id=packet_id)]
 
 
 def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Join) -> None:
@@ -119,7 +109,7 @@ def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Jo
 def test_a_member_of_a_group_gets_the_retain_flag_as_it_asked_for_it(join: Join) -> None:
     plain, exact = join("plain"), join("exact")
     plain.subscribe("$share/plain/t")
-    exact.subscribe(MqttSubscription("$share/exact/t", 0, retain_as_published=True))
+    exact.subscribe(mqtt.MqttSubscription("$share/exact/t", 0, retain_as_published=True))
     for retain in (True, False):
         plain.publish("t", b"1", retain=retain)
     assert [message.retain for message in plain.messages()] == [False, False]
@@ -166,16 +156,16 @@ def test_a_shared_subscription_gets_no_retained_messages(join: Join) -> None:
 def test_subscriptions_are_bounded(new_state: NewState, join: Join) -> None:
     state = new_state(max_subscriptions=2, max_topic_levels=3)
     client = join(at=state)
-    granted, invalid = ReasonCode.GRANTED_QOS_2, ReasonCode.TOPIC_FILTER_INVALID
+    granted, invalid = mqtt.ReasonCode.GRANTED_QOS_2, mqtt.ReasonCode.TOPIC_FILTER_INVALID
     assert client.subscribe("a", "a/b/c/d", "b", "c", "a") == (granted, invalid, granted, QUOTA, granted)
 
 
 def test_properties_count_towards_the_bounds(new_state: NewState, join: Join) -> None:
     state = new_state(max_retained_bytes=1000)
     client = join(at=state)
-    big = Properties(user_properties=(("k" * 500, "v" * 500),))
+    big = mqtt.Properties(user_properties=(("k" * 500, "v" * 500),))
     client.publish("t", b"x", 1, 1, retain=True, properties=big)
-    assert client.take_only(Puback)[0].reason is QUOTA
+    assert client.take_only(mqtt.Puback)[0].reason is QUOTA
 
 
 def test_subscribers_share_the_encoded_bytes(join: Join) -> None:
@@ -194,11 +184,13 @@ def test_subscribers_of_one_message_get_it_each_with_their_own_options(join: Joi
     options += options[::-1]
     subscribers = [join(str(number)) for number in range(len(options))]
     for subscriber, (identifier, keeps_flag, qos) in zip(subscribers, options, strict=True):
-        subscriber.subscribe(MqttSubscription("t", qos, retain_as_published=keeps_flag), identifier=identifier)
+        subscriber.subscribe(mqtt.MqttSubscription("t", qos, retain_as_published=keeps_flag), identifier=identifier)
     join("p").publish("t", b"x", sent, 1 if sent else None, retain=retain)
     for subscriber, (identifier, keeps_flag, granted) in zip(subscribers, options, strict=True):
         qos = min(granted, sent)
-        properties = NO_PROPERTIES if identifier is None else Properties(subscription_identifiers=(identifier,))
+        properties = (
+            mqtt.NO_PROPERTIES if identifier is None else mqtt.Properties(subscription_identifiers=(identifier,))
+        )
         assert subscriber.messages() == [
-            Publish("t", b"x", qos, retain and keeps_flag, packet_id=1 if qos else None, properties=properties)
+            mqtt.Publish("t", b"x", qos, retain and keeps_flag, packet_id=1 if qos else None, properties=properties)
         ]

@@ -8,20 +8,8 @@ import pytest
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 from homebot.clock import ManualClock
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.packets import (
-    Connack,
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    ReasonCode,
-    Subscribe,
-    Will,
-)
 
 FOREVER = 0xFFFF_FFFF
 MIB = 1024 * 1024
@@ -92,7 +80,7 @@ def test_the_connected_client_for_which_most_waits_is_cut_off(
     assert small.stats.clients_stalled >= 1
     assert stuck.link.closed
     assert [client.link.closed for client in (behind, second, third)] == [False] * 3
-    assert any(packet.reason is ReasonCode.QUOTA_EXCEEDED for packet in stuck.take_only(Disconnect))
+    assert any(packet.reason is mqtt.ReasonCode.QUOTA_EXCEEDED for packet in stuck.take_only(mqtt.Disconnect))
 
 
 def test_what_is_counted_is_gone_when_the_sessions_are(new_state: NewState, join: Join, clock: ManualClock) -> None:
@@ -107,13 +95,17 @@ def test_what_is_counted_is_gone_when_the_sessions_are(new_state: NewState, join
         if client is None or client.link.closed:
             client = clients[name] = MemoryClient(state)
             client.send(
-                Connect(name, clean_start=random.random() < 0.3, properties=Properties(session_expiry_interval=99))
+                mqtt.Connect(
+                    name, clean_start=random.random() < 0.3, properties=mqtt.Properties(session_expiry_interval=99)
+                )
             )
         elif act == 0:
             client.lose()
         elif act == 1:
             client.send(
-                Subscribe(1, (MqttSubscription(random.choice(["t/#", "t/1", "$share/g/t/#"]), random.randrange(3)),))
+                mqtt.Subscribe(
+                    1, (mqtt.MqttSubscription(random.choice(["t/#", "t/1", "$share/g/t/#"]), random.randrange(3)),)
+                )
             )
         elif act == 2:
             client.link.write_blocked = not client.link.write_blocked
@@ -124,7 +116,7 @@ def test_what_is_counted_is_gone_when_the_sessions_are(new_state: NewState, join
             qos = random.randrange(3)
             topic, size = f"t/{random.randrange(3)}", random.choice([10, 2000, 100_000])
             packet_id = random.randrange(1, 9) if qos else None
-            client.send(Publish(topic, bytes(size), qos, random.random() < 0.2, packet_id=packet_id))
+            client.send(mqtt.Publish(topic, bytes(size), qos, random.random() < 0.2, packet_id=packet_id))
         clock.advance(0.05)
         state.deadlines.run(clock.monotonic())
     for client in clients.values():
@@ -141,28 +133,28 @@ def test_wills_are_bounded(new_state: NewState, stranger: Stranger) -> None:
     reasons = []
     for number in range(6):
         client = stranger(at=state)
-        client.send(Connect(f"c{number}", will=Will("w", bytes(60_000))))
-        reasons += [connack.reason for connack in client.take_only(Connack)]
-    assert reasons == [ReasonCode.SUCCESS] * 3 + [ReasonCode.QUOTA_EXCEEDED] * 3
+        client.send(mqtt.Connect(f"c{number}", will=mqtt.Will("w", bytes(60_000))))
+        reasons += [connack.reason for connack in client.take_only(mqtt.Connack)]
+    assert reasons == [mqtt.ReasonCode.SUCCESS] * 3 + [mqtt.ReasonCode.QUOTA_EXCEEDED] * 3
     modest = stranger(at=state)
-    modest.send(Connect("modest", will=Will("w", b"offline")))
-    assert modest.take_only(Connack)[0].reason is ReasonCode.SUCCESS
+    modest.send(mqtt.Connect("modest", will=mqtt.Will("w", b"offline")))
+    assert modest.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.SUCCESS
 
 
 def test_wills_that_wait_for_their_time_count_as_well(new_state: NewState, join: Join, stranger: Stranger) -> None:
     state = new_state(max_will_bytes=100_000)
-    late = Will("w", bytes(60_000), properties=Properties(will_delay_interval=1000))
+    late = mqtt.Will("w", bytes(60_000), properties=mqtt.Properties(will_delay_interval=1000))
     join("first", at=state, will=late, session_expiry_interval=2000).lose()
     second = stranger(at=state)
-    second.send(Connect("second", will=Will("w", bytes(60_000))))
-    assert second.take_only(Connack)[0].reason is ReasonCode.QUOTA_EXCEEDED
+    second.send(mqtt.Connect("second", will=mqtt.Will("w", bytes(60_000))))
+    assert second.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.QUOTA_EXCEEDED
 
 
 def test_a_host_that_leaves_many_sessions_pushes_out_its_own(small: BrokerState, stranger: Stranger) -> None:
     def leave(name: str, host: str) -> None:
         client = stranger(at=small)
         client.link.address = f"{host}:5000"
-        client.send(Connect(name, properties=Properties(session_expiry_interval=FOREVER)))
+        client.send(mqtt.Connect(name, properties=mqtt.Properties(session_expiry_interval=FOREVER)))
         client.lose()
 
     leave("honest", "10.0.0.7")
@@ -173,20 +165,20 @@ def test_a_host_that_leaves_many_sessions_pushes_out_its_own(small: BrokerState,
     assert small.stats.sessions_evicted == 181
 
 
-@pytest.mark.parametrize("version", [ProtocolVersion.V311, ProtocolVersion.V5])
-def test_a_client_id_is_not_a_book(stranger: Stranger, version: ProtocolVersion) -> None:
+@pytest.mark.parametrize("version", [mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5])
+def test_a_client_id_is_not_a_book(stranger: Stranger, version: mqtt.ProtocolVersion) -> None:
     client = stranger(version)
-    client.send(Connect("x" * 2000, version))
-    assert client.take_only(Connack)[0].reason is ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
+    client.send(mqtt.Connect("x" * 2000, version))
+    assert client.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.CLIENT_IDENTIFIER_NOT_VALID
 
 
 def test_topic_aliases_have_a_bound_in_characters(join: Join) -> None:
     client = join("a")
     for alias in range(1, 4):
-        client.publish("x" * 10_000 + str(alias), properties=Properties(topic_alias=alias))
-    client.publish("short", properties=Properties(topic_alias=3))
+        client.publish("x" * 10_000 + str(alias), properties=mqtt.Properties(topic_alias=alias))
+    client.publish("short", properties=mqtt.Properties(topic_alias=3))
     assert not client.link.closed
-    client.publish("x" * 20_000, properties=Properties(topic_alias=4))
+    client.publish("x" * 20_000, properties=mqtt.Properties(topic_alias=4))
     assert client.link.closed
 
 
@@ -221,5 +213,5 @@ def test_acknowledgements_free_what_they_acknowledge(state: BrokerState, join: J
     client.subscribe("t", qos=1)
     publisher.publish("t", bytes(50_000), 1, 1)
     assert state.queued.used > 50_000
-    client.send(Puback(client.messages()[0].packet_id or 0))
+    client.send(mqtt.Puback(client.messages()[0].packet_id or 0))
     assert state.queued.used == 0

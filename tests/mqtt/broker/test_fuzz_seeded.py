@@ -12,26 +12,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.mqtt.packets import (
-    Connack,
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Packet,
-    Pingreq,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Pubcomp,
-    Publish,
-    Pubrec,
-    Pubrel,
-    Suback,
-    Subscribe,
-    Unsubscribe,
-    Will,
-    encode,
-)
+from homebot.mqtt import packets as mqtt
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
@@ -54,7 +35,7 @@ def test_a_damaged_stream_costs_its_own_connection_only(
 ) -> None:
     for number in range(part, CASES, PARTS):
         rng = random.Random(f"{SEED}/{number}")  # noqa: S311 - nobody guesses at it
-        version = rng.choice(list(ProtocolVersion))
+        version = rng.choice(list(mqtt.ProtocolVersion))
         logged_in = rng.random() < 0.7
         stream = make_stream(rng, version, starts_with_connect=not logged_in and rng.random() < 0.8)
         what = f"seed {SEED}, case {number}: {stream.hex()}"
@@ -65,7 +46,7 @@ def test_a_damaged_stream_costs_its_own_connection_only(
             witness.subscribe("$witness")
             client = stranger(version, at=state)
             if logged_in:
-                client = join("wild", at=state, version=version, will=Will("w"))
+                client = join("wild", at=state, version=version, will=mqtt.Will("w"))
             try:
                 outcomes.append(feed(client, pieces, logged_in=logged_in))
             except Exception as error:
@@ -86,20 +67,20 @@ def feed(client: MemoryClient, pieces: list[bytes], *, logged_in: bool) -> tuple
         written += bytes(client.link.written)
         client.link.written.clear()
     client.link.written += written
-    if client.version is ProtocolVersion.V5 and logged_in:
-        goodbyes = [packet for packet in client.take() if isinstance(packet, Disconnect)]
+    if client.version is mqtt.ProtocolVersion.V5 and logged_in:
+        goodbyes = [packet for packet in client.take() if isinstance(packet, mqtt.Disconnect)]
         assert len(goodbyes) == (client.link.closed and client.link.lingers)
         assert all(goodbye.reason.failed for goodbye in goodbyes)
     return client.link.closed, MAY_DIFFER.sub(b"", written)
 
 
-def make_stream(rng: random.Random, version: ProtocolVersion, *, starts_with_connect: bool) -> bytes:
+def make_stream(rng: random.Random, version: mqtt.ProtocolVersion, *, starts_with_connect: bool) -> bytes:
     """Valid packets, some of them damaged, then perhaps anything."""
-    packets: list[Packet] = [make_connect(rng, version)] if starts_with_connect else []
+    packets: list[mqtt.Packet] = [make_connect(rng, version)] if starts_with_connect else []
     packets += [make_packet(rng) for _ in range(rng.randint(1, 6))]
     stream = bytearray()
     for packet in packets:
-        raw = bytearray(encode(packet, version))
+        raw = bytearray(mqtt.encode(packet, version))
         if rng.random() < 0.5:
             damage(rng, raw)
         stream += raw
@@ -132,33 +113,35 @@ def cut(rng: random.Random, stream: bytes) -> list[bytes]:
     return [stream[start:end] for start, end in zip([0, *cuts], [*cuts, len(stream)], strict=True)]
 
 
-def make_connect(rng: random.Random, version: ProtocolVersion) -> Connect:
-    properties = Properties(session_expiry_interval=rng.choice((0, 9)), receive_maximum=rng.choice((1, 9)))
-    return Connect("wild", version, True, rng.choice((0, 5)), will=Will("w", b"w", 1), properties=properties)
+def make_connect(rng: random.Random, version: mqtt.ProtocolVersion) -> mqtt.Connect:
+    properties = mqtt.Properties(session_expiry_interval=rng.choice((0, 9)), receive_maximum=rng.choice((1, 9)))
+    return mqtt.Connect("wild", version, True, rng.choice((0, 5)), will=mqtt.Will("w", b"w", 1), properties=properties)
 
 
-def make_packet(rng: random.Random) -> Packet:
+def make_packet(rng: random.Random) -> mqtt.Packet:
     packet_id = rng.choice((1, 2, 3, 65_535))
     if rng.random() < 0.4:
         qos = rng.randrange(3)
-        properties = Properties(
+        properties = mqtt.Properties(
             topic_alias=rng.choice((None, 1, 64)),
             message_expiry_interval=rng.choice((None, 0, 9)),
             user_properties=rng.choice(((), (("k", "v"),))),
         )
         topic, payload = rng.choice(TOPICS), rng.randbytes(rng.choice((0, 1, 300)))
-        return Publish(topic, payload, qos, rng.random() < 0.3, False, packet_id if qos else None, properties)
+        return mqtt.Publish(topic, payload, qos, rng.random() < 0.3, False, packet_id if qos else None, properties)
     return rng.choice(
         (
-            Puback(packet_id),
-            Pubrec(packet_id),
-            Pubrel(packet_id),
-            Pubcomp(packet_id),
-            Subscribe(packet_id, tuple(MqttSubscription(each, rng.randrange(3)) for each in rng.sample(FILTERS, 2))),
-            Unsubscribe(packet_id, (rng.choice(FILTERS),)),
-            Pingreq(),
-            Disconnect(),
-            Connack(),
-            Suback(packet_id, ()),
+            mqtt.Puback(packet_id),
+            mqtt.Pubrec(packet_id),
+            mqtt.Pubrel(packet_id),
+            mqtt.Pubcomp(packet_id),
+            mqtt.Subscribe(
+                packet_id, tuple(mqtt.MqttSubscription(each, rng.randrange(3)) for each in rng.sample(FILTERS, 2))
+            ),
+            mqtt.Unsubscribe(packet_id, (rng.choice(FILTERS),)),
+            mqtt.Pingreq(),
+            mqtt.Disconnect(),
+            mqtt.Connack(),
+            mqtt.Suback(packet_id, ()),
         )
     )

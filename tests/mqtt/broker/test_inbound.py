@@ -6,22 +6,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.mqtt.packets import (
-    Disconnect,
-    Properties,
-    ProtocolVersion,
-    Pubcomp,
-    Pubrec,
-    Pubrel,
-    ReasonCode,
-)
+from homebot.mqtt import packets as mqtt
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, NewState
 
 
-def alias(number: int) -> Properties:
-    return Properties(topic_alias=number)
+def alias(number: int) -> mqtt.Properties:
+    return mqtt.Properties(topic_alias=number)
 
 
 def test_a_qos_2_message_is_forwarded_once_even_over_a_lost_connection(join: Join) -> None:
@@ -32,16 +24,18 @@ def test_a_qos_2_message_is_forwarded_once_even_over_a_lost_connection(join: Joi
     client.lose()
     client = join(clean=False, present=True, session_expiry_interval=60)
     client.publish("t", qos=2, packet_id=5, dup=True)
-    client.send(Pubrel(5))
-    assert client.take() == [Pubrec(5), Pubcomp(5)]
+    client.send(mqtt.Pubrel(5))
+    assert client.take() == [mqtt.Pubrec(5), mqtt.Pubcomp(5)]
     assert len(watcher.messages()) == 1
 
 
-@pytest.mark.parametrize(("number", "reason"), [(65, ReasonCode.TOPIC_ALIAS_INVALID), (64, ReasonCode.PROTOCOL_ERROR)])
-def test_an_alias_too_high_or_not_set_ends_the_connection(join: Join, number: int, reason: ReasonCode) -> None:
+@pytest.mark.parametrize(
+    ("number", "reason"), [(65, mqtt.ReasonCode.TOPIC_ALIAS_INVALID), (64, mqtt.ReasonCode.PROTOCOL_ERROR)]
+)
+def test_an_alias_too_high_or_not_set_ends_the_connection(join: Join, number: int, reason: mqtt.ReasonCode) -> None:
     client = join()
     client.publish("", properties=alias(number))
-    assert client.take_only(Disconnect)[0].reason is reason
+    assert client.take_only(mqtt.Disconnect)[0].reason is reason
 
 
 def test_more_messages_than_receive_maximum_end_the_connection(new_state: NewState, join: Join) -> None:
@@ -51,15 +45,15 @@ def test_more_messages_than_receive_maximum_end_the_connection(new_state: NewSta
     client.publish("t", qos=2, packet_id=3, dup=True)
     client.publish("t", qos=0)
     assert not client.link.closed
-    client.send(Pubrel(1))
+    client.send(mqtt.Pubrel(1))
     client.publish("t", qos=2, packet_id=4)
     assert not client.link.closed
     client.publish("t", qos=1, packet_id=5)
-    assert client.take_only(Disconnect)[0].reason is ReasonCode.RECEIVE_MAXIMUM_EXCEEDED
+    assert client.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.RECEIVE_MAXIMUM_EXCEEDED
 
 
 def test_an_older_client_knows_no_receive_maximum(new_state: NewState, join: Join) -> None:
-    client = join(at=new_state(receive_maximum=1), version=ProtocolVersion.V311)
+    client = join(at=new_state(receive_maximum=1), version=mqtt.ProtocolVersion.V311)
     for packet_id in range(1, 50):
         client.publish("t", qos=2, packet_id=packet_id)
     assert not client.link.closed

@@ -12,23 +12,8 @@ from itertools import product
 import pytest
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, WorkClock
 
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState
-from homebot.mqtt.packets import (
-    Disconnect,
-    MqttSubscription,
-    Pingreq,
-    Pingresp,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    ReasonCode,
-    Suback,
-    Subscribe,
-    Unsuback,
-    Unsubscribe,
-    encode,
-)
 
 pytestmark = pytest.mark.no_cover
 
@@ -104,13 +89,15 @@ def test_no_subscribe_takes_long_at_once_and_all_retained_messages_come(
     retain(state, join, topics)
     client = join("client")
     clock.advance(1)
-    packet = Subscribe(7, tuple(MqttSubscription(each) for each in filters))
+    packet = mqtt.Subscribe(7, tuple(mqtt.MqttSubscription(each) for each in filters))
     costs = [calls_of(lambda: client.send(packet)), *served(client, clock)]
     assert max(costs) < CALLS
     suback, *messages = client.take()
-    assert isinstance(suback, Suback)
+    assert isinstance(suback, mqtt.Suback)
     assert len(suback.reasons) == len(filters)
-    assert sorted(message.topic for message in messages if isinstance(message, Publish)) == matched(filters, topics)
+    assert sorted(message.topic for message in messages if isinstance(message, mqtt.Publish)) == matched(
+        filters, topics
+    )
 
 
 def matched(filters: list[str], topics: list[str]) -> list[str]:
@@ -134,15 +121,17 @@ def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order
     retain(state, join, [f"a/{number}" for number in range(5000)])
     client, other = join("client"), join("other")
     client.send(
-        Subscribe(1, tuple(MqttSubscription(f"x/{number}") for number in range(2000))), Pingreq(), Publish("x/1")
+        mqtt.Subscribe(1, tuple(mqtt.MqttSubscription(f"x/{number}") for number in range(2000))),
+        mqtt.Pingreq(),
+        mqtt.Publish("x/1"),
     )
-    assert client.take() == [Pingresp()]
-    other.send(Pingreq())
-    assert other.take() == [Pingresp()]
+    assert client.take() == [mqtt.Pingresp()]
+    other.send(mqtt.Pingreq())
+    assert other.take() == [mqtt.Pingresp()]
     finish(client, clock)
     suback, message = client.take()
-    assert isinstance(suback, Suback)
-    assert isinstance(message, Publish)
+    assert isinstance(suback, mqtt.Suback)
+    assert isinstance(message, mqtt.Publish)
 
 
 def test_what_comes_during_a_replay_comes_behind_it(state: BrokerState, join: Join, clock: WorkClock) -> None:
@@ -174,7 +163,7 @@ def test_a_subscription_that_was_taken_back_is_owed_nothing(state: BrokerState, 
     client = join("client")
     client.subscribe("#")
     got = len(client.messages())
-    client.send(Unsubscribe(2, ("#",)))
+    client.send(mqtt.Unsubscribe(2, ("#",)))
     finish(client, clock)
     assert 0 < got + len(client.messages()) < 5000
     assert state.stats.queued_messages == 0
@@ -200,7 +189,9 @@ def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
     state: BrokerState, join: Join, clock: WorkClock
 ) -> None:
     client = join("client")
-    client.send(Subscribe(1, tuple(MqttSubscription(f"x/{number}") for number in range(5000))), Publish("t"))
+    client.send(
+        mqtt.Subscribe(1, tuple(mqtt.MqttSubscription(f"x/{number}") for number in range(5000))), mqtt.Publish("t")
+    )
     assert 0 < state.stats.subscriptions < 5000
     client.lose()
     clock.advance(1)
@@ -216,32 +207,35 @@ def test_a_slow_reader_of_many_retained_messages_costs_no_memory_for_them(
     client = join("client", at=state)
     client.link.write_blocked = True
     for number in range(100):
-        client.send(Subscribe(number + 1, tuple(MqttSubscription(f"{'+/' * deep}#") for deep in range(20))))
+        client.send(mqtt.Subscribe(number + 1, tuple(mqtt.MqttSubscription(f"{'+/' * deep}#") for deep in range(20))))
     finish(client, clock)
     assert state.stats.queued_messages == 100
     assert len(state.sessions._sessions["client"]._queue.messages) == 100
 
 
-@pytest.mark.parametrize("kind", [Subscribe, Unsubscribe])
+@pytest.mark.parametrize("kind", [mqtt.Subscribe, mqtt.Unsubscribe])
 def test_a_packet_with_too_many_filters_ends_its_connection_soon(join: Join, kind: type) -> None:
     client = join("client")
-    many = tuple(MqttSubscription("a") if kind is Subscribe else "a" for _ in range(50_000))
-    data = encode(kind(1, many))
+    many = tuple(mqtt.MqttSubscription("a") if kind is mqtt.Subscribe else "a" for _ in range(50_000))
+    data = mqtt.encode(kind(1, many))
     assert calls_of(lambda: client.send_bytes(data)) < CALLS
     assert client.link.closed
-    assert client.take_only(Disconnect)[0].reason in (ReasonCode.QUOTA_EXCEEDED, ReasonCode.PACKET_TOO_LARGE)
+    assert client.take_only(mqtt.Disconnect)[0].reason in (
+        mqtt.ReasonCode.QUOTA_EXCEEDED,
+        mqtt.ReasonCode.PACKET_TOO_LARGE,
+    )
 
 
 @pytest.mark.parametrize(
     "properties",
     [
-        Properties(user_properties=(("", ""),) * 100_000),
-        Properties(subscription_identifiers=(1,) * 100_000),
+        mqtt.Properties(user_properties=(("", ""),) * 100_000),
+        mqtt.Properties(subscription_identifiers=(1,) * 100_000),
     ],
 )
-def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, properties: Properties) -> None:
+def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, properties: mqtt.Properties) -> None:
     client = join("client")
-    data = encode(Publish("t", properties=properties))
+    data = mqtt.encode(mqtt.Publish("t", properties=properties))
     assert calls_of(lambda: client.send_bytes(data)) < CALLS
     assert client.link.closed
 
@@ -249,16 +243,16 @@ def test_a_packet_with_too_many_properties_ends_its_connection_soon(join: Join, 
 def test_five_thousand_filters_are_unsubscribed_in_slices(state: BrokerState, join: Join, clock: WorkClock) -> None:
     client = join("client")
     names = tuple("/".join(str(number).zfill(4)) + "/x" * 15 for number in range(5000))
-    client.send(Subscribe(1, tuple(MqttSubscription(name) for name in names)))
+    client.send(mqtt.Subscribe(1, tuple(mqtt.MqttSubscription(name) for name in names)))
     finish(client, clock)
     client.take()
     clock.advance(1)
-    packet = Unsubscribe(2, names)
+    packet = mqtt.Unsubscribe(2, names)
     costs = [calls_of(lambda: client.send(packet)), *served(client, clock)]
     assert max(costs) < CALLS
     (unsuback,) = client.take()
-    assert isinstance(unsuback, Unsuback)
-    assert set(unsuback.reasons) == {ReasonCode.SUCCESS}
+    assert isinstance(unsuback, mqtt.Unsuback)
+    assert set(unsuback.reasons) == {mqtt.ReasonCode.SUCCESS}
     assert state.exchange.subscriptions.levels == 0
 
 
@@ -268,7 +262,7 @@ def test_a_topic_that_meets_every_wildcard_is_published_soon(state: BrokerState,
     for number, client in enumerate(clients):
         start = "/".join("a+"[number >> bit & 1] for bit in range(4))
         names = [f"{start}/{'/'.join(levels)}" for levels in product("a+", repeat=12)]
-        client.send(Subscribe(1, tuple(MqttSubscription(name) for name in names)))
+        client.send(mqtt.Subscribe(1, tuple(mqtt.MqttSubscription(name) for name in names)))
         finish(client, clock)
     assert state.stats.subscriptions > 30_000
     publisher = join("publisher")
@@ -278,9 +272,9 @@ def test_a_topic_that_meets_every_wildcard_is_published_soon(state: BrokerState,
     assert calls_of(lambda: publisher.publish("/".join("a" * 16))) < CALLS
 
 
-@pytest.mark.parametrize("version", [ProtocolVersion.V311, ProtocolVersion.V5])
+@pytest.mark.parametrize("version", [mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5])
 def test_a_store_that_is_full_of_retained_messages_refuses_one_more_at_once(
-    new_state: NewState, join: Join, version: ProtocolVersion
+    new_state: NewState, join: Join, version: mqtt.ProtocolVersion
 ) -> None:
     state = new_state(max_retained_messages=5000)
     retain(state, join, [f"a/{number}" for number in range(5000)])
@@ -295,7 +289,7 @@ def test_a_publisher_to_many_lets_others_have_their_turn(state: BrokerState, joi
     for subscriber in subscribers:
         subscriber.subscribe("t", qos=0)
     publisher = join("p")
-    data = encode(Publish("t", b"")) * 2000
+    data = mqtt.encode(mqtt.Publish("t", b"")) * 2000
     costs = [calls_of(lambda: publisher.peer.receive(data))]
     assert len(subscribers[0].messages()) < 200
     while state.turn.waiting:
@@ -329,7 +323,9 @@ def test_the_subscriptions_of_sessions_that_end_are_removed_a_few_at_a_time(
     for client, count in ((session, state.limits.max_subscriptions), (rest, 10_000)):
         for first in range(0, count, 1000):
             client.send(
-                Subscribe(1, tuple(MqttSubscription(f"s/{number}", 0) for number in range(first, first + 1000)))
+                mqtt.Subscribe(
+                    1, tuple(mqtt.MqttSubscription(f"s/{number}", 0) for number in range(first, first + 1000))
+                )
             )
             finish(client, clock)
     keeper = join("keeper")
@@ -339,13 +335,13 @@ def test_the_subscriptions_of_sessions_that_end_are_removed_a_few_at_a_time(
     costs = [calls_of(session.lose), calls_of(rest.lose)]
     assert state.stats.subscriptions > 40_000
     keeper.publish("s/7", b"not seen", 1, 1)
-    assert keeper.take_only(Puback)[0].reason is ReasonCode.NO_MATCHING_SUBSCRIBERS
+    assert keeper.take_only(mqtt.Puback)[0].reason is mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS
     back = join("many", clean=True)
     back.publish("s/7", b"not seen either")
     costs += served(back, clock)
     assert back.messages() == []
     assert state.stats.subscriptions == 0
     assert max(costs) < CALLS // 4
-    assert back.subscribe("s/7", qos=0) == (ReasonCode.SUCCESS,)
+    assert back.subscribe("s/7", qos=0) == (mqtt.ReasonCode.SUCCESS,)
     keeper.publish("s/7", b"again")
     assert [message.payload for message in back.messages()] == [b"again"]

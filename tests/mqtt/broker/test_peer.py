@@ -7,68 +7,50 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from homebot.mqtt.packets import (
-    Auth,
-    Connack,
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Packet,
-    Pingreq,
-    Pingresp,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    Pubrec,
-    ReasonCode,
-    Suback,
-    Subscribe,
-    Will,
-)
+from homebot.mqtt import packets as mqtt
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
-V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
+V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 PassTime = Callable[[float], None]
 
 
 class Gatekeeper:
     """A policy that knows one forbidden word."""
 
-    def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002, ARG002 - fills the port
-        return ReasonCode.NOT_AUTHORIZED if "secret" in filter else ReasonCode.SUCCESS
+    def subscribe(self, client_id: str, filter: str) -> mqtt.ReasonCode:  # noqa: A002, ARG002 - fills the port
+        return mqtt.ReasonCode.NOT_AUTHORIZED if "secret" in filter else mqtt.ReasonCode.SUCCESS
 
-    def publish(self, client_id: str, topic: str) -> ReasonCode:  # noqa: ARG002 - fills the port
-        return ReasonCode.NOT_AUTHORIZED if "secret" in topic else ReasonCode.SUCCESS
+    def publish(self, client_id: str, topic: str) -> mqtt.ReasonCode:  # noqa: ARG002 - fills the port
+        return mqtt.ReasonCode.NOT_AUTHORIZED if "secret" in topic else mqtt.ReasonCode.SUCCESS
 
 
 def test_the_client_is_told_what_the_broker_can_do(new_state: NewState, stranger: Stranger) -> None:
     client = stranger(at=new_state(receive_maximum=30, max_packet_size=5000, topic_alias_maximum=7))
-    client.send(Connect("a"))
+    client.send(mqtt.Connect("a"))
     (connack,) = client.take()
-    assert connack == Connack(
-        properties=Properties(receive_maximum=30, maximum_packet_size=5000, topic_alias_maximum=7)
+    assert connack == mqtt.Connack(
+        properties=mqtt.Properties(receive_maximum=30, maximum_packet_size=5000, topic_alias_maximum=7)
     )
 
 
 def test_an_older_client_is_told_nothing_it_does_not_know(stranger: Stranger) -> None:
     client = stranger(V31)
-    client.send(Connect("a", V31))
-    assert client.take() == [Connack()]
+    client.send(mqtt.Connect("a", V31))
+    assert client.take() == [mqtt.Connack()]
 
 
 @pytest.mark.parametrize("version", [V31, V311, V5])
-def test_the_password_is_checked(new_state: NewState, stranger: Stranger, version: ProtocolVersion) -> None:
+def test_the_password_is_checked(new_state: NewState, stranger: Stranger, version: mqtt.ProtocolVersion) -> None:
     state = new_state(credentials={"ann": "right", "bob": "other"})
     reasons = []
     for username, password in (("ann", b"right"), ("ann", b"other"), ("eve", b"right"), ("ann", None), (None, None)):
         client = stranger(version, at=state)
-        client.send(Connect("a", version, username=username, password=password))
-        reasons.append(client.take_only(Connack)[0].reason)
-    bad = ReasonCode.BAD_USER_NAME_OR_PASSWORD
-    assert reasons == [ReasonCode.SUCCESS, bad, bad, bad, ReasonCode.NOT_AUTHORIZED]
+        client.send(mqtt.Connect("a", version, username=username, password=password))
+        reasons.append(client.take_only(mqtt.Connack)[0].reason)
+    bad = mqtt.ReasonCode.BAD_USER_NAME_OR_PASSWORD
+    assert reasons == [mqtt.ReasonCode.SUCCESS, bad, bad, bad, mqtt.ReasonCode.NOT_AUTHORIZED]
     assert state.stats.connections_refused == 4
 
 
@@ -78,18 +60,18 @@ def test_one_client_too_many_is_refused_but_a_take_over_is_not(
     state = new_state(max_connections=1)
     join("a", at=state)
     client = stranger(at=state)
-    client.send(Connect("b"))
-    assert client.take_only(Connack)[0].reason is ReasonCode.QUOTA_EXCEEDED
+    client.send(mqtt.Connect("b"))
+    assert client.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.QUOTA_EXCEEDED
     join("a", at=state)
 
 
 def test_extended_authentication_is_refused(stranger: Stranger, join: Join) -> None:
     client = stranger()
-    client.send(Connect("a", properties=Properties(authentication_method="SCRAM")))
-    assert client.take_only(Connack)[0].reason is ReasonCode.BAD_AUTHENTICATION_METHOD
+    client.send(mqtt.Connect("a", properties=mqtt.Properties(authentication_method="SCRAM")))
+    assert client.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.BAD_AUTHENTICATION_METHOD
     client = join()
-    client.send(Auth(ReasonCode.REAUTHENTICATE))
-    assert client.take_only(Disconnect)[0].reason is ReasonCode.BAD_AUTHENTICATION_METHOD
+    client.send(mqtt.Auth(mqtt.ReasonCode.REAUTHENTICATE))
+    assert client.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.BAD_AUTHENTICATION_METHOD
 
 
 @pytest.mark.parametrize(
@@ -117,19 +99,19 @@ def test_what_is_no_connect_is_answered_as_far_as_it_can_be_and_closed(
 @pytest.mark.parametrize(
     ("packet", "reason"),
     [
-        (Connect("a"), ReasonCode.PROTOCOL_ERROR),
-        (Connack(), ReasonCode.PROTOCOL_ERROR),
-        (Pingresp(), ReasonCode.PROTOCOL_ERROR),
-        (Publish("a", properties=Properties(subscription_identifiers=(1,))), ReasonCode.PROTOCOL_ERROR),
-        (Publish("a/" * 200), ReasonCode.TOPIC_NAME_INVALID),
+        (mqtt.Connect("a"), mqtt.ReasonCode.PROTOCOL_ERROR),
+        (mqtt.Connack(), mqtt.ReasonCode.PROTOCOL_ERROR),
+        (mqtt.Pingresp(), mqtt.ReasonCode.PROTOCOL_ERROR),
+        (mqtt.Publish("a", properties=mqtt.Properties(subscription_identifiers=(1,))), mqtt.ReasonCode.PROTOCOL_ERROR),
+        (mqtt.Publish("a/" * 200), mqtt.ReasonCode.TOPIC_NAME_INVALID),
     ],
 )
 def test_a_packet_that_must_not_come_ends_the_connection_with_a_reason(
-    join: Join, packet: Packet, reason: ReasonCode
+    join: Join, packet: mqtt.Packet, reason: mqtt.ReasonCode
 ) -> None:
     client = join()
     client.send(packet)
-    (goodbye,) = client.take_only(Disconnect)
+    (goodbye,) = client.take_only(mqtt.Disconnect)
     assert goodbye.reason is reason
     assert goodbye.properties.reason_string
     assert client.link.closed
@@ -148,26 +130,26 @@ def test_reasons_in_words_are_left_out_on_request_or_for_want_of_room(join: Join
     for wish in ({"request_problem_information": 0}, {"maximum_packet_size": 20}):
         client = join(**wish)
         client.send_bytes(b"\xc0\x01\x00")
-        assert client.take() == [Disconnect(ReasonCode.MALFORMED_PACKET)]
+        assert client.take() == [mqtt.Disconnect(mqtt.ReasonCode.MALFORMED_PACKET)]
 
 
 def test_nothing_is_read_behind_a_disconnect(join: Join) -> None:
-    client = join(will=Will("t"))
-    client.send(Disconnect(), Publish("t", retain=True))
+    client = join(will=mqtt.Will("t"))
+    client.send(mqtt.Disconnect(), mqtt.Publish("t", retain=True))
     assert client.state.stats.retained_messages == 0
     assert client.link.closed
     assert not client.link.lingers
 
 
 def test_a_silent_client_is_closed_after_one_and_a_half_keep_alives(join: Join, pass_time: PassTime) -> None:
-    client = join(keep_alive=10, will=Will("w", b"gone", retain=True))
+    client = join(keep_alive=10, will=mqtt.Will("w", b"gone", retain=True))
     pass_time(14)
-    client.send(Pingreq())
+    client.send(mqtt.Pingreq())
     client.take()
     pass_time(14.9)
     assert not client.link.closed
     pass_time(0.1)
-    assert client.take_only(Disconnect)[0].reason is ReasonCode.KEEP_ALIVE_TIMEOUT
+    assert client.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.KEEP_ALIVE_TIMEOUT
     assert client.state.stats.retained_messages == 1
 
 
@@ -189,31 +171,31 @@ def test_a_policy_refuses_publishes_subscriptions_and_wills(
 ) -> None:
     state = new_state(policy=Gatekeeper())
     client, older = join("a", at=state), join("b", at=state, version=V311)
-    assert client.subscribe(MqttSubscription("secret/#"), "#") == (
-        ReasonCode.NOT_AUTHORIZED,
-        ReasonCode.GRANTED_QOS_2,
+    assert client.subscribe(mqtt.MqttSubscription("secret/#"), "#") == (
+        mqtt.ReasonCode.NOT_AUTHORIZED,
+        mqtt.ReasonCode.GRANTED_QOS_2,
     )
     for qos in (0, 1, 2):
         client.publish("secret/x", qos=qos, packet_id=qos or None)
         older.publish("secret/x", qos=qos, packet_id=qos or None)
-    denied = ReasonCode.NOT_AUTHORIZED
-    assert client.take() == [Puback(1, denied), Pubrec(2, denied)]
-    assert older.take() == [Puback(1), Pubrec(2)]
+    denied = mqtt.ReasonCode.NOT_AUTHORIZED
+    assert client.take() == [mqtt.Puback(1, denied), mqtt.Pubrec(2, denied)]
+    assert older.take() == [mqtt.Puback(1), mqtt.Pubrec(2)]
     assert state.stats.dropped_refused == 6
     client = stranger(at=state)
-    client.send(Connect("c", will=Will("secret/x")))
-    assert client.take_only(Connack)[0].reason is denied
+    client.send(mqtt.Connect("c", will=mqtt.Will("secret/x")))
+    assert client.take_only(mqtt.Connack)[0].reason is denied
 
 
 @pytest.mark.parametrize("version", [V311, V5])
-def test_clients_publish_nothing_for_the_broker(join: Join, version: ProtocolVersion) -> None:
+def test_clients_publish_nothing_for_the_broker(join: Join, version: mqtt.ProtocolVersion) -> None:
     """Else one could pass for it: a version, an uptime, a load."""
     listener, client = join("listener"), join("client", version=version)
     listener.subscribe("$SYS/#")
     for qos in (0, 1, 2):
         client.publish("$SYS/broker/version", b"fake", qos=qos, packet_id=qos or None)
-    reason = ReasonCode.NOT_AUTHORIZED if version is V5 else ReasonCode.SUCCESS
-    assert client.take() == [Puback(1, reason), Pubrec(2, reason)]
+    reason = mqtt.ReasonCode.NOT_AUTHORIZED if version is V5 else mqtt.ReasonCode.SUCCESS
+    assert client.take() == [mqtt.Puback(1, reason), mqtt.Pubrec(2, reason)]
     assert listener.take() == []
 
 
@@ -222,28 +204,28 @@ def test_a_bridge_may_say_that_it_is_connected(join: Join, stranger: Stranger) -
     state = "$SYS/broker/connection/hall/state"
     listener, bridge = join("listener"), stranger()
     listener.subscribe("$SYS/#")
-    bridge.send(Connect("hall", will=Will(state, b"0")))
-    assert bridge.take_only(Connack)[0].reason is ReasonCode.SUCCESS
+    bridge.send(mqtt.Connect("hall", will=mqtt.Will(state, b"0")))
+    assert bridge.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.SUCCESS
     bridge.publish(state, b"1", retain=True)
-    assert [(each.topic, each.payload) for each in listener.take_only(Publish)] == [(state, b"1")]
+    assert [(each.topic, each.payload) for each in listener.take_only(mqtt.Publish)] == [(state, b"1")]
 
 
 def test_a_suback_comes_before_the_retained_messages(join: Join) -> None:
     client = join()
     client.publish("t", retain=True)
-    client.send(Subscribe(5, (MqttSubscription("t"),)))
-    assert [type(packet) for packet in client.take()] == [Suback, Publish]
+    client.send(mqtt.Subscribe(5, (mqtt.MqttSubscription("t"),)))
+    assert [type(packet) for packet in client.take()] == [mqtt.Suback, mqtt.Publish]
 
 
 def test_the_words_of_a_reason_are_short_however_long_the_culprit(join: Join) -> None:
     client = join()
-    client.send(Subscribe(1, (MqttSubscription("a" * 65_000 + "#"),)))
-    (goodbye,) = client.take_only(Disconnect)
-    assert goodbye.reason is ReasonCode.TOPIC_FILTER_INVALID
+    client.send(mqtt.Subscribe(1, (mqtt.MqttSubscription("a" * 65_000 + "#"),)))
+    (goodbye,) = client.take_only(mqtt.Disconnect)
+    assert goodbye.reason is mqtt.ReasonCode.TOPIC_FILTER_INVALID
     assert len(goodbye.properties.reason_string or "") <= 200
 
 
 def test_a_will_too_deep_is_refused(stranger: Stranger) -> None:
     client = stranger()
-    client.send(Connect("a", will=Will("a/" * 200)))
-    assert client.take_only(Connack)[0].reason is ReasonCode.TOPIC_NAME_INVALID
+    client.send(mqtt.Connect("a", will=mqtt.Will("a/" * 200)))
+    assert client.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.TOPIC_NAME_INVALID

@@ -16,29 +16,14 @@ from tests.ports import reserve_port
 
 from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
-from homebot.mqtt.packets import (
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Packet,
-    Pingreq,
-    Pingresp,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    ReasonCode,
-    Subscribe,
-    Will,
-    encode,
-)
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Dial, WireClient
 
-V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
-FOREVER = Properties(session_expiry_interval=0xFFFF_FFFF)
+V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
+FOREVER = mqtt.Properties(session_expiry_interval=0xFFFF_FFFF)
 
 
 async def test_entering_means_listening_and_leaving_means_gone(dial: Dial) -> None:
@@ -47,7 +32,7 @@ async def test_entering_means_listening_and_leaving_means_gone(dial: Dial) -> No
         assert broker.url == f"mqtt://127.0.0.1:{broker.port}"
         client, older = await dial(broker), await dial(broker, "b", V311)
     assert not broker.running
-    assert await client.rest() == [Disconnect(ReasonCode.SERVER_SHUTTING_DOWN)]
+    assert await client.rest() == [mqtt.Disconnect(mqtt.ReasonCode.SERVER_SHUTTING_DOWN)]
     assert await older.rest() == []
     with socket.socket() as free:
         free.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -89,25 +74,25 @@ async def test_starting_and_stopping_twice_is_harmless() -> None:
 async def test_a_restart_keeps_port_sessions_and_retained_messages(dial: Dial, *, abrupt: bool) -> None:
     async with Broker() as broker:
         port = broker.port
-        client = await dial(broker, will=Will("gone", b"1", retain=True), properties=FOREVER)
-        await client.call(Subscribe(1, (MqttSubscription("t/#", 1),)))
+        client = await dial(broker, will=mqtt.Will("gone", b"1", retain=True), properties=FOREVER)
+        await client.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("t/#", 1),)))
         publisher = await dial(broker, "p")
-        await publisher.call(Publish("t/1", b"kept", 1, retain=True, packet_id=1))
+        await publisher.call(mqtt.Publish("t/1", b"kept", 1, retain=True, packet_id=1))
         await broker.restart(keep_sessions=True, abrupt=abrupt)
         assert broker.port == port
         assert broker.stats.retained_messages == 1
-        goodbye = [] if abrupt else [Disconnect(ReasonCode.SERVER_SHUTTING_DOWN)]
+        goodbye = [] if abrupt else [mqtt.Disconnect(mqtt.ReasonCode.SERVER_SHUTTING_DOWN)]
         assert await _until_cut(publisher) == goodbye
         client = await dial(broker, clean_start=False, properties=FOREVER)
         again = await client.take()
-        assert isinstance(again, Publish)
+        assert isinstance(again, mqtt.Publish)
         assert (again.payload, again.dup) == (b"kept", True)
 
 
 async def test_a_restart_may_forget_everything(dial: Dial) -> None:
     async with Broker() as broker:
         client = await dial(broker, properties=FOREVER)
-        await client.call(Publish("t", b"x", 1, retain=True, packet_id=1))
+        await client.call(mqtt.Publish("t", b"x", 1, retain=True, packet_id=1))
         await broker.restart(keep_sessions=False)
         assert (broker.stats.sessions, broker.stats.retained_messages) == (0, 0)
         assert broker.stats.messages_received == 1
@@ -125,11 +110,11 @@ async def test_clients_that_do_not_read_do_not_hold_up_a_stop(dial: Dial) -> Non
 async def test_a_client_that_is_still_sending_reads_why_it_was_closed(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(linger=0.2)) as broker:
         client = await dial(broker)
-        flood = encode(Publish("t", bytes(1000))) * 2000
+        flood = mqtt.encode(mqtt.Publish("t", bytes(1000))) * 2000
         client.writer.write(b"\xc0\x01\x00" + flood)
         (goodbye,) = await client.rest()
-        assert isinstance(goodbye, Disconnect)
-        assert goodbye.reason is ReasonCode.MALFORMED_PACKET
+        assert isinstance(goodbye, mqtt.Disconnect)
+        assert goodbye.reason is mqtt.ReasonCode.MALFORMED_PACKET
 
 
 async def test_one_bad_client_does_not_disturb_the_others(dial: Dial) -> None:
@@ -139,19 +124,19 @@ async def test_one_bad_client_does_not_disturb_the_others(dial: Dial) -> None:
             bad = await dial(broker, None)
             await bad.send_bytes(junk)
             assert await bad.rest() == []
-        assert await good.call(Pingreq()) == Pingresp()
+        assert await good.call(mqtt.Pingreq()) == mqtt.Pingresp()
         assert broker.stats.connections_failed == 4
 
 
 async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
         slow, publisher = await dial(broker, "s"), await dial(broker, "p")
-        await slow.call(Subscribe(1, (MqttSubscription("t", 1),)))
+        await slow.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("t", 1),)))
         for _ in range(100):
-            await publisher.send(Publish("t", bytes(200_000)))
-        assert await publisher.call(Publish("t", b"last", 1, packet_id=1)) == Puback(1)
+            await publisher.send(mqtt.Publish("t", bytes(200_000)))
+        assert await publisher.call(mqtt.Publish("t", b"last", 1, packet_id=1)) == mqtt.Puback(1)
         messages = [await slow.take()]
-        while messages[-1] != Publish("t", b"last", 1, packet_id=1):
+        while messages[-1] != mqtt.Publish("t", b"last", 1, packet_id=1):
             messages.append(await slow.take())
         assert broker.stats.dropped_qos0 == 101 - len(messages) > 0
 
@@ -159,13 +144,13 @@ async def test_a_socket_that_is_full_costs_qos_0_messages_but_no_qos_1_message(d
 async def test_one_message_that_fills_the_socket_does_not_cost_those_behind_it(dial: Dial) -> None:
     async with Broker(limits=BrokerLimits(write_buffer=100_000)) as broker:
         slow, publisher = await dial(broker, "s"), await dial(broker, "p")
-        await slow.call(Subscribe(1, (MqttSubscription("t", 0),)))
-        await publisher.send(Publish("t", bytes(12_000_000)))
+        await slow.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("t", 0),)))
+        await publisher.send(mqtt.Publish("t", bytes(12_000_000)))
         for _ in range(10):
-            await publisher.send(Publish("t", bytes(5_000)))
-        assert await publisher.call(Publish("t", b"last", 1, packet_id=1)) == Puback(1)
+            await publisher.send(mqtt.Publish("t", bytes(5_000)))
+        assert await publisher.call(mqtt.Publish("t", b"last", 1, packet_id=1)) == mqtt.Puback(1)
         messages = [await slow.take() for _ in range(12)]
-        sizes = [len(message.payload) for message in messages if isinstance(message, Publish)]
+        sizes = [len(message.payload) for message in messages if isinstance(message, mqtt.Publish)]
         assert sizes == [12_000_000, *[5_000] * 10, 4]
         assert broker.stats.dropped_qos0 == 0
 
@@ -173,8 +158,8 @@ async def test_one_message_that_fills_the_socket_does_not_cost_those_behind_it(d
 async def test_a_clock_moved_by_hand_needs_a_tick(dial: Dial) -> None:
     clock = ManualClock(5.0)
     async with Broker(clock=clock) as broker:
-        client = await dial(broker, properties=Properties(session_expiry_interval=3600))
-        await client.send(Disconnect())
+        client = await dial(broker, properties=mqtt.Properties(session_expiry_interval=3600))
+        await client.send(mqtt.Disconnect())
         assert await client.rest() == []
         clock.advance(3600)
         broker.tick()
@@ -189,18 +174,18 @@ async def test_deadlines_come_by_themselves(dial: Dial) -> None:
 
 async def test_a_fault_of_ours_costs_one_connection_only(dial: Dial) -> None:
     class Broken:
-        def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - fills the port
+        def subscribe(self, client_id: str, filter: str) -> mqtt.ReasonCode:  # noqa: A002 - fills the port
             raise RuntimeError(f"{client_id} {filter}")
 
-        def publish(self, client_id: str, topic: str) -> ReasonCode:
+        def publish(self, client_id: str, topic: str) -> mqtt.ReasonCode:
             raise RuntimeError(f"{client_id} {topic}")
 
     with capture_logs() as lines:
         async with Broker(policy=Broken()) as broker:
             good, bad = await dial(broker, "good"), await dial(broker, "bad")
-            await bad.send(Publish("t"))
-            assert await bad.rest() == [Disconnect(ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)]
-            assert await good.call(Pingreq()) == Pingresp()
+            await bad.send(mqtt.Publish("t"))
+            assert await bad.rest() == [mqtt.Disconnect(mqtt.ReasonCode.IMPLEMENTATION_SPECIFIC_ERROR)]
+            assert await good.call(mqtt.Pingreq()) == mqtt.Pingresp()
     assert [line["error"] for line in lines if line["event"] == "broker.internal_error"] == ["RuntimeError('bad t')"]
 
 
@@ -208,8 +193,10 @@ async def test_password_and_names_of_hosts(dial: Dial) -> None:
     async with Broker(host="localhost", credentials={"ann": "right"}) as broker:
         await dial(broker, username="ann", password=b"right")
         client = await dial(broker, None)
-        await client.send(Connect("x", username="ann", password=b"wrong"))
-        assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.BAD_USER_NAME_OR_PASSWORD]
+        await client.send(mqtt.Connect("x", username="ann", password=b"wrong"))
+        assert [getattr(each, "reason", None) for each in await client.rest()] == [
+            mqtt.ReasonCode.BAD_USER_NAME_OR_PASSWORD
+        ]
 
 
 @pytest.fixture
@@ -232,9 +219,9 @@ async def test_tls_clients_are_served_and_closed_with_a_reason(
     async with Broker(tls=tls) as broker:
         assert broker.url.startswith("mqtts://")
         client = await dial(broker, context=trusting)
-        assert await client.call(Pingreq()) == Pingresp()
+        assert await client.call(mqtt.Pingreq()) == mqtt.Pingresp()
         await client.send_bytes(b"\xc0\x01\x00")
-        assert [getattr(each, "reason", None) for each in await client.rest()] == [ReasonCode.MALFORMED_PACKET]
+        assert [getattr(each, "reason", None) for each in await client.rest()] == [mqtt.ReasonCode.MALFORMED_PACKET]
 
 
 async def test_a_broker_stops_after_a_failed_tls_handshake(tls: ssl.SSLContext) -> None:
@@ -251,12 +238,12 @@ async def test_a_broker_stops_after_a_failed_tls_handshake(tls: ssl.SSLContext) 
 
 async def _take_and_acknowledge(client: WireClient) -> int:
     message = await client.take()
-    assert isinstance(message, Publish)
-    await client.send(Puback(message.packet_id or 0))
+    assert isinstance(message, mqtt.Publish)
+    await client.send(mqtt.Puback(message.packet_id or 0))
     return int.from_bytes(message.payload, "big")
 
 
-async def _until_cut(client: WireClient) -> list[Packet]:
+async def _until_cut(client: WireClient) -> list[mqtt.Packet]:
     try:
         return await client.rest()
     except ConnectionError:

@@ -4,23 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from homebot.mqtt.packets import (
-    Disconnect,
-    Pingreq,
-    Pingresp,
-    ProtocolVersion,
-    Puback,
-    Pubcomp,
-    Publish,
-    Pubrec,
-    Pubrel,
-    ReasonCode,
-)
+from homebot.mqtt import packets as mqtt
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
-V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
+V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 FOREVER = 0xFFFF_FFFF
 
 
@@ -32,12 +21,12 @@ def test_qos_2_takes_four_steps_and_then_is_over(join: Join) -> None:
     client = join()
     client.subscribe("t")
     client.publish("t", qos=2, packet_id=3)
-    assert client.take() == [Publish("t", b"x", 2, packet_id=1), Pubrec(3)]
-    client.send(Pubrel(3), Pubrec(1))
-    assert client.take() == [Pubcomp(3), Pubrel(1)]
-    client.send(Pubcomp(1), Pubrel(3), Pubrec(1))
-    unknown = ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
-    assert client.take() == [Pubcomp(3, unknown), Pubrel(1, unknown)]
+    assert client.take() == [mqtt.Publish("t", b"x", 2, packet_id=1), mqtt.Pubrec(3)]
+    client.send(mqtt.Pubrel(3), mqtt.Pubrec(1))
+    assert client.take() == [mqtt.Pubcomp(3), mqtt.Pubrel(1)]
+    client.send(mqtt.Pubcomp(1), mqtt.Pubrel(3), mqtt.Pubrec(1))
+    unknown = mqtt.ReasonCode.PACKET_IDENTIFIER_NOT_FOUND
+    assert client.take() == [mqtt.Pubcomp(3, unknown), mqtt.Pubrel(1, unknown)]
 
 
 def test_what_was_not_acknowledged_comes_again_in_order_when_the_client_returns(join: Join) -> None:
@@ -46,17 +35,17 @@ def test_what_was_not_acknowledged_comes_again_in_order_when_the_client_returns(
     other = join("p")
     for number, qos in enumerate((1, 2, 2, 1)):
         other.publish("t", str(number).encode(), qos, packet_id=number + 1)
-    client.send(Pubrec(3))
+    client.send(mqtt.Pubrec(3))
     client.take()
     client.lose()
     other.publish("t", b"later", 1, packet_id=9)
     client = join("s", clean=False, present=True, session_expiry_interval=FOREVER)
     assert client.take() == [
-        Pubrel(3),
-        Publish("t", b"0", 1, dup=True, packet_id=1),
-        Publish("t", b"1", 2, dup=True, packet_id=2),
-        Publish("t", b"3", 1, dup=True, packet_id=4),
-        Publish("t", b"later", 1, packet_id=5),
+        mqtt.Pubrel(3),
+        mqtt.Publish("t", b"0", 1, dup=True, packet_id=1),
+        mqtt.Publish("t", b"1", 2, dup=True, packet_id=2),
+        mqtt.Publish("t", b"3", 1, dup=True, packet_id=4),
+        mqtt.Publish("t", b"later", 1, packet_id=5),
     ]
 
 
@@ -68,12 +57,12 @@ def test_what_acknowledgements_make_room_for_is_sent_before_the_answer_to_a_late
     for number in range(5):
         other.publish("t", str(number).encode(), 1, packet_id=number + 1)
     client.take()
-    client.send(Puback(1), Puback(2), Pingreq(), Puback(3))
+    client.send(mqtt.Puback(1), mqtt.Puback(2), mqtt.Pingreq(), mqtt.Puback(3))
     assert client.take() == [
-        Publish("t", b"2", 1, packet_id=3),
-        Publish("t", b"3", 1, packet_id=4),
-        Pingresp(),
-        Publish("t", b"4", 1, packet_id=5),
+        mqtt.Publish("t", b"2", 1, packet_id=3),
+        mqtt.Publish("t", b"3", 1, packet_id=4),
+        mqtt.Pingresp(),
+        mqtt.Publish("t", b"4", 1, packet_id=5),
     ]
 
 
@@ -97,9 +86,9 @@ def test_a_qos_2_message_counts_until_pubcomp(join: Join) -> None:
     client.publish("t", b"one", 2, packet_id=1)
     client.publish("t", b"two", 2, packet_id=2)
     assert payloads(client) == [b"one"]
-    client.send(Pubrec(1))
+    client.send(mqtt.Pubrec(1))
     assert payloads(client) == []
-    client.send(Pubcomp(1))
+    client.send(mqtt.Pubcomp(1))
     assert payloads(client) == [b"two"]
 
 
@@ -108,23 +97,23 @@ def test_a_message_the_client_refuses_is_over(join: Join) -> None:
     client.subscribe("t")
     client.publish("t", b"one", 2, packet_id=1)
     client.publish("t", b"two", 2, packet_id=2)
-    client.send(Pubrec(1, ReasonCode.QUOTA_EXCEEDED))
+    client.send(mqtt.Pubrec(1, mqtt.ReasonCode.QUOTA_EXCEEDED))
     assert payloads(client) == [b"one", b"two"]
 
 
 def test_an_acknowledgement_of_the_wrong_kind_ends_the_connection(join: Join) -> None:
-    for answer, qos in ((Puback(1), 2), (Pubrec(1), 1)):
+    for answer, qos in ((mqtt.Puback(1), 2), (mqtt.Pubrec(1), 1)):
         client = join("s")
         client.subscribe("t")
         client.publish("t", qos=qos, packet_id=5)
         client.send(answer)
-        (goodbye,) = client.take_only(Disconnect)
-        assert goodbye.reason is ReasonCode.PROTOCOL_ERROR
+        (goodbye,) = client.take_only(mqtt.Disconnect)
+        assert goodbye.reason is mqtt.ReasonCode.PROTOCOL_ERROR
 
 
 def test_an_acknowledgement_nobody_waits_for_is_ignored(join: Join) -> None:
     client = join()
-    client.send(Puback(77), Pubcomp(78))
+    client.send(mqtt.Puback(77), mqtt.Pubcomp(78))
     assert client.take() == []
     assert not client.link.closed
 
@@ -138,7 +127,7 @@ def test_the_queue_of_an_absent_client_drops_its_oldest_and_counts(new_state: Ne
     for number in range(5):
         other.publish("t", str(number).encode(), 1, packet_id=number + 1)
     other.publish("t", b"qos 0", 0)
-    assert [each.reason for each in other.take_only(Puback)] == [ReasonCode.SUCCESS] * 5
+    assert [each.reason for each in other.take_only(mqtt.Puback)] == [mqtt.ReasonCode.SUCCESS] * 5
     assert state.stats.queued_messages == 3
     client = join("s", at=state, clean=False, present=True)
     assert payloads(client) == [b"2", b"3", b"4"]
@@ -219,5 +208,5 @@ def test_an_acknowledgement_before_the_second_sending_stops_it(join: Join) -> No
         client.publish("t", str(number).encode(), 1, number)
     client.lose()
     client = join("s", clean=False, present=True, receive_maximum=1)
-    client.send(Puback(2), Puback(1))
+    client.send(mqtt.Puback(2), mqtt.Puback(1))
     assert payloads(client) == [b"1"]

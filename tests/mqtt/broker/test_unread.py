@@ -7,31 +7,20 @@ import tracemalloc
 import pytest
 from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState
 from homebot.mqtt.broker.authentication import host_of
-from homebot.mqtt.packets import (
-    Connack,
-    Connect,
-    Disconnect,
-    PacketReader,
-    Pingreq,
-    Pingresp,
-    ProtocolVersion,
-    Publish,
-    ReasonCode,
-    encode,
-)
 
 KIB = 1024
 
 
 def begun(size: int, came: int) -> bytes:
     """The first *came* bytes of a PUBLISH of *size* bytes of payload."""
-    return encode(Publish("t", bytes(size)))[:came]
+    return mqtt.encode(mqtt.Publish("t", bytes(size)))[:came]
 
 
 def test_what_a_packet_announces_is_not_reserved_before_it_comes() -> None:
-    reader = PacketReader()
+    reader = mqtt.PacketReader()
     tracemalloc.start()
     try:
         reader.feed(b"\x30\xff\xff\xff\x7f" + bytes(1000))
@@ -44,7 +33,7 @@ def test_what_a_packet_announces_is_not_reserved_before_it_comes() -> None:
 
 
 def test_a_packet_in_single_bytes_takes_no_more_memory_than_its_bytes() -> None:
-    reader = PacketReader()
+    reader = mqtt.PacketReader()
     data = begun(100 * KIB, 50 * KIB)
     pieces = [data[place : place + 1] for place in range(len(data))]
     tracemalloc.start()
@@ -57,8 +46,8 @@ def test_a_packet_in_single_bytes_takes_no_more_memory_than_its_bytes() -> None:
 
 
 def test_a_reader_does_not_keep_what_was_taken() -> None:
-    reader = PacketReader()
-    whole = encode(Publish("t", bytes(10 * KIB)))
+    reader = mqtt.PacketReader()
+    whole = mqtt.encode(mqtt.Publish("t", bytes(10 * KIB)))
     assert len(list(reader.feed(whole + whole[:7]))) == 1
     assert reader.held == 7
     assert len(reader._data) == 7
@@ -76,9 +65,9 @@ def test_among_incomplete_packets_of_equal_size_the_oldest_is_dropped(new_state:
     honest = join("honest", at=state)
     honest.subscribe("t", qos=0)
     honest.send_bytes(begun(90 * KIB, 80 * KIB))
-    (goodbye,) = slow.take_only(Disconnect)
-    assert goodbye.reason is ReasonCode.QUOTA_EXCEEDED
-    honest.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
+    (goodbye,) = slow.take_only(mqtt.Disconnect)
+    assert goodbye.reason is mqtt.ReasonCode.QUOTA_EXCEEDED
+    honest.send_bytes(mqtt.encode(mqtt.Publish("t", bytes(90 * KIB)))[80 * KIB :])
     assert [len(message.payload) for message in honest.messages()] == [90 * KIB]
     assert [client.link.closed for client in (slow, second, third)] == [True, False, False]
     assert state.stats.unread_given_up == 1
@@ -92,7 +81,7 @@ def test_packets_that_come_to_their_end_or_whose_client_goes_count_no_longer(new
         if number % 2:
             client.lose()
         else:
-            client.send_bytes(encode(Publish("t", bytes(90 * KIB)))[80 * KIB :])
+            client.send_bytes(mqtt.encode(mqtt.Publish("t", bytes(90 * KIB)))[80 * KIB :])
     assert state.unread.used == 0
     assert state.stats.unread_given_up == 0
 
@@ -101,12 +90,12 @@ def test_before_the_login_all_incomplete_packets_together_have_a_bound(new_state
     state = new_state(max_connect_size=64 * KIB, max_unread_login_bytes=256 * KIB)
     flood = [stranger(at=state) for _ in range(200)]
     for each in flood:
-        each.send_bytes(encode(Connect("x" * 60_000))[: 50 * KIB])
+        each.send_bytes(mqtt.encode(mqtt.Connect("x" * 60_000))[: 50 * KIB])
     assert state.unread_logins.used <= 256 * KIB
     assert [each.link.closed for each in flood].count(False) == 5
     honest = stranger(at=state)
-    honest.send(Connect("honest"))
-    assert honest.take_only(Connack)[0].reason is ReasonCode.SUCCESS
+    honest.send(mqtt.Connect("honest"))
+    assert honest.take_only(mqtt.Connack)[0].reason is mqtt.ReasonCode.SUCCESS
 
 
 def test_a_connect_is_small(stranger: Stranger) -> None:
@@ -125,15 +114,15 @@ def test_connections_that_do_not_log_in_make_room_for_later_ones(new_state: NewS
 
 def test_a_flood_from_one_host_keeps_nobody_else_out(new_state: NewState, stranger: Stranger) -> None:
     state = new_state(max_waiting_logins=50)
-    honest = stranger(ProtocolVersion.V311, at=state)
+    honest = stranger(mqtt.ProtocolVersion.V311, at=state)
     honest.link.address = "192.168.1.7:50000"
     silent = []
     for number in range(500):
         silent.append(stranger(at=state))
         silent[-1].link.address = f"192.168.1.66:{number}"
     assert not honest.link.closed
-    honest.send(Connect("honest", ProtocolVersion.V311), Pingreq())
-    assert honest.take_only(Pingresp) == [Pingresp()]
+    honest.send(mqtt.Connect("honest", mqtt.ProtocolVersion.V311), mqtt.Pingreq())
+    assert honest.take_only(mqtt.Pingresp) == [mqtt.Pingresp()]
     assert len(state.waiting_logins) == 49
 
 

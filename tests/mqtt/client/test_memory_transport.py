@@ -12,22 +12,13 @@ import anyio.lowlevel
 import pytest
 
 from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.client.requests import Requests
 from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import (
-    Connect,
-    Disconnect,
-    Packet,
-    PacketReader,
-    Properties,
-    ProtocolVersion,
-    ReasonCode,
-    encode,
-)
 from homebot.support.unanswered import SENT_REQUESTS, SentRequests
 
 pytestmark = pytest.mark.virtual_time
@@ -52,13 +43,13 @@ class RawClient:
     """Speaks packets, so that it can ask for what the client port does not know."""
 
     def __init__(self, broker: MemoryBroker) -> None:
-        self.packets: list[Packet] = []
+        self.packets: list[mqtt.Packet] = []
         self.ended = anyio.Event()
         self.socket = broker.dial(broker.host, broker.port, self)
-        self._reader = PacketReader(ProtocolVersion.V5)
+        self._reader = mqtt.PacketReader(mqtt.ProtocolVersion.V5)
 
-    def say(self, *packets: Packet) -> None:
-        self.socket.write(b"".join(encode(packet, ProtocolVersion.V5) for packet in packets))
+    def say(self, *packets: mqtt.Packet) -> None:
+        self.socket.write(b"".join(mqtt.encode(packet, mqtt.ProtocolVersion.V5) for packet in packets))
 
     def data_received(self, data: bytes) -> None:
         self.packets += self._reader.feed(data)
@@ -91,7 +82,7 @@ async def test_a_publish_of_qos_2_goes_on_on_the_next_link_until_it_expires(
         async with client.connected():
             broker.link_of("hub").freeze()
             with pytest.raises(LinkError):
-                await client.publish("lamp", b"on", qos=2, properties=Properties(message_expiry_interval=10))
+                await client.publish("lamp", b"on", qos=2, properties=mqtt.Properties(message_expiry_interval=10))
             broker.link_of("hub").abort()
         await anyio.sleep(pause - now())
         async with client.connected():
@@ -119,10 +110,10 @@ async def test_a_request_that_left_is_told_from_one_that_did_not(broker: MemoryB
 
 async def test_who_breaks_the_protocol_is_told_why(broker: MemoryBroker) -> None:
     client = RawClient(broker)
-    client.say(Connect("a"), Connect("a"))
+    client.say(mqtt.Connect("a"), mqtt.Connect("a"))
     await client.ended.wait()
-    assert client.packets[-1] == Disconnect(
-        ReasonCode.PROTOCOL_ERROR, Properties(reason_string="a client must not send Connect")
+    assert client.packets[-1] == mqtt.Disconnect(
+        mqtt.ReasonCode.PROTOCOL_ERROR, mqtt.Properties(reason_string="a client must not send Connect")
     )
 
 
@@ -229,7 +220,7 @@ async def test_a_seed_fixes_assigned_client_ids() -> None:
     for random in (Random(1), Random(1), None, None):  # noqa: S311 - as above
         async with MemoryBroker(random=random) as broker:
             client = RawClient(broker)
-            client.say(Connect(""))
+            client.say(mqtt.Connect(""))
             await anyio.sleep(0.001)
             assigned.append(broker.links[0].peer.client_id)
     first, again, secret, other = assigned
@@ -242,7 +233,7 @@ async def test_what_cannot_be_said_is_the_callers_mistake_and_harms_nobody(
     broker: MemoryBroker, options: MqttOptions, qos: int
 ) -> None:
     client = broker.make_client(options)
-    properties = Properties(content_type="x" * 70_000)
+    properties = mqtt.Properties(content_type="x" * 70_000)
     async with client.connected():
         for _ in range(200):  # more than may be open at once
             with pytest.raises(UsageError):

@@ -17,22 +17,9 @@ from tests.mqtt.client.conftest import ClientKind
 from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
 
 from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.client import MqttClient
 from homebot.mqtt.options import MqttOptions, MqttProtocol
-from homebot.mqtt.packets import (
-    Connack,
-    Connect,
-    Disconnect,
-    ProtocolVersion,
-    Puback,
-    Pubcomp,
-    Publish,
-    Pubrec,
-    Pubrel,
-    ReasonCode,
-    Will,
-    encode,
-)
 
 # -- the link -------------------------------------------------------------------------------------------------
 
@@ -49,11 +36,11 @@ async def test_login_and_will_reach_the_broker(client_kind: ClientKind) -> None:
             1,
             True,
         )
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port:
         options = MqttOptions.from_url(
-            f"mqtt://anna:pw@127.0.0.1:{port}", client_id="hub", will=Will("w", b"gone", 1, retain=True)
+            f"mqtt://anna:pw@127.0.0.1:{port}", client_id="hub", will=mqtt.Will("w", b"gone", 1, retain=True)
         )
         async with client_kind(options).connected() as session:
             assert session.protocol == "5"
@@ -62,20 +49,20 @@ async def test_login_and_will_reach_the_broker(client_kind: ClientKind) -> None:
 @pytest.mark.parametrize(
     "refusal",
     [
-        encode(Connack(reason=ReasonCode.UNSUPPORTED_PROTOCOL_VERSION), ProtocolVersion.V5),
+        mqtt.encode(mqtt.Connack(reason=mqtt.ReasonCode.UNSUPPORTED_PROTOCOL_VERSION), mqtt.ProtocolVersion.V5),
         bytes.fromhex("20 02 00 01"),  # as MQTT 3.1.1 says it
         b"",  # no word at all
     ],
 )
 async def test_a_broker_that_does_not_speak_5_is_asked_with_3_1_1(make: MakeClient, refusal: bytes) -> None:
     async def deaf(peer: Peer) -> None:
-        assert (await peer.expect(Connect)).version is ProtocolVersion.V5
+        assert (await peer.expect(mqtt.Connect)).version is mqtt.ProtocolVersion.V5
         if refusal:
             await peer.send_raw(refusal)
 
     async def old(peer: Peer) -> None:
-        assert (await peer.login()).version is ProtocolVersion.V311
-        await peer.expect(Disconnect)
+        assert (await peer.login()).version is mqtt.ProtocolVersion.V311
+        await peer.expect(mqtt.Disconnect)
 
     with capture_logs() as lines:
         async with broker(deaf, old, old) as port:
@@ -98,7 +85,7 @@ async def test_a_broker_that_does_not_speak_5_is_asked_with_3_1_1(make: MakeClie
 )
 async def test_who_speaks_no_version_at_all_is_not_called_old(make: MakeClient, nonsense: bytes, problem: str) -> None:
     async def strange(peer: Peer) -> None:
-        await peer.expect(Connect)
+        await peer.expect(mqtt.Connect)
         if nonsense:
             await peer.send_raw(nonsense)
 
@@ -127,7 +114,7 @@ async def test_a_broker_that_cuts_the_connection_instead_of_answering_gets_a_hin
 
 async def test_a_broker_that_spoke_5_before_is_not_asked_with_3_1_1_because_it_closed_once(make: MakeClient) -> None:
     async def restarting(peer: Peer) -> None:
-        await peer.expect(Connect)
+        await peer.expect(mqtt.Connect)
 
     async with broker(idle, restarting, idle) as port:
         client = make(port)
@@ -143,17 +130,17 @@ async def test_a_broker_that_spoke_5_before_is_not_asked_with_3_1_1_because_it_c
 @pytest.mark.parametrize(
     ("code", "error"),
     [
-        (ReasonCode.BAD_USER_NAME_OR_PASSWORD, RefusedError),
-        (ReasonCode.NOT_AUTHORIZED, RefusedError),
-        (ReasonCode.SERVER_BUSY, LinkError),
+        (mqtt.ReasonCode.BAD_USER_NAME_OR_PASSWORD, RefusedError),
+        (mqtt.ReasonCode.NOT_AUTHORIZED, RefusedError),
+        (mqtt.ReasonCode.SERVER_BUSY, LinkError),
     ],
 )
 async def test_a_login_is_refused_or_put_off_and_no_secret_is_told(
-    client_kind: ClientKind, code: ReasonCode, error: type[Exception]
+    client_kind: ClientKind, code: mqtt.ReasonCode, error: type[Exception]
 ) -> None:
     async def script(peer: Peer) -> None:
-        await peer.expect(Connect)
-        await peer.send(Connack(reason=code))
+        await peer.expect(mqtt.Connect)
+        await peer.send(mqtt.Connack(reason=code))
 
     async with broker(script) as port:
         options = MqttOptions.from_url(f"mqtt://anna:hunter2@127.0.0.1:{port}")
@@ -170,7 +157,7 @@ async def test_a_broker_that_does_not_answer_connect_is_a_link_error(
     make: MakeClient, pass_time: Callable[[float], None]
 ) -> None:
     async def script(peer: Peer) -> None:
-        await peer.expect(Connect)
+        await peer.expect(mqtt.Connect)
         pass_time(20)
         await peer.closed()
 
@@ -186,17 +173,17 @@ async def test_a_broker_that_says_nothing_to_5_is_asked_with_3_1_1_the_next_time
     """As amqtt, which waits for more where it reads the properties of 5 as something else; others were only slow."""
 
     async def silent(peer: Peer) -> None:
-        assert (await peer.expect(Connect)).version is ProtocolVersion.V5
+        assert (await peer.expect(mqtt.Connect)).version is mqtt.ProtocolVersion.V5
         pass_time(20)
         await peer.closed()
 
     async def old(peer: Peer) -> None:
-        assert (await peer.login()).version is ProtocolVersion.V311
-        await peer.expect(Disconnect)
+        assert (await peer.login()).version is mqtt.ProtocolVersion.V311
+        await peer.expect(mqtt.Disconnect)
 
     async def new(peer: Peer) -> None:
-        assert (await peer.login()).version is ProtocolVersion.V5
-        await peer.expect(Disconnect)
+        assert (await peer.login()).version is mqtt.ProtocolVersion.V5
+        await peer.expect(mqtt.Disconnect)
 
     with capture_logs() as lines:
         async with broker(silent, old, new) as port:
@@ -218,18 +205,18 @@ async def test_a_slow_broker_that_speaks_only_5_is_asked_with_5_at_once_again(
     """After a refusal the next try is later than after a lost link, and it was only slow."""
 
     async def silent(peer: Peer) -> None:
-        await peer.expect(Connect)
+        await peer.expect(mqtt.Connect)
         pass_time(20)
         await peer.closed()
 
     async def only_5(peer: Peer) -> None:
-        assert (await peer.expect(Connect)).version is ProtocolVersion.V311
+        assert (await peer.expect(mqtt.Connect)).version is mqtt.ProtocolVersion.V311
         if refusal:
             await peer.send_raw(refusal)
 
     async def new(peer: Peer) -> None:
-        assert (await peer.login()).version is ProtocolVersion.V5
-        await peer.expect(Disconnect)
+        assert (await peer.login()).version is mqtt.ProtocolVersion.V5
+        await peer.expect(mqtt.Disconnect)
 
     with capture_logs() as lines:
         async with broker(silent, only_5, new) as port:
@@ -247,7 +234,7 @@ async def test_a_cancelled_connect_leaves_nothing_behind(make: MakeClient) -> No
     asked = anyio.Event()
 
     async def silent(peer: Peer) -> None:
-        await peer.expect(Connect)
+        await peer.expect(mqtt.Connect)
         asked.set()
         await peer.closed()
 
@@ -272,7 +259,7 @@ async def test_a_session_is_taken_up_again_by_a_new_process_and_by_the_next_link
         connect = await peer.login(session_present=True)
         assert not connect.clean_start
         assert connect.properties.session_expiry_interval == 3600
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script, script) as port:
         client = make(port, session_expiry=3600, client_id="hub")
@@ -285,7 +272,7 @@ async def test_a_session_is_taken_up_again_by_a_new_process_and_by_the_next_link
 async def test_without_session_expiry_every_link_starts_clean(make: MakeClient, version: MqttProtocol) -> None:
     async def script(peer: Peer) -> None:
         assert (await peer.login()).clean_start
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script, script) as port:
         client = make(port, protocol=version)
@@ -302,16 +289,16 @@ async def test_an_open_qos_2_publish_is_brought_to_its_end_and_its_identifier_is
 
     async def first(peer: Peer) -> None:
         await peer.login()
-        numbers.append((await peer.expect(Publish)).packet_id)
+        numbers.append((await peer.expect(mqtt.Publish)).packet_id)
 
     async def second(peer: Peer) -> None:
         await peer.login(session_present=True)
-        again, other = await peer.expect(Publish), await peer.expect(Publish)
+        again, other = await peer.expect(mqtt.Publish), await peer.expect(mqtt.Publish)
         assert (again.payload, again.dup, again.packet_id) == (b"one", True, numbers[0])
         numbers.append(other.packet_id)
         await finish(peer, again)
         await finish(peer, other)
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(first, second) as port:
         client = make_native(port, session_expiry=60)
@@ -326,12 +313,12 @@ async def test_an_open_qos_2_publish_is_brought_to_its_end_and_its_identifier_is
 async def test_a_failed_publish_of_qos_1_does_not_fire_on_the_next_link(make: MakeClient) -> None:
     async def first(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Publish)
+        await peer.expect(mqtt.Publish)
 
     async def second(peer: Peer) -> None:
         await peer.login(session_present=True)
-        assert (await peer.expect(Publish)).payload == b"new"
-        await peer.expect(Disconnect)
+        assert (await peer.expect(mqtt.Publish)).payload == b"new"
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(first, second) as port:
         client = make(port, session_expiry=60)
@@ -345,12 +332,12 @@ async def test_a_failed_publish_of_qos_1_does_not_fire_on_the_next_link(make: Ma
 async def test_nothing_open_is_sent_into_a_lost_session(make_native: MakeClient) -> None:
     async def first(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Publish)
+        await peer.expect(mqtt.Publish)
 
     async def second(peer: Peer) -> None:
         await peer.login(session_present=False)
-        assert (await peer.expect(Publish)).payload == b"new"
-        await peer.expect(Disconnect)
+        assert (await peer.expect(mqtt.Publish)).payload == b"new"
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(first, second) as port:
         client = make_native(port, session_expiry=60)
@@ -364,14 +351,14 @@ async def test_nothing_open_is_sent_into_a_lost_session(make_native: MakeClient)
 async def test_a_redelivered_message_is_acknowledged_on_its_own_link(make: MakeClient) -> None:
     async def first(peer: Peer) -> None:
         await peer.login()
-        await peer.send(Publish("t", b"x", 1, packet_id=7))
+        await peer.send(mqtt.Publish("t", b"x", 1, packet_id=7))
 
     async def second(peer: Peer) -> None:
         await peer.login(session_present=True)
-        await peer.send(Publish("t", b"x", 1, dup=True, packet_id=7))
-        assert (await peer.expect(Publish)).topic == "marker"
-        assert (await peer.expect(Puback)).packet_id == 7
-        assert isinstance(await peer.next(), Disconnect)
+        await peer.send(mqtt.Publish("t", b"x", 1, dup=True, packet_id=7))
+        assert (await peer.expect(mqtt.Publish)).topic == "marker"
+        assert (await peer.expect(mqtt.Puback)).packet_id == 7
+        assert isinstance(await peer.next(), mqtt.Disconnect)
 
     async with broker(first, second) as port:
         client = make(port, session_expiry=60)
@@ -393,7 +380,7 @@ async def test_a_drop_with_unsent_data_makes_no_noise(make: MakeClient, caplog: 
 
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Publish)
+        await peer.expect(mqtt.Publish)
 
     async with broker(script) as port, (client := make(port)).connected():
         async with anyio.create_task_group() as tasks:
@@ -411,15 +398,15 @@ async def test_a_drop_with_unsent_data_makes_no_noise(make: MakeClient, caplog: 
 @pytest.mark.parametrize(
     ("code", "error"),
     [
-        (ReasonCode.SESSION_TAKEN_OVER, RefusedError),
-        (ReasonCode.ADMINISTRATIVE_ACTION, RefusedError),
-        (ReasonCode.SERVER_SHUTTING_DOWN, LinkError),
+        (mqtt.ReasonCode.SESSION_TAKEN_OVER, RefusedError),
+        (mqtt.ReasonCode.ADMINISTRATIVE_ACTION, RefusedError),
+        (mqtt.ReasonCode.SERVER_SHUTTING_DOWN, LinkError),
     ],
 )
-async def test_the_brokers_good_bye_tells_why(make: MakeClient, code: ReasonCode, error: type[Exception]) -> None:
+async def test_the_brokers_good_bye_tells_why(make: MakeClient, code: mqtt.ReasonCode, error: type[Exception]) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.send(Disconnect(code))
+        await peer.send(mqtt.Disconnect(code))
         await peer.closed()
 
     async with broker(script) as port, (client := make(port)).connected():
@@ -452,7 +439,7 @@ async def fail_to_publish(client: MqttClient, qos: int) -> None:
     assert qos == 0
 
 
-async def finish(peer: Peer, publish: Publish) -> None:
-    await peer.send(Pubrec(publish.packet_id or 0))
-    assert (await peer.expect(Pubrel)).packet_id == publish.packet_id
-    await peer.send(Pubcomp(publish.packet_id or 0))
+async def finish(peer: Peer, publish: mqtt.Publish) -> None:
+    await peer.send(mqtt.Pubrec(publish.packet_id or 0))
+    assert (await peer.expect(mqtt.Pubrel)).packet_id == publish.packet_id
+    await peer.send(mqtt.Pubcomp(publish.packet_id or 0))

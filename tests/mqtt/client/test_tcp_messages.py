@@ -12,25 +12,9 @@ from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
 from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.client import MqttClient, MqttSubscription
 from homebot.mqtt.options import MqttProtocol
-from homebot.mqtt.packets import (
-    Connack,
-    Connect,
-    Disconnect,
-    Properties,
-    Puback,
-    Pubcomp,
-    Publish,
-    Pubrec,
-    Pubrel,
-    ReasonCode,
-    Suback,
-    Subscribe,
-    Unsuback,
-    Unsubscribe,
-    encode,
-)
 
 # -- receiving ------------------------------------------------------------------------------------------------
 
@@ -40,10 +24,10 @@ async def test_a_message_is_acknowledged_only_when_it_was_handed_over(make: Make
 
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.send(Publish("t", b"x", 1, packet_id=7))
-        assert (await peer.expect(Publish)).topic == "marker"
-        assert (await peer.expect(Puback)).packet_id == 7
-        await peer.expect(Disconnect)
+        await peer.send(mqtt.Publish("t", b"x", 1, packet_id=7))
+        assert (await peer.expect(mqtt.Publish)).topic == "marker"
+        assert (await peer.expect(mqtt.Puback)).packet_id == 7
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected():
         batch = await client.receive()
@@ -56,14 +40,14 @@ async def test_qos_2_is_handed_over_once_and_only_then_recorded(make: MakeClient
 
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.send(Publish("t", b"x", 2, packet_id=7), Publish("t", b"x", 2, dup=True, packet_id=7))
-        await peer.send(Publish("t", b"last"))
-        assert (await peer.expect(Publish)).topic == "marker"
-        await peer.expect(Pubrec)
-        await peer.send(Pubrel(7))
-        assert (await peer.expect(Pubcomp)).packet_id == 7
+        await peer.send(mqtt.Publish("t", b"x", 2, packet_id=7), mqtt.Publish("t", b"x", 2, dup=True, packet_id=7))
+        await peer.send(mqtt.Publish("t", b"last"))
+        assert (await peer.expect(mqtt.Publish)).topic == "marker"
+        await peer.expect(mqtt.Pubrec)
+        await peer.send(mqtt.Pubrel(7))
+        assert (await peer.expect(mqtt.Pubcomp)).packet_id == 7
         released.set()
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected():
         batch = await receive(client, 2)
@@ -76,9 +60,9 @@ async def test_qos_2_is_handed_over_once_and_only_then_recorded(make: MakeClient
 async def test_unread_messages_of_qos_0_are_dropped_oldest_first_and_counted(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.send(*(Publish("t", b"%d" % n) for n in range(100)), Publish("t", b"end", 1, packet_id=1))
-        await peer.send(Puback((await peer.expect(Publish)).packet_id or 0))
-        await peer.expect(Disconnect)
+        await peer.send(*(mqtt.Publish("t", b"%d" % n) for n in range(100)), mqtt.Publish("t", b"end", 1, packet_id=1))
+        await peer.send(mqtt.Puback((await peer.expect(mqtt.Publish)).packet_id or 0))
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port, inbox_messages=10)).connected():
         await client.publish("marker", qos=1)  # its answer comes behind the messages
@@ -94,7 +78,7 @@ async def test_the_window_for_unacknowledged_messages_and_the_size_limit_are_ann
         assert properties.maximum_packet_size == 2000
         assert properties.session_expiry_interval == 60
         assert properties.topic_alias_maximum is None, "the library cannot resolve topic aliases"
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with (
         broker(script) as port,
@@ -119,9 +103,9 @@ async def test_a_bad_message_costs_no_more_than_itself(make: MakeClient, version
         await peer.login()
         for body in bodies:
             await peer.send_raw(bytes([0x32, len(body)]) + body)
-        await peer.send(Publish("good", b"", 1, packet_id=9))
-        assert [(await peer.expect(Puback)).packet_id for _ in bodies] == list(range(1, len(bodies) + 1))
-        await peer.expect(Disconnect)
+        await peer.send(mqtt.Publish("good", b"", 1, packet_id=9))
+        assert [(await peer.expect(mqtt.Puback)).packet_id for _ in bodies] == list(range(1, len(bodies) + 1))
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port, protocol=version)).connected():
         (message,) = await client.receive()
@@ -132,9 +116,9 @@ async def test_a_bad_message_costs_no_more_than_itself(make: MakeClient, version
 async def test_a_message_over_the_limit_is_dropped_acknowledged_and_counted(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.send(Publish("big", bytes(300_000), 1, packet_id=1), Publish("small", b""))
-        assert (await peer.expect(Puback)).packet_id == 1
-        await peer.expect(Disconnect)
+        await peer.send(mqtt.Publish("big", bytes(300_000), 1, packet_id=1), mqtt.Publish("small", b""))
+        assert (await peer.expect(mqtt.Puback)).packet_id == 1
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port, protocol="3.1.1")).connected():
         (message,) = await client.receive()
@@ -156,8 +140,8 @@ async def test_an_unreadable_packet_ends_the_link_with_its_reason(make: MakeClie
 
 async def test_a_link_that_ends_as_soon_as_it_stands_was_made_and_lost(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
-        connect = await peer.expect(Connect)
-        await peer.send_raw(encode(Connack(), connect.version) + b"\x90\x01\x00")
+        connect = await peer.expect(mqtt.Connect)
+        await peer.send_raw(mqtt.encode(mqtt.Connack(), connect.version) + b"\x90\x01\x00")
         await peer.closed()
 
     async with broker(script) as port, (client := make(port)).connected():
@@ -170,8 +154,8 @@ async def test_a_link_that_ends_as_soon_as_it_stands_was_made_and_lost(make: Mak
 async def test_a_refused_publish_of_qos_2_is_an_error(make_native: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.send(Pubrec((await peer.expect(Publish)).packet_id or 0, ReasonCode.QUOTA_EXCEEDED))
-        await peer.expect(Disconnect)
+        await peer.send(mqtt.Pubrec((await peer.expect(mqtt.Publish)).packet_id or 0, mqtt.ReasonCode.QUOTA_EXCEEDED))
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make_native(port)).connected():
         with pytest.raises(RefusedError, match="quota exceeded"):
@@ -183,7 +167,7 @@ async def test_a_publish_in_flight_fails_at_once_when_the_link_drops(make: MakeC
 
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Publish)
+        await peer.expect(mqtt.Publish)
 
     async with broker(script) as port, (client := make(port)).connected():
         with anyio.fail_after(PATIENCE), pytest.raises(LinkError, match="the broker closed the connection"):
@@ -197,11 +181,11 @@ async def test_a_publish_in_flight_fails_at_once_when_the_link_drops(make: MakeC
 async def test_a_subscription_in_flight_fails_at_once_when_the_link_drops(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Subscribe)
+        await peer.expect(mqtt.Subscribe)
 
     async def second(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Unsubscribe)
+        await peer.expect(mqtt.Unsubscribe)
 
     async with broker(script, second) as port:
         client = make(port)
@@ -217,11 +201,11 @@ async def test_a_subscription_in_flight_fails_at_once_when_the_link_drops(make: 
 async def test_a_silent_broker_is_a_link_error(make: MakeClient, pass_time: Callable[[float], None]) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        await peer.expect(Publish)
+        await peer.expect(mqtt.Publish)
         pass_time(8)
-        await peer.expect(Subscribe)
+        await peer.expect(mqtt.Subscribe)
         pass_time(8)
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port, timeout=8)).connected():
         with pytest.raises(LinkError, match=r"no answer to a publish within 8 s"):
@@ -236,14 +220,14 @@ async def test_the_window_of_the_broker_is_respected(make: MakeClient) -> None:
 
     async def script(peer: Peer) -> None:
         await peer.login(receive_maximum=3)
-        first = [await peer.expect(Publish) for _ in range(3)]
+        first = [await peer.expect(mqtt.Publish) for _ in range(3)]
         at_rest.set()
-        assert (await peer.expect(Publish)).topic == "marker"
+        assert (await peer.expect(mqtt.Publish)).topic == "marker"
         for publish in first:
-            await peer.send(Puback(publish.packet_id or 0))
+            await peer.send(mqtt.Puback(publish.packet_id or 0))
         for _ in range(7):
-            await peer.send(Puback((await peer.expect(Publish)).packet_id or 0))
-        await peer.expect(Disconnect)
+            await peer.send(mqtt.Puback((await peer.expect(mqtt.Publish)).packet_id or 0))
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected(), anyio.create_task_group() as tasks:
         for _ in range(10):
@@ -258,8 +242,8 @@ async def test_many_publishes_at_once_make_no_noise(make: MakeClient, caplog: py
     async def script(peer: Peer) -> None:
         await peer.login()
         for _ in range(200):
-            await peer.send(Puback((await peer.expect(Publish)).packet_id or 0))
-        await peer.expect(Disconnect)
+            await peer.send(mqtt.Puback((await peer.expect(mqtt.Publish)).packet_id or 0))
+        await peer.expect(mqtt.Disconnect)
 
     with caplog.at_level(logging.DEBUG):
         async with broker(script) as port, (client := make(port)).connected(), anyio.create_task_group() as tasks:
@@ -273,7 +257,7 @@ async def test_what_the_broker_cannot_take_is_refused_here(make: MakeClient) -> 
 
     async def script(peer: Peer) -> None:
         await peer.login(maximum_qos=0, retain_available=0, maximum_packet_size=100)
-        await peer.expect(Disconnect)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected():
         with pytest.raises(RefusedError, match="qos not supported"):
@@ -283,7 +267,7 @@ async def test_what_the_broker_cannot_take_is_refused_here(make: MakeClient) -> 
         with pytest.raises(RefusedError, match="packet too large"):
             await client.publish("t", bytes(100))
         with pytest.raises(RefusedError, match="packet too large"):
-            await client.publish("t", properties=Properties(user_properties=(("k", "v" * 100),)))
+            await client.publish("t", properties=mqtt.Properties(user_properties=(("k", "v" * 100),)))
 
 
 async def test_a_publish_that_is_none_is_a_usage_error(make: MakeClient) -> None:
@@ -293,7 +277,7 @@ async def test_a_publish_that_is_none_is_a_usage_error(make: MakeClient) -> None
         with pytest.raises(UsageError):
             await client.publish("t", qos=3)
         with pytest.raises(UsageError, match=r"properties|do not fit into an MQTT field"):
-            await client.publish("t", properties=Properties(correlation_data=bytes(70_000)))
+            await client.publish("t", properties=mqtt.Properties(correlation_data=bytes(70_000)))
         with pytest.raises(UsageError):
             await client.subscribe(MqttSubscription("a/#/b"))
 
@@ -333,8 +317,8 @@ async def test_publishes_of_qos_0_go_on_when_a_slow_broker_reads_again(make: Mak
         await peer.login()
         await stuffed.wait()
         for _ in range(1200):
-            await peer.expect(Publish)
-        await peer.expect(Disconnect)
+            await peer.expect(mqtt.Publish)
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected(), anyio.create_task_group() as tasks:
         for _ in range(3):
@@ -348,16 +332,19 @@ async def test_publishes_of_qos_0_go_on_when_a_slow_broker_reads_again(make: Mak
 
 @pytest.mark.parametrize(
     ("version", "code", "words"),
-    [("5", ReasonCode.NOT_AUTHORIZED, "not authorized"), ("3.1.1", ReasonCode.UNSPECIFIED_ERROR, "unspecified error")],
+    [
+        ("5", mqtt.ReasonCode.NOT_AUTHORIZED, "not authorized"),
+        ("3.1.1", mqtt.ReasonCode.UNSPECIFIED_ERROR, "unspecified error"),
+    ],
 )
 async def test_a_refused_subscription_is_an_error_that_names_the_filter(
-    make: MakeClient, version: MqttProtocol, code: ReasonCode, words: str
+    make: MakeClient, version: MqttProtocol, code: mqtt.ReasonCode, words: str
 ) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        subscribe = await peer.expect(Subscribe)
-        await peer.send(Suback(subscribe.packet_id, (ReasonCode.GRANTED_QOS_1, code)))
-        await peer.expect(Disconnect)
+        subscribe = await peer.expect(mqtt.Subscribe)
+        await peer.send(mqtt.Suback(subscribe.packet_id, (mqtt.ReasonCode.GRANTED_QOS_1, code)))
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port, protocol=version)).connected():
         with pytest.raises(RefusedError, match=f"subscription to 'secret/#' was refused: {words}") as caught:
@@ -368,7 +355,7 @@ async def test_a_refused_subscription_is_an_error_that_names_the_filter(
 async def test_subscription_options_reach_the_broker(make: MakeClient) -> None:
     async def script(peer: Peer) -> None:
         await peer.login()
-        subscribe = await peer.expect(Subscribe)
+        subscribe = await peer.expect(mqtt.Subscribe)
         (wish,) = subscribe.filters
         assert (wish.filter, wish.qos, wish.no_local, wish.retain_as_published, wish.retain_handling) == (
             "a/#",
@@ -377,10 +364,10 @@ async def test_subscription_options_reach_the_broker(make: MakeClient) -> None:
             True,
             2,
         )
-        await peer.send(Suback(subscribe.packet_id, (ReasonCode.GRANTED_QOS_1,)))
-        unsubscribe = await peer.expect(Unsubscribe)
-        await peer.send(Unsuback(unsubscribe.packet_id, (ReasonCode.SUCCESS,)))
-        await peer.expect(Disconnect)
+        await peer.send(mqtt.Suback(subscribe.packet_id, (mqtt.ReasonCode.GRANTED_QOS_1,)))
+        unsubscribe = await peer.expect(mqtt.Unsubscribe)
+        await peer.send(mqtt.Unsuback(unsubscribe.packet_id, (mqtt.ReasonCode.SUCCESS,)))
+        await peer.expect(mqtt.Disconnect)
 
     async with broker(script) as port, (client := make(port)).connected():
         wish = MqttSubscription("a/#", 2, no_local=True, retain_as_published=True, retain_handling=2)

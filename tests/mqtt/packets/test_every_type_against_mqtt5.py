@@ -7,59 +7,42 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.mqtt.packets import (
-    Auth,
-    Connack,
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Packet,
-    PacketReader,
-    Pingreq,
-    Pingresp,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Pubcomp,
-    Publish,
-    Pubrec,
-    Pubrel,
-    ReasonCode,
-    Suback,
-    Subscribe,
-    Unsuback,
-    Unsubscribe,
-    Will,
-    encode,
-)
+from homebot.mqtt import packets as mqtt
 
 pytestmark = pytest.mark.slow
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0+#$"), min_size=1, max_size=8)
 IDS = st.integers(1, 0xFFFF)
 PAIRS = st.lists(st.tuples(TEXT, TEXT), max_size=2).map(tuple)
-WORDS = st.builds(Properties, reason_string=st.none() | TEXT, user_properties=PAIRS)
+WORDS = st.builds(mqtt.Properties, reason_string=st.none() | TEXT, user_properties=PAIRS)
 SECONDS = st.integers(1, 2**32 - 1)
 
 PUBLISH_REASONS = st.sampled_from(
-    [ReasonCode.SUCCESS, ReasonCode.NO_MATCHING_SUBSCRIBERS, ReasonCode.NOT_AUTHORIZED, ReasonCode.QUOTA_EXCEEDED]
+    [
+        mqtt.ReasonCode.SUCCESS,
+        mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS,
+        mqtt.ReasonCode.NOT_AUTHORIZED,
+        mqtt.ReasonCode.QUOTA_EXCEEDED,
+    ]
 )
-RELEASE_REASONS = st.sampled_from([ReasonCode.SUCCESS, ReasonCode.PACKET_IDENTIFIER_NOT_FOUND])
-SUBACK_REASONS = st.sampled_from([ReasonCode(code) for code in (0, 1, 2, 0x80, 0x83, 0x87, 0x8F, 0x97, 0x9E, 0xA2)])
+RELEASE_REASONS = st.sampled_from([mqtt.ReasonCode.SUCCESS, mqtt.ReasonCode.PACKET_IDENTIFIER_NOT_FOUND])
+SUBACK_REASONS = st.sampled_from(
+    [mqtt.ReasonCode(code) for code in (0, 1, 2, 0x80, 0x83, 0x87, 0x8F, 0x97, 0x9E, 0xA2)]
+)
 
 # Values that are the default are left out by one side and written by the other, so they are not made here.
-PACKETS: dict[str, st.SearchStrategy[Packet]] = {
+PACKETS: dict[str, st.SearchStrategy[mqtt.Packet]] = {
     "CONNECT": st.builds(
-        Connect,
+        mqtt.Connect,
         TEXT,
-        st.just(ProtocolVersion.V5),
+        st.just(mqtt.ProtocolVersion.V5),
         st.booleans(),
         st.integers(0, 0xFFFF),
         st.none() | TEXT,
         st.none() | st.binary(max_size=8),
-        st.none() | st.builds(Will, TEXT, st.binary(max_size=8), st.integers(0, 2), st.booleans()),
+        st.none() | st.builds(mqtt.Will, TEXT, st.binary(max_size=8), st.integers(0, 2), st.booleans()),
         st.builds(
-            Properties,
+            mqtt.Properties,
             session_expiry_interval=st.none() | SECONDS,
             receive_maximum=st.none() | st.integers(1, 0xFFFE),
             maximum_packet_size=st.none() | SECONDS,
@@ -70,11 +53,13 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
         ),
     ),
     "CONNACK": st.builds(
-        Connack,
+        mqtt.Connack,
         st.just(False),
-        st.sampled_from([ReasonCode.SUCCESS, ReasonCode.BAD_USER_NAME_OR_PASSWORD, ReasonCode.PACKET_TOO_LARGE]),
+        st.sampled_from(
+            [mqtt.ReasonCode.SUCCESS, mqtt.ReasonCode.BAD_USER_NAME_OR_PASSWORD, mqtt.ReasonCode.PACKET_TOO_LARGE]
+        ),
         st.builds(
-            Properties,
+            mqtt.Properties,
             session_expiry_interval=st.none() | SECONDS,
             receive_maximum=st.none() | st.integers(1, 0xFFFE),
             maximum_qos=st.none() | st.integers(0, 1),
@@ -89,7 +74,7 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
         ),
     ),
     "PUBLISH": st.builds(
-        lambda topic, payload, qos, flags, packet_id, properties: Publish(
+        lambda topic, payload, qos, flags, packet_id, properties: mqtt.Publish(
             topic, payload, qos, flags[0], flags[1] and qos > 0, packet_id if qos else None, properties
         ),
         TEXT,
@@ -98,7 +83,7 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
         st.tuples(st.booleans(), st.booleans()),
         IDS,
         st.builds(
-            Properties,
+            mqtt.Properties,
             payload_format_indicator=st.none() | st.just(1),
             message_expiry_interval=st.none() | st.integers(0, 2**32 - 1),
             content_type=st.none() | TEXT,
@@ -108,47 +93,51 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
             user_properties=PAIRS,
         ),
     ),
-    "PUBACK": st.builds(Puback, IDS, PUBLISH_REASONS, WORDS),
-    "PUBREC": st.builds(Pubrec, IDS, PUBLISH_REASONS, WORDS),
-    "PUBREL": st.builds(Pubrel, IDS, RELEASE_REASONS, WORDS),
-    "PUBCOMP": st.builds(Pubcomp, IDS, RELEASE_REASONS, WORDS),
+    "PUBACK": st.builds(mqtt.Puback, IDS, PUBLISH_REASONS, WORDS),
+    "PUBREC": st.builds(mqtt.Pubrec, IDS, PUBLISH_REASONS, WORDS),
+    "PUBREL": st.builds(mqtt.Pubrel, IDS, RELEASE_REASONS, WORDS),
+    "PUBCOMP": st.builds(mqtt.Pubcomp, IDS, RELEASE_REASONS, WORDS),
     "SUBSCRIBE": st.builds(
-        Subscribe,
+        mqtt.Subscribe,
         IDS,
         st.lists(
-            st.builds(MqttSubscription, TEXT, st.integers(0, 2), st.booleans(), st.booleans(), st.integers(0, 2)),
+            st.builds(mqtt.MqttSubscription, TEXT, st.integers(0, 2), st.booleans(), st.booleans(), st.integers(0, 2)),
             min_size=1,
             max_size=3,
         ).map(tuple),
         st.builds(
-            Properties,
+            mqtt.Properties,
             subscription_identifiers=st.just(()) | st.tuples(st.integers(1, 2**28 - 1)),
             user_properties=PAIRS,
         ),
     ),
-    "SUBACK": st.builds(Suback, IDS, st.lists(SUBACK_REASONS, min_size=1, max_size=4).map(tuple), WORDS),
+    "SUBACK": st.builds(mqtt.Suback, IDS, st.lists(SUBACK_REASONS, min_size=1, max_size=4).map(tuple), WORDS),
     "UNSUBSCRIBE": st.builds(
-        Unsubscribe,
+        mqtt.Unsubscribe,
         IDS,
         st.lists(TEXT, min_size=1, max_size=3).map(tuple),
-        st.builds(Properties, user_properties=PAIRS),
+        st.builds(mqtt.Properties, user_properties=PAIRS),
     ),
     "UNSUBACK": st.builds(
-        Unsuback,
+        mqtt.Unsuback,
         IDS,
         st.lists(
-            st.sampled_from([ReasonCode.SUCCESS, ReasonCode.NO_SUBSCRIPTION_EXISTED, ReasonCode.NOT_AUTHORIZED]),
+            st.sampled_from(
+                [mqtt.ReasonCode.SUCCESS, mqtt.ReasonCode.NO_SUBSCRIPTION_EXISTED, mqtt.ReasonCode.NOT_AUTHORIZED]
+            ),
             min_size=1,
         ).map(tuple),
         WORDS,
     ),
-    "PINGREQ": st.just(Pingreq()),
-    "PINGRESP": st.just(Pingresp()),
+    "PINGREQ": st.just(mqtt.Pingreq()),
+    "PINGRESP": st.just(mqtt.Pingresp()),
     "DISCONNECT": st.builds(
-        Disconnect,
-        st.sampled_from([ReasonCode.SUCCESS, ReasonCode.DISCONNECT_WITH_WILL, ReasonCode.SESSION_TAKEN_OVER]),
+        mqtt.Disconnect,
+        st.sampled_from(
+            [mqtt.ReasonCode.SUCCESS, mqtt.ReasonCode.DISCONNECT_WITH_WILL, mqtt.ReasonCode.SESSION_TAKEN_OVER]
+        ),
         st.builds(
-            Properties,
+            mqtt.Properties,
             session_expiry_interval=st.none() | SECONDS,
             reason_string=st.none() | TEXT,
             server_reference=st.none() | TEXT,
@@ -156,10 +145,10 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
         ),
     ),
     "AUTH": st.builds(
-        Auth,
-        st.sampled_from([ReasonCode.CONTINUE_AUTHENTICATION, ReasonCode.REAUTHENTICATE]),
+        mqtt.Auth,
+        st.sampled_from([mqtt.ReasonCode.CONTINUE_AUTHENTICATION, mqtt.ReasonCode.REAUTHENTICATE]),
         st.builds(
-            Properties,
+            mqtt.Properties,
             authentication_method=TEXT,
             authentication_data=st.none() | st.binary(max_size=8),
             reason_string=st.none() | TEXT,
@@ -173,7 +162,7 @@ PACKETS: dict[str, st.SearchStrategy[Packet]] = {
 @given(data=st.data())
 def test_both_agree(name: str, data: st.DataObject) -> None:
     packet = data.draw(PACKETS[name])
-    raw = encode(packet)
+    raw = mqtt.encode(packet)
     theirs, size = mqtt5.read(memoryview(raw))
     assert size == len(raw)
-    assert list(PacketReader().feed(theirs.write())) == [packet]
+    assert list(mqtt.PacketReader().feed(theirs.write())) == [packet]

@@ -7,46 +7,42 @@ from dataclasses import fields
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.mqtt.packets import (
-    NO_PROPERTIES,
-    PacketReader,
-    PacketType,
-    Properties,
-    ProtocolVersion,
-    Publish,
-    encode,
-)
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.packets.primitives import Cursor
 from homebot.mqtt.packets.properties import _TABLE, decode_properties, encode_properties
 
 TOPIC = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0+#"), min_size=1, max_size=8)
 BINARY = st.binary(max_size=8)
-PROPERTIES = st.just(NO_PROPERTIES) | st.builds(Properties, content_type=TOPIC, topic_alias=st.integers(1, 0xFFFF))
-QOS0 = st.builds(Publish, TOPIC, BINARY, st.just(0), st.booleans(), st.just(False), st.none(), PROPERTIES)
+PROPERTIES = st.just(mqtt.NO_PROPERTIES) | st.builds(
+    mqtt.Properties, content_type=TOPIC, topic_alias=st.integers(1, 0xFFFF)
+)
+QOS0 = st.builds(mqtt.Publish, TOPIC, BINARY, st.just(0), st.booleans(), st.just(False), st.none(), PROPERTIES)
 QOS12 = st.builds(
-    Publish, TOPIC, BINARY, st.integers(1, 2), st.booleans(), st.booleans(), st.integers(1, 0xFFFF), PROPERTIES
+    mqtt.Publish, TOPIC, BINARY, st.integers(1, 2), st.booleans(), st.booleans(), st.integers(1, 0xFFFF), PROPERTIES
 )
 
 
-@given(QOS0 | QOS12, st.sampled_from([ProtocolVersion.V31, ProtocolVersion.V311]))
-def test_a_message_survives_older_versions_without_its_properties(packet: Publish, version: ProtocolVersion) -> None:
-    expected = packet._replace(properties=NO_PROPERTIES)
-    assert list(PacketReader(version).feed(encode(packet, version))) == [expected]
+@given(QOS0 | QOS12, st.sampled_from([mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311]))
+def test_a_message_survives_older_versions_without_its_properties(
+    packet: mqtt.Publish, version: mqtt.ProtocolVersion
+) -> None:
+    expected = packet._replace(properties=mqtt.NO_PROPERTIES)
+    assert list(mqtt.PacketReader(version).feed(mqtt.encode(packet, version))) == [expected]
 
 
 def test_a_topic_may_be_longer_than_255_bytes() -> None:
-    packet = Publish("t" * 700, b"x")
-    assert encode(packet)[3:5] == b"\x02\xbc"
-    assert list(PacketReader().feed(encode(packet))) == [packet]
+    packet = mqtt.Publish("t" * 700, b"x")
+    assert mqtt.encode(packet)[3:5] == b"\x02\xbc"
+    assert list(mqtt.PacketReader().feed(mqtt.encode(packet))) == [packet]
 
 
 def test_the_table_has_every_property_once() -> None:
     names = [row.name for row in _TABLE]
-    assert sorted(names) == sorted(field.name for field in fields(Properties))
+    assert sorted(names) == sorted(field.name for field in fields(mqtt.Properties))
     assert len({row.number for row in _TABLE}) == len(_TABLE)
 
 
 def test_a_message_may_carry_several_subscription_identifiers() -> None:
-    properties = Properties(subscription_identifiers=(1, 300, 2**28 - 1))
-    raw = encode_properties(properties, PacketType.PUBLISH)
-    assert decode_properties(Cursor(raw), PacketType.PUBLISH) == properties
+    properties = mqtt.Properties(subscription_identifiers=(1, 300, 2**28 - 1))
+    raw = encode_properties(properties, mqtt.PacketType.PUBLISH)
+    assert decode_properties(Cursor(raw), mqtt.PacketType.PUBLISH) == properties

@@ -11,18 +11,10 @@ from paho.mqtt.enums import CallbackAPIVersion
 from tests.testing.mqtt.conftest import Join
 
 from homebot.errors import InvalidNameError, UsageError
-from homebot.mqtt.packets import (
-    Disconnect,
-    MqttSubscription,
-    Properties,
-    ProtocolVersion,
-    Publish,
-    Subscribe,
-    Will,
-)
+from homebot.mqtt import packets as mqtt
 from homebot.testing.mqtt import BlockingTestBroker, ClientView, RecordedMessage, TestBroker
 
-LAMP = Subscribe(1, (MqttSubscription("lamp/#", 1),))
+LAMP = mqtt.Subscribe(1, (mqtt.MqttSubscription("lamp/#", 1),))
 
 
 async def test_a_published_dict_reaches_subscribers_as_json_with_its_properties(
@@ -30,9 +22,9 @@ async def test_a_published_dict_reaches_subscribers_as_json_with_its_properties(
 ) -> None:
     lamp = await join("lamp")
     await lamp.call(LAMP)
-    await mqtt_broker.publish("lamp/set", {"on": True}, qos=1, properties=Properties(response_topic="answers"))
+    await mqtt_broker.publish("lamp/set", {"on": True}, qos=1, properties=mqtt.Properties(response_topic="answers"))
     message = await lamp.take()
-    assert isinstance(message, Publish)
+    assert isinstance(message, mqtt.Publish)
     assert (message.payload, message.qos, message.properties.response_topic) == (b'{"on": true}', 1, "answers")
 
 
@@ -45,13 +37,13 @@ async def test_publish_refuses_wildcards_and_unknown_qos(mqtt_broker: TestBroker
 
 async def test_expect_returns_what_came_before_and_what_comes_later(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.send(Publish("lamp/state", b"1", retain=True))
+    await lamp.send(mqtt.Publish("lamp/state", b"1", retain=True))
     await mqtt_broker.settle()
     assert await mqtt_broker.expect("lamp/+") == RecordedMessage("lamp/state", b"1", retain=True, client_id="lamp")
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(mqtt_broker.expect, "lamp/state", "2", 5.0)
         await mqtt_broker.settle()
-        await lamp.send(Publish("lamp/state", b"2"))
+        await lamp.send(mqtt.Publish("lamp/state", b"2"))
 
 
 @pytest.mark.parametrize(
@@ -65,13 +57,15 @@ async def test_expect_returns_what_came_before_and_what_comes_later(mqtt_broker:
 )
 async def test_a_payload_may_be_json_text_bytes_or_a_function(mqtt_broker: TestBroker, join: Join, wanted: str) -> None:
     lamp = await join("lamp")
-    await lamp.send(Publish("lamp", b"\xff"), Publish("lamp", b"{"), Publish("lamp", b'{"b":null,"a":[1,2]}'))
+    await lamp.send(
+        mqtt.Publish("lamp", b"\xff"), mqtt.Publish("lamp", b"{"), mqtt.Publish("lamp", b'{"b":null,"a":[1,2]}')
+    )
     assert (await mqtt_broker.expect("lamp", wanted)).json() == {"a": [1, 2], "b": None}
 
 
 async def test_each_message_is_given_out_once_in_its_order(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.send(Publish("lamp", b"1"), Publish("lamp", b"2"))
+    await lamp.send(mqtt.Publish("lamp", b"1"), mqtt.Publish("lamp", b"2"))
     assert (await mqtt_broker.expect("lamp")).text == "1"
     assert (await mqtt_broker.expect("lamp")).text == "2"
     await mqtt_broker.settle()
@@ -79,14 +73,14 @@ async def test_each_message_is_given_out_once_in_its_order(mqtt_broker: TestBrok
 
 
 async def test_the_will_of_a_lost_client_counts_as_published(mqtt_broker: TestBroker, join: Join) -> None:
-    await join("lamp", will=Will("lamp/online", b"no"))
+    await join("lamp", will=mqtt.Will("lamp/online", b"no"))
     await mqtt_broker.faults.drop_connection("lamp")
     assert (await mqtt_broker.expect("lamp/online")).text == "no"
 
 
 async def test_a_failed_expect_shows_other_payloads_and_similar_topics(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.send(Publish("lamp/kitchen/state", b"off"), Publish("lamp/kitchn/state", b"on"))
+    await lamp.send(mqtt.Publish("lamp/kitchen/state", b"off"), mqtt.Publish("lamp/kitchn/state", b"on"))
     await mqtt_broker.settle()
     with pytest.raises(AssertionError) as caught:
         await mqtt_broker.expect("lamp/kitchen/state", "on", timeout=0.05)
@@ -101,7 +95,7 @@ async def test_a_failed_expect_shows_other_payloads_and_similar_topics(mqtt_brok
 
 async def test_a_failed_expect_shows_what_was_taken_already(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.send(Publish("lamp", b"on"))
+    await lamp.send(mqtt.Publish("lamp", b"on"))
     await mqtt_broker.expect("lamp")
     with pytest.raises(AssertionError, match=r"(?s)an earlier expect\(\) has taken already:.*lamp 'on'"):
         await mqtt_broker.expect("lamp", timeout=0.01)
@@ -119,10 +113,10 @@ async def test_settle_waits_for_a_chain_of_answers(mqtt_broker: TestBroker, join
     heard: list[int] = []
 
     async def count_down() -> None:
-        while (packet := await lamp.take()) and isinstance(packet, Publish):
+        while (packet := await lamp.take()) and isinstance(packet, mqtt.Publish):
             heard.append(int(packet.payload))
             if heard[-1]:
-                await lamp.send(Publish("lamp", b"%d" % (heard[-1] - 1)))
+                await lamp.send(mqtt.Publish("lamp", b"%d" % (heard[-1] - 1)))
 
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(count_down)
@@ -137,10 +131,10 @@ async def test_settle_waits_for_a_chain_of_answers(mqtt_broker: TestBroker, join
 
 
 async def test_clients_shows_who_is_there_and_whose_session_waits(mqtt_broker: TestBroker, join: Join) -> None:
-    lamp = await join("lamp", ProtocolVersion.V311, clean_start=False)
+    lamp = await join("lamp", mqtt.ProtocolVersion.V311, clean_start=False)
     await lamp.call(LAMP)
     assert mqtt_broker.clients == {"lamp": ClientView("lamp", True, frozenset({"lamp/#"}), "3.1.1", 0)}
-    await lamp.send(Disconnect())
+    await lamp.send(mqtt.Disconnect())
     with pytest.raises(EOFError):
         await lamp.take()
     await mqtt_broker.publish("lamp/set", "on", qos=1)
@@ -150,7 +144,7 @@ async def test_clients_shows_who_is_there_and_whose_session_waits(mqtt_broker: T
 @pytest.mark.parametrize("keep", [True, False])
 async def test_a_restart_keeps_port_and_if_wanted_sessions(mqtt_broker: TestBroker, join: Join, *, keep: bool) -> None:
     url = mqtt_broker.url
-    lamp = await join("lamp", ProtocolVersion.V311, clean_start=False)
+    lamp = await join("lamp", mqtt.ProtocolVersion.V311, clean_start=False)
     await mqtt_broker.restart(keep_sessions=keep)
     with pytest.raises(EOFError):
         await lamp.take()
@@ -162,7 +156,7 @@ async def test_a_restart_keeps_port_and_if_wanted_sessions(mqtt_broker: TestBrok
 async def test_the_packet_log_is_in_words_and_without_passwords(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp", username="u", password=b"hush")
     await lamp.call(LAMP)
-    await lamp.call(Publish("lamp", b"on", 1, packet_id=7))
+    await lamp.call(mqtt.Publish("lamp", b"on", 1, packet_id=7))
     lines = [line.split("s  ", 1)[1].split(None, 1)[1] for line in mqtt_broker.packet_log.text().splitlines()]
     assert lines[0] == "→  CONNECT 'lamp' MQTT 5, clean start, keep-alive 60 s, user 'u'"
     assert lines[2:5] == [

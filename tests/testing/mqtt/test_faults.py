@@ -9,29 +9,16 @@ import pytest
 from tests.testing.mqtt.conftest import Join
 
 from homebot.errors import InvalidNameError, UsageError
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerLimits
-from homebot.mqtt.packets import (
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Pingreq,
-    Pingresp,
-    ProtocolVersion,
-    Puback,
-    Publish,
-    ReasonCode,
-    Suback,
-    Subscribe,
-    encode,
-)
 from homebot.testing.mqtt import BlockingTestBroker, BrokerSettings, TestBroker, broker_thread, serve_broker
 
-V311 = ProtocolVersion.V311
+V311 = mqtt.ProtocolVersion.V311
 SMALL = BrokerSettings(limits=BrokerLimits(write_buffer=1000))
 
 
-def message(number: int, topic: str = "lamp") -> Publish:
-    return Publish(topic, b"on", 1, packet_id=number)
+def message(number: int, topic: str = "lamp") -> mqtt.Publish:
+    return mqtt.Publish(topic, b"on", 1, packet_id=number)
 
 
 async def test_a_dropped_connection_ends_without_a_disconnect(mqtt_broker: TestBroker, join: Join) -> None:
@@ -49,10 +36,10 @@ async def test_only_connected_clients_can_be_dropped(mqtt_broker: TestBroker, jo
 
 async def test_a_client_is_sent_away_with_a_reason(mqtt_broker: TestBroker, join: Join) -> None:
     lamp, door = await join("lamp"), await join("door")
-    await mqtt_broker.faults.disconnect("lamp", ReasonCode.SERVER_BUSY)
+    await mqtt_broker.faults.disconnect("lamp", mqtt.ReasonCode.SERVER_BUSY)
     await mqtt_broker.faults.take_over("door")
-    assert await lamp.take() == Disconnect(ReasonCode.SERVER_BUSY)
-    assert await door.take() == Disconnect(ReasonCode.SESSION_TAKEN_OVER)
+    assert await lamp.take() == mqtt.Disconnect(mqtt.ReasonCode.SERVER_BUSY)
+    assert await door.take() == mqtt.Disconnect(mqtt.ReasonCode.SESSION_TAKEN_OVER)
 
 
 async def test_dropped_acknowledgements_concern_one_client_and_end_with_the_block(
@@ -60,35 +47,38 @@ async def test_dropped_acknowledgements_concern_one_client_and_end_with_the_bloc
 ) -> None:
     lamp, door = await join("lamp"), await join("door")
     with mqtt_broker.faults.drop_acks("lamp") as fault:
-        await lamp.send(message(1), Pingreq())
-        assert await lamp.take() == Pingresp()
-        assert isinstance(await door.call(message(1)), Puback)
+        await lamp.send(message(1), mqtt.Pingreq())
+        assert await lamp.take() == mqtt.Pingresp()
+        assert isinstance(await door.call(message(1)), mqtt.Puback)
         assert fault.hits == 1
-    assert isinstance(await lamp.call(message(2)), Puback)
+    assert isinstance(await lamp.call(message(2)), mqtt.Puback)
     assert (await mqtt_broker.expect("lamp")).client_id == "lamp"
 
 
 async def test_delayed_acknowledgements_are_overtaken(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
     with mqtt_broker.faults.delay_acks(0.02):
-        await lamp.send(message(1), Pingreq())
-        assert [await lamp.take(), await lamp.take()] == [Pingresp(), Puback(1, ReasonCode.NO_MATCHING_SUBSCRIBERS)]
+        await lamp.send(message(1), mqtt.Pingreq())
+        assert [await lamp.take(), await lamp.take()] == [
+            mqtt.Pingresp(),
+            mqtt.Puback(1, mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS),
+        ]
 
 
 async def test_a_refused_subscription_is_answered_with_the_reason(mqtt_broker: TestBroker, join: Join) -> None:
     lamp, door = await join("lamp"), await join("door")
-    request = Subscribe(1, (MqttSubscription("a"), MqttSubscription("b")))
-    with mqtt_broker.faults.refuse_subscribe("a", "lamp", ReasonCode.QUOTA_EXCEEDED):
-        assert await lamp.call(request) == Suback(1, (ReasonCode.QUOTA_EXCEEDED, ReasonCode.SUCCESS))
-        assert await door.call(request) == Suback(1, (ReasonCode.SUCCESS, ReasonCode.SUCCESS))
-    assert await lamp.call(request) == Suback(1, (ReasonCode.SUCCESS, ReasonCode.SUCCESS))
+    request = mqtt.Subscribe(1, (mqtt.MqttSubscription("a"), mqtt.MqttSubscription("b")))
+    with mqtt_broker.faults.refuse_subscribe("a", "lamp", mqtt.ReasonCode.QUOTA_EXCEEDED):
+        assert await lamp.call(request) == mqtt.Suback(1, (mqtt.ReasonCode.QUOTA_EXCEEDED, mqtt.ReasonCode.SUCCESS))
+        assert await door.call(request) == mqtt.Suback(1, (mqtt.ReasonCode.SUCCESS, mqtt.ReasonCode.SUCCESS))
+    assert await lamp.call(request) == mqtt.Suback(1, (mqtt.ReasonCode.SUCCESS, mqtt.ReasonCode.SUCCESS))
 
 
 async def test_a_refused_message_is_answered_and_not_forwarded(mqtt_broker: TestBroker, join: Join) -> None:
     lamp, old = await join("lamp"), await join("old", V311)
     with mqtt_broker.faults.refuse_publish("lamp/+") as fault:
-        assert await lamp.call(message(1, "lamp/a")) == Puback(1, ReasonCode.NOT_AUTHORIZED)
-        assert await old.call(message(1, "lamp/a")) == Puback(1)
+        assert await lamp.call(message(1, "lamp/a")) == mqtt.Puback(1, mqtt.ReasonCode.NOT_AUTHORIZED)
+        assert await old.call(message(1, "lamp/a")) == mqtt.Puback(1)
         await lamp.call(message(2, "lamp"))
         assert fault.hits == 2
     await mqtt_broker.expect("lamp")
@@ -97,35 +87,35 @@ async def test_a_refused_message_is_answered_and_not_forwarded(mqtt_broker: Test
 
 async def test_half_a_packet_comes_and_then_the_end(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.call(Subscribe(1, (MqttSubscription("lamp"),)))
+    await lamp.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("lamp"),)))
     fault = mqtt_broker.faults.half_packet("lamp")
     await mqtt_broker.publish("lamp", "0123456789")
     with pytest.raises(EOFError):
         await lamp.take()
-    whole = encode(Publish("lamp", b"0123456789"))
+    whole = mqtt.encode(mqtt.Publish("lamp", b"0123456789"))
     assert lamp.unread == whole[: len(whole) // 2]
     assert fault.hits == 1
     again = await join("lamp")
-    assert await again.call(Pingreq()) == Pingresp()
+    assert await again.call(mqtt.Pingreq()) == mqtt.Pingresp()
 
 
 async def test_a_slow_reader_gets_everything_that_must_come_when_it_reads_again(
     mqtt_broker: TestBroker, join: Join
 ) -> None:
     lamp = await join("lamp")
-    await lamp.call(Subscribe(1, (MqttSubscription("lamp", 1),)))
+    await lamp.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("lamp", 1),)))
     with mqtt_broker.faults.slow_reader("lamp"):
         for number in range(100):
             await mqtt_broker.publish("lamp", str(number), qos=1)
         await mqtt_broker.publish("lamp", "lost", qos=0)
         assert mqtt_broker.clients["lamp"].queued == 100
-        await lamp.send(Pingreq())
+        await lamp.send(mqtt.Pingreq())
     got: list[int] = []
     while len(got) < 100:
         packet = await lamp.take()
-        if isinstance(packet, Publish) and packet.packet_id:
+        if isinstance(packet, mqtt.Publish) and packet.packet_id:
             got.append(int(packet.payload))
-            await lamp.send(Puback(packet.packet_id))
+            await lamp.send(mqtt.Puback(packet.packet_id))
     assert got == list(range(100))
 
 
@@ -138,7 +128,7 @@ def tight_broker() -> Iterator[TestBroker]:
 async def test_a_slow_reader_that_goes_on_asking_is_cut_off_before_memory_is_full(tight_broker: TestBroker) -> None:
     tight_broker.faults.slow_reader("lamp")
     async with await anyio.connect_tcp(tight_broker.host, tight_broker.port) as stream:
-        await stream.send(encode(Connect("lamp")) + encode(Pingreq()) * 501)
+        await stream.send(mqtt.encode(mqtt.Connect("lamp")) + mqtt.encode(mqtt.Pingreq()) * 501)
         with pytest.raises((anyio.EndOfStream, anyio.BrokenResourceError)):
             await stream.receive()
     assert "fault: connection dropped" in tight_broker.packet_log.text()
@@ -153,7 +143,7 @@ async def test_a_refusal_needs_a_filter_and_a_reason_that_fails(mqtt_broker: Tes
     with pytest.raises(InvalidNameError):
         mqtt_broker.faults.refuse_publish("a/#/b")
     with pytest.raises(UsageError, match="refuses nothing"):
-        mqtt_broker.faults.refuse_subscribe("a", reason=ReasonCode.SUCCESS)
+        mqtt_broker.faults.refuse_subscribe("a", reason=mqtt.ReasonCode.SUCCESS)
 
 
 async def test_all_faults_end_together(mqtt_broker: TestBroker, join: Join) -> None:
@@ -161,7 +151,7 @@ async def test_all_faults_end_together(mqtt_broker: TestBroker, join: Join) -> N
     mqtt_broker.faults.drop_acks()
     mqtt_broker.faults.refuse_subscribe("a")
     mqtt_broker.faults.lift_all()
-    assert isinstance(await lamp.call(message(1)), Puback)
+    assert isinstance(await lamp.call(message(1)), mqtt.Puback)
 
 
 def test_blocking_tests_have_the_same_faults(mqtt_broker_thread: BlockingTestBroker) -> None:

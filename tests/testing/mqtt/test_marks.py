@@ -9,20 +9,10 @@ import anyio
 import pytest
 from tests.testing.mqtt.conftest import Join
 
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
 from homebot.mqtt.options import MqttOptions
-from homebot.mqtt.packets import (
-    Connack,
-    Connect,
-    MqttSubscription,
-    Pingresp,
-    ProtocolVersion,
-    Publish,
-    ReasonCode,
-    Suback,
-    Subscribe,
-)
 from homebot.testing.mqtt import BlockingTestBroker, TestBroker
 
 
@@ -62,27 +52,31 @@ async def test_without_tls_there_is_no_authority(mqtt_broker: TestBroker) -> Non
 @pytest.mark.mqtt_broker(keep_alive=7, refuse_filter="secret/#", limits=BrokerLimits(receive_maximum=3))
 async def test_keep_alive_filters_and_limits_are_those_of_the_mark(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    answer = await lamp.call(Subscribe(1, (MqttSubscription("secret/#", 0), MqttSubscription("t", 0))))
-    assert answer == Suback(1, (ReasonCode.UNSPECIFIED_ERROR, ReasonCode.SUCCESS))
-    welcome = next(each.what for each in mqtt_broker.packet_log.records if isinstance(each.what, Connack))
+    answer = await lamp.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("secret/#", 0), mqtt.MqttSubscription("t", 0))))
+    assert answer == mqtt.Suback(1, (mqtt.ReasonCode.UNSPECIFIED_ERROR, mqtt.ReasonCode.SUCCESS))
+    welcome = next(each.what for each in mqtt_broker.packet_log.records if isinstance(each.what, mqtt.Connack))
     assert (welcome.properties.server_keep_alive, welcome.properties.receive_maximum) == (7, 3)
 
 
 @pytest.mark.mqtt_broker(refuse_filter="a")
 async def test_a_fault_comes_before_the_filters_of_the_mark(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    with mqtt_broker.faults.refuse_subscribe("a", reason=ReasonCode.QUOTA_EXCEEDED):
-        assert await lamp.call(Subscribe(1, (MqttSubscription("a", 0),))) == Suback(1, (ReasonCode.QUOTA_EXCEEDED,))
-    assert await lamp.call(Subscribe(2, (MqttSubscription("a", 0),))) == Suback(2, (ReasonCode.UNSPECIFIED_ERROR,))
+    with mqtt_broker.faults.refuse_subscribe("a", reason=mqtt.ReasonCode.QUOTA_EXCEEDED):
+        assert await lamp.call(mqtt.Subscribe(1, (mqtt.MqttSubscription("a", 0),))) == mqtt.Suback(
+            1, (mqtt.ReasonCode.QUOTA_EXCEEDED,)
+        )
+    assert await lamp.call(mqtt.Subscribe(2, (mqtt.MqttSubscription("a", 0),))) == mqtt.Suback(
+        2, (mqtt.ReasonCode.UNSPECIFIED_ERROR,)
+    )
 
 
 @pytest.mark.mqtt_broker(allow_protocol_errors=True)
 async def test_a_breach_is_kept_with_its_client_and_reason(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
-    await lamp.send(Pingresp())
+    await lamp.send(mqtt.Pingresp())
     await lamp.take()
     (breach,) = mqtt_broker.protocol_errors
-    assert (breach.client, breach.reason) == ("lamp", ReasonCode.PROTOCOL_ERROR)
+    assert (breach.client, breach.reason) == ("lamp", mqtt.ReasonCode.PROTOCOL_ERROR)
     assert str(breach) == ("client 'lamp' broke the protocol: a client must not send Pingresp (0x82, protocol error)")
     mqtt_broker.forget_protocol_errors()
     assert mqtt_broker.protocol_errors == ()
@@ -91,9 +85,9 @@ async def test_a_breach_is_kept_with_its_client_and_reason(mqtt_broker: TestBrok
 async def test_what_a_fault_led_to_is_no_breach(mqtt_broker: TestBroker, join: Join) -> None:
     lamp = await join("lamp")
     with mqtt_broker.faults.drop_acks("lamp"):
-        await lamp.send(Publish("t", b"on", 1, packet_id=1))
+        await lamp.send(mqtt.Publish("t", b"on", 1, packet_id=1))
         await mqtt_broker.expect("t")
-    await lamp.send(Pingresp())
+    await lamp.send(mqtt.Pingresp())
     await lamp.take()
     assert mqtt_broker.protocol_errors == ()
 
@@ -109,7 +103,7 @@ async def test_a_version_that_the_broker_does_not_speak_is_no_breach(mqtt_broker
 async def test_many_breaches_are_kept_in_part_and_counted(mqtt_broker: TestBroker, join: Join) -> None:
     for number in range(22):
         client = await join(f"c{number}")
-        await client.send(Connect("again", ProtocolVersion.V5))
+        await client.send(mqtt.Connect("again", mqtt.ProtocolVersion.V5))
         await client.take()
     assert [each.client for each in mqtt_broker.protocol_errors] == [f"c{number}" for number in range(20)]
     assert mqtt_broker._core.breaches.untold == 2

@@ -7,25 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState, RefusedFilters
-from homebot.mqtt.packets import (
-    NO_PROPERTIES,
-    Connack,
-    Connect,
-    Disconnect,
-    MqttSubscription,
-    Packet,
-    Properties,
-    ProtocolVersion,
-    Puback,
-    Pubcomp,
-    Publish,
-    Pubrec,
-    Pubrel,
-    Suback,
-    Subscribe,
-    Will,
-)
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conftest import MemoryClient, NewState, Stranger
@@ -40,23 +23,23 @@ class Talker:
 
     def __init__(self, client: MemoryClient) -> None:
         self.client = client
-        self.messages: list[Publish] = []
-        self.others: list[Packet] = []
+        self.messages: list[mqtt.Publish] = []
+        self.others: list[mqtt.Packet] = []
         self.deaf = False
-        self._open: dict[int | None, Publish] = {}
+        self._open: dict[int | None, mqtt.Publish] = {}
         self._last_id = 0
 
     @property
-    def connack(self) -> Connack:
+    def connack(self) -> mqtt.Connack:
         """What the login was answered with."""
-        (connack,) = [packet for packet in self.others if isinstance(packet, Connack)]
+        (connack,) = [packet for packet in self.others if isinstance(packet, mqtt.Connack)]
         return connack
 
     @property
     def payloads(self) -> list[bytes]:
         return [message.payload for message in self.messages]
 
-    def send(self, *packets: Packet) -> None:
+    def send(self, *packets: mqtt.Packet) -> None:
         self.client.send(*packets)
         self.settle()
 
@@ -65,18 +48,18 @@ class Talker:
         while any(talker._take() for talker in (self, *others)):
             pass
 
-    def subscribe(self, *requests: MqttSubscription | str, qos: int = 2, identifier: int = 0) -> Suback:
-        filters = tuple(MqttSubscription(each, qos) if isinstance(each, str) else each for each in requests)
-        properties = Properties(subscription_identifiers=(identifier,)) if identifier else NO_PROPERTIES
-        self.send(Subscribe(self._next_id(), filters, properties))
-        return [packet for packet in self.others if isinstance(packet, Suback)][-1]
+    def subscribe(self, *requests: mqtt.MqttSubscription | str, qos: int = 2, identifier: int = 0) -> mqtt.Suback:
+        filters = tuple(mqtt.MqttSubscription(each, qos) if isinstance(each, str) else each for each in requests)
+        properties = mqtt.Properties(subscription_identifiers=(identifier,)) if identifier else mqtt.NO_PROPERTIES
+        self.send(mqtt.Subscribe(self._next_id(), filters, properties))
+        return [packet for packet in self.others if isinstance(packet, mqtt.Suback)][-1]
 
     def publish(
         self, topic: str, payload: bytes = b"x", qos: int = 0, *, retain: bool = False, **properties: object
     ) -> None:
         packet_id = self._next_id() if qos else None
-        extra = Properties(**properties) if properties else NO_PROPERTIES  # type: ignore[arg-type] # names of properties
-        self.send(Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))
+        extra = mqtt.Properties(**properties) if properties else mqtt.NO_PROPERTIES  # type: ignore[arg-type] # names of properties
+        self.send(mqtt.Publish(topic, payload, qos, retain, packet_id=packet_id, properties=extra))
 
     def publish_each_qos(self, topic: str, **properties: object) -> None:
         """Three messages: payload and QoS are 0, 1 and 2."""
@@ -85,13 +68,13 @@ class Talker:
 
     def leave(self, **properties: object) -> None:
         """Disconnect as one should."""
-        self.send(Disconnect(properties=Properties(**properties)))  # type: ignore[arg-type] # names of properties
+        self.send(mqtt.Disconnect(properties=mqtt.Properties(**properties)))  # type: ignore[arg-type] # names of properties
         self.client.peer.lost()
 
-    def ended_with(self) -> list[Disconnect]:
+    def ended_with(self) -> list[mqtt.Disconnect]:
         """The goodbyes of the broker, once it has closed the connection."""
         assert self.client.link.closed
-        return [packet for packet in self.others if isinstance(packet, Disconnect)]
+        return [packet for packet in self.others if isinstance(packet, mqtt.Disconnect)]
 
     def _next_id(self) -> int:
         self._last_id += 1
@@ -103,20 +86,20 @@ class Talker:
             self._answer(packet)
         return bool(packets)
 
-    def _answer(self, packet: Packet) -> None:
-        if isinstance(packet, Publish):
+    def _answer(self, packet: mqtt.Packet) -> None:
+        if isinstance(packet, mqtt.Publish):
             if packet.qos == 2:
                 self._open[packet.packet_id] = packet
-                self.client.send(Pubrec(packet.packet_id or 0))
+                self.client.send(mqtt.Pubrec(packet.packet_id or 0))
                 return
             self.messages.append(packet)
             if packet.qos:
-                self.client.send(Puback(packet.packet_id or 0))
-        elif isinstance(packet, Pubrel):
+                self.client.send(mqtt.Puback(packet.packet_id or 0))
+        elif isinstance(packet, mqtt.Pubrel):
             self.messages.append(self._open.pop(packet.packet_id))
-            self.client.send(Pubcomp(packet.packet_id))
-        elif isinstance(packet, Pubrec):
-            self.client.send(Pubrel(packet.packet_id))
+            self.client.send(mqtt.Pubcomp(packet.packet_id))
+        elif isinstance(packet, mqtt.Pubrec):
+            self.client.send(mqtt.Pubrel(packet.packet_id))
         else:
             self.others.append(packet)
 
@@ -136,17 +119,17 @@ def meet(stranger: Stranger) -> Meet:
 
     def make(
         client_id: str = "a",
-        version: ProtocolVersion = ProtocolVersion.V5,
+        version: mqtt.ProtocolVersion = mqtt.ProtocolVersion.V5,
         *,
         clean: bool = True,
         keep_alive: int = 0,
-        will: Will | None = None,
+        will: mqtt.Will | None = None,
         is_bridge: bool = False,
         **properties: object,
     ) -> Talker:
         talker = Talker(stranger(version))
-        wanted = Properties(**properties)  # type: ignore[arg-type] # names of properties
-        connect = Connect(client_id, version, clean, keep_alive, will=will, properties=wanted, is_bridge=is_bridge)
+        wanted = mqtt.Properties(**properties)  # type: ignore[arg-type] # names of properties
+        connect = mqtt.Connect(client_id, version, clean, keep_alive, will=will, properties=wanted, is_bridge=is_bridge)
         talker.send(connect)
         return talker
 

@@ -7,16 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import Broker
-from homebot.mqtt.packets import (
-    Disconnect,
-    MqttSubscription,
-    Properties,
-    Publish,
-    Pubrec,
-    ReasonCode,
-    Will,
-)
 
 if TYPE_CHECKING:
     from tests.mqtt.broker.conformance.conftest import Meet
@@ -37,20 +29,20 @@ def test_retained_messages_come_at_their_qos_with_their_user_properties(meet: Me
 
 
 def test_will_message_comes_with_its_properties_when_the_keep_alive_runs_out(meet: Meet, pass_time: PassTime) -> None:
-    will = Will("hall", b"gone", 2, False, Properties(will_delay_interval=0, user_properties=PAIRS))
+    will = mqtt.Will("hall", b"gone", 2, False, mqtt.Properties(will_delay_interval=0, user_properties=PAIRS))
     silent, watcher = meet("a", keep_alive=2, will=will), meet("b", clean=False)
     watcher.subscribe("hall")
     pass_time(3.1)
     watcher.settle()
     silent.settle()
-    assert [goodbye.reason for goodbye in silent.ended_with()] == [ReasonCode.KEEP_ALIVE_TIMEOUT]
+    assert [goodbye.reason for goodbye in silent.ended_with()] == [mqtt.ReasonCode.KEEP_ALIVE_TIMEOUT]
     assert watcher.payloads == [b"gone"]
     assert watcher.messages[0].properties.user_properties == PAIRS
 
 
 @pytest.mark.parametrize("clean", [True, False])
 def test_zero_length_client_id_is_let_in(meet: Meet, *, clean: bool) -> None:
-    assert meet("", clean=clean).connack.reason is ReasonCode.SUCCESS
+    assert meet("", clean=clean).connack.reason is mqtt.ReasonCode.SUCCESS
 
 
 def test_assigned_client_id_is_told(meet: Meet) -> None:
@@ -103,7 +95,7 @@ def test_subscribe_options_retain_handling(meet: Meet, handling: int, first: int
     counts = []
     for _ in range(2):
         client.messages.clear()
-        client.subscribe(MqttSubscription("hall/+", 2, retain_handling=handling))
+        client.subscribe(mqtt.MqttSubscription("hall/+", 2, retain_handling=handling))
         counts.append(len(client.messages))
     assert counts == [first, second]
 
@@ -132,7 +124,7 @@ def test_client_topic_alias_stands_for_its_topic_until_the_connection_ends(meet:
     client.publish("hall", b"3", 1)
     assert client.payloads == [b"3"]
     client.publish("", b"4", 1, topic_alias=1)
-    assert [goodbye.reason for goodbye in client.ended_with()] == [ReasonCode.PROTOCOL_ERROR]
+    assert [goodbye.reason for goodbye in client.ended_with()] == [mqtt.ReasonCode.PROTOCOL_ERROR]
 
 
 @pytest.mark.parametrize("properties", [{}, {"topic_alias_maximum": 0}])
@@ -153,18 +145,20 @@ async def test_flow_control_2_the_reason_reaches_a_client_that_only_sends(dial: 
     async with Broker() as broker:
         client = await dial(broker)
         maximum = 1024
-        await client.send(*(Publish("hall", b"x", 2, packet_id=number + 1) for number in range(maximum + 1)))
+        await client.send(*(mqtt.Publish("hall", b"x", 2, packet_id=number + 1) for number in range(maximum + 1)))
         *answers, goodbye = await client.rest()
-        assert answers == [Pubrec(number + 1, ReasonCode.NO_MATCHING_SUBSCRIBERS) for number in range(maximum)]
-        assert isinstance(goodbye, Disconnect)
-        assert goodbye.reason is ReasonCode.RECEIVE_MAXIMUM_EXCEEDED
+        assert answers == [
+            mqtt.Pubrec(number + 1, mqtt.ReasonCode.NO_MATCHING_SUBSCRIBERS) for number in range(maximum)
+        ]
+        assert isinstance(goodbye, mqtt.Disconnect)
+        assert goodbye.reason is mqtt.ReasonCode.RECEIVE_MAXIMUM_EXCEEDED
 
 
 @pytest.mark.parametrize(("delay", "expiry", "seconds"), [(3, 5, 3), (5, 0, 0), (5, 2, 2)])
 def test_will_delay_is_cut_short_by_the_end_of_the_session(
     meet: Meet, pass_time: PassTime, delay: int, expiry: int, seconds: int
 ) -> None:
-    will = Will("hall", b"gone", 2, False, Properties(will_delay_interval=delay))
+    will = mqtt.Will("hall", b"gone", 2, False, mqtt.Properties(will_delay_interval=delay))
     client, watcher = meet("a", will=will, session_expiry_interval=expiry), meet("b")
     watcher.subscribe("hall")
     client.client.lose()
