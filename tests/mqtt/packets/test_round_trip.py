@@ -6,23 +6,17 @@ from dataclasses import fields
 
 from hypothesis import given
 from hypothesis import strategies as st
+from tests.mqtt.packets.test_every_type_against_mqtt5 import PACKETS
 
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.packets.primitives import Cursor
 from homebot.mqtt.packets.properties import _TABLE, decode_properties, encode_properties
 
-TOPIC = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0+#"), min_size=1, max_size=8)
-BINARY = st.binary(max_size=8)
-PROPERTIES = st.just(mqtt.NO_PROPERTIES) | st.builds(
-    mqtt.Properties, content_type=TOPIC, topic_alias=st.integers(1, 0xFFFF)
-)
-QOS0 = st.builds(mqtt.Publish, TOPIC, BINARY, st.just(0), st.booleans(), st.just(False), st.none(), PROPERTIES)
-QOS12 = st.builds(
-    mqtt.Publish, TOPIC, BINARY, st.integers(1, 2), st.booleans(), st.booleans(), st.integers(1, 0xFFFF), PROPERTIES
-)
 
-
-@given(QOS0 | QOS12, st.sampled_from([mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311]))
+@given(
+    PACKETS["PUBLISH"],
+    st.sampled_from([mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311]),
+)
 def test_a_message_survives_older_versions_without_its_properties(
     packet: mqtt.Publish, version: mqtt.ProtocolVersion
 ) -> None:
