@@ -6,10 +6,11 @@ import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, obey_after, report
 from tests.control.test_journal import kinds, read
+from tests.control.test_motors import Step, on_the_way
 
 from homebot.clock import LoopClock
 from homebot.devices import Device, GatewayNames, RawCommand
-from homebot.devices.handles import Light
+from homebot.devices.handles import Light, WindowCovering
 from homebot.devices.journal_messages import JournalEntry
 
 pytestmark = pytest.mark.virtual_time
@@ -51,6 +52,36 @@ async def test_what_a_command_does_is_explained_and_what_comes_later_is_not(home
     await anyio.sleep(30)
     await home.report("lamp", "on_off", False)
     assert len(await changes(home)) == 1
+
+
+@pytest.mark.parametrize(
+    "arrival",
+    [
+        pytest.param([(10.0, {"movement": "open", "position": 50.0})], id="Home Assistant: open, and its position"),
+        pytest.param([(10.0, {"movement": "stopped"}), (10.4, {"position": 50.0})], id="Shelly: stopped, then where"),
+        pytest.param([(10.0, {"position": 50.0}), (10.4, {"movement": "stopped"})], id="Tasmota: where, then stopped"),
+    ],
+)
+async def test_a_cover_that_rests_where_it_was_sent_is_explained(home: Home, arrival: list[Step]) -> None:
+    home.put("cover", "window_covering", "movement", "position")
+    await home.gateway.devices.report("cover", {"movement": "closed", "position": 0.0})
+    await anyio.sleep(1)
+    home.behaviours["cover"] = on_the_way((0.5, {"movement": "opening"}), *arrival)
+    assert (await (await home.handle(WindowCovering)).set_position(50)).succeeded
+    assert await changes(home) == []
+    await anyio.sleep(10)
+    await home.report("cover", "movement", "closed")
+    assert [one.settings[0].value.plain() for one in await changes(home)] == ["closed"]
+
+
+async def test_a_cover_that_stops_elsewhere_was_stopped(home: Home) -> None:
+    home.put("cover", "window_covering", "movement", "position")
+    await home.gateway.devices.report("cover", {"movement": "closed", "position": 0.0})
+    await anyio.sleep(1)
+    stop: Step = (5.0, {"movement": "stopped", "position": 20.0})
+    home.behaviours["cover"] = on_the_way((0.5, {"movement": "opening"}), stop)
+    assert not (await (await home.handle(WindowCovering)).set_position(50)).succeeded
+    assert [one.settings[0].value.plain() for one in await changes(home)] == ["stopped"]
 
 
 async def test_a_sensor_needs_no_reason(home: Home) -> None:

@@ -9,6 +9,7 @@ from typing import Final, NamedTuple
 from homebot.control import durations
 from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
+from homebot.control.values import STOPPED
 
 __all__ = ["Attribution", "Cause", "cause_of", "cause_of_undoing"]
 
@@ -48,6 +49,9 @@ class Attribution(NamedTuple):
 
 
 _OF_ROLE: Final = {ReportRole.EFFECT: Cause.COMMAND, ReportRole.ECHO: Cause.ECHO, ReportRole.STEP: Cause.TRANSITION}
+_RESTS: Final = frozenset({"open", "closed", STOPPED})
+"""States of a motor that rests."""
+
 _NO_COMMAND: Final = Attribution(Cause.PERSON)
 _NOT_KNOWN: Final = Attribution(Cause.UNKNOWN)
 
@@ -92,6 +96,10 @@ def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause 
         return Cause.UNKNOWN
     if role is ReportRole.AGREES and (command.is_open or fact.at - _last_sign(command) <= durations.CAME_ALONG):
         return Cause.COMMAND
+    if role is ReportRole.ASIDE and fact.value in _RESTS:
+        # A cover that arrives at half is open, has stopped, or was closed until it tells its position.
+        is_arrival = any(abs(fact.at - arrived) <= durations.CAME_ALONG for arrived in command.met_times)
+        return Cause.COMMAND if is_arrival else None
     return None
 
 
