@@ -29,7 +29,6 @@ from homebot.support.numbers import to_number
 
 __all__ = [
     "LIGHT_CAPABILITIES",
-    "LightAbility",
     "LightCommand",
     "LightFeatures",
     "Publish",
@@ -82,6 +81,9 @@ class LightCommand(NamedTuple):
         return None if self.white is None else int(self.white)
 
 
+Ability: TypeAlias = tuple[tuple[float, ...], tuple[str, ...]]
+_PLAIN: Ability = (), ()
+
 Publish: TypeAlias = Callable[[LightCommand], Publications]
 
 
@@ -95,14 +97,6 @@ class WhiteRange(NamedTuple):
 
     kelvins: KelvinRange
     bounds: tuple[float, ...]
-
-
-class LightAbility(NamedTuple):
-    """A capability of a lamp."""
-
-    name: str
-    bounds: tuple[float, ...] = ()
-    options: tuple[str, ...] = ()
 
 
 @dataclass(slots=True)
@@ -138,22 +132,22 @@ class LightFeatures:
         self.has_effect = self.any_effect or bool(self.effects)
         self.color_mode = next((mode for mode in _PREFERRED if mode in self.modes), "")
 
-    def abilities(self) -> list[LightAbility]:
-        """Return its capabilities."""
-        found = [LightAbility("on_off")]
+    def abilities(self) -> dict[str, Ability]:
+        """Return the bounds and the options of its capabilities, by name."""
+        found: dict[str, Ability] = {"on_off": _PLAIN}
         if self.has_level:
-            found.append(LightAbility("level"))
+            found["level"] = _PLAIN
         if self.has_white:
-            found.append(LightAbility("color_temperature", bounds=self.white.bounds))
+            found["color_temperature"] = self.white.bounds, ()
         if self.color_mode:
-            found.append(LightAbility("color"))
+            found["color"] = _PLAIN
         if self.has_effect:
-            found.append(LightAbility("effect", options=self.effects))
+            found["effect"] = (), self.effects
         return found
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
-        for name, bounds, options in self.abilities():
+        for name, (bounds, options) in self.abilities().items():
             part.add_capability(
                 name,
                 readable=name in readable,
@@ -168,7 +162,7 @@ class LightFeatures:
         Raises:
             RefusedError: The lamp lacks the capability, or the value or the transition is out of its bounds.
         """
-        names = [one.name for one in self.abilities()]
+        names = self.abilities()
         if capability not in names:
             raise RefusedError(shown(capability), f"this part takes {', '.join(names)}")
         commands: Mapping[str, Callable[[PlainValue], LightCommand]] = {

@@ -6,15 +6,14 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Mapping
-from functools import partial
+from collections.abc import Callable
 
-from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
+from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.actions import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
-from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
+from homebot.conventions.homeassistant.topics import ValueSource
 from homebot.conventions.payload import (
     NO_READINGS,
     Readings,
@@ -151,8 +150,21 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
             raise RefusedError(f"a command on {command.topic}", "its template renders nothing for it")
         return (publication,)
 
+    def read(text: str) -> Readings:
+        if text in states:
+            return {"on_off": states[text]}
+        message = fields_of(text)
+        found: dict[str, PlainValue] = {}
+        state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
+        if isinstance(state, str) and state in states:
+            found["on_off"] = states[state]
+        if isinstance(tone, str) and tone in tones:
+            found["siren_tone"] = tone
+        if has_volume and volume is not None and 0 <= volume <= 1:
+            found["volume"] = volume * 100
+        return found
+
     entity = Entity(config, "siren")
-    read = partial(_siren_readings, states, tones, has_volume)
     readable = entity.read_text_from(config.source("state_topic", "state_value_template"), read)
     entity.add_capability("on_off", readable=readable, writer=bool_writer("on_off", publish))
     if tones:
@@ -163,26 +175,6 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
         entity.add_capability("volume", readable=readable, writer=writer)
     entity.add_commands(on_command)
     return entity.build()
-
-
-def _siren_readings(
-    states: Mapping[str, bool | None],
-    tones: Container[str],
-    has_volume: bool,  # noqa: FBT001 - given by place
-    text: str,
-) -> Readings:
-    if text in states:
-        return {"on_off": states[text]}
-    message = fields_of(text)
-    found: dict[str, PlainValue] = {}
-    state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
-    if isinstance(state, str) and state in states:
-        found["on_off"] = states[state]
-    if isinstance(tone, str) and tone in tones:
-        found["siren_tone"] = tone
-    if has_volume and volume is not None and 0 <= volume <= 1:
-        found["volume"] = volume * 100
-    return found
 
 
 def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
@@ -215,48 +207,36 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     features = frozenset(config.options("supported_features") if config.has("supported_features") else _VACUUM_FEATURES)
     command = config.command("command_topic", template_key="")
     set_speed = config.command("set_fan_speed_topic", template_key="")
-    source = config.source("state_topic", template_key="")
     speeds = config.options("fan_speed_list") if "fan_speed" in features else ()
-    has_battery = "battery" in features
+    payloads = {
+        state: config.text(f"payload_{action}", action)
+        for state, (_, action) in VACUUM_ACTIONS.items()
+        if command is not None and action.replace("return_to_base", "return_home") in features
+    }
+
+    def read(text: str) -> Readings:
+        message = fields_of(text)
+        found: dict[str, PlainValue] = {}
+        state, speed, charge = (message.get(key) for key in ("state", "fan_speed", "battery_level"))
+        if "state" in message and (state is None or (isinstance(state, str) and state in VACUUM_STATES)):
+            found["vacuum"] = state
+        if speeds and isinstance(speed, str):
+            found["fan_mode"] = clean_text(speed, _LONGEST_MODE)
+        if "battery" in features and (percent := number_of(charge)) is not None:
+            found["battery"] = max(0.0, min(100.0, percent))
+        return found
+
     entity = Entity(config, "robotic_vacuum_cleaner")
-    readable = entity.read_text_from(source, partial(_read_vacuum, has_speed=bool(speeds), has_battery=has_battery))
-    _add_vacuum(entity, config, command, features, readable=readable)
+    readable = entity.read_text_from(config.source("state_topic", template_key=""), read)
+    writer = None
+    if command is not None and payloads:
+        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
+    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
     if speeds:
         writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
         entity.add_capability("fan_mode", readable=readable, writer=writer, options=speeds)
-    if has_battery:
-        entity.add_capability("battery", readable=readable, unit="%")
+    entity.add_capability("battery", readable=readable and "battery" in features, unit="%")
     if "locate" in features and command:
         entity.add_push("locate", command, config.text("payload_locate", "locate"))
     entity.add_commands(command, set_speed if speeds else None)
     return entity.build()
-
-
-def _add_vacuum(
-    entity: Entity, config: DiscoveryConfig, command: CommandTopic | None, features: Container[str], *, readable: bool
-) -> None:
-    """Add the states of a robot, and those that it can be sent to."""
-    payloads = {
-        state: config.text(f"payload_{action}", action)
-        for state, (_, action) in VACUUM_ACTIONS.items()
-        if action.replace("return_to_base", "return_home") in features
-    }
-    writer: Writer | None = None
-    if command is None:
-        payloads = {}
-    elif payloads:
-        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
-    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
-
-
-def _read_vacuum(text: str, *, has_speed: bool, has_battery: bool) -> Readings:
-    message = fields_of(text)
-    found: dict[str, PlainValue] = {}
-    state, speed, charge = message.get("state", ""), message.get("fan_speed"), number_of(message.get("battery_level"))
-    if state is None or (isinstance(state, str) and state in VACUUM_STATES):
-        found["vacuum"] = state
-    if has_speed and isinstance(speed, str):
-        found["fan_mode"] = clean_text(speed, _LONGEST_MODE)
-    if has_battery and charge is not None:
-        found["battery"] = max(0.0, min(100.0, charge))
-    return found

@@ -186,6 +186,7 @@ def preset_names(document: object) -> dict[int, str]:
 
 def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Part:
     capabilities = tuple(
-        Capability(name=one.name, settable=True, bounds=one.bounds, options=one.options) for one in features.abilities()
+        Capability(name=name, settable=True, bounds=bounds, options=options)
+        for name, (bounds, options) in features.abilities().items()
     )
     return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities)

@@ -144,6 +144,7 @@ COMPONENTS: Mapping[str, ComponentTemplate] = MappingProxyType(
 
 
 LEVELS = 255
+_SHORT = {"identifiers": "ids", "connections": "cns", "manufacturer": "mf", "model": "mdl", "suggested_area": "sa"}
 
 
 class HomeAssistantDialect(Dialect):
@@ -172,8 +173,30 @@ class HomeAssistantDialect(Dialect):
         return f"{node_name(device)}/status", b"online", b"offline"
 
     def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return its configuration."""
-        return (self._whole(device) if self._whole_devices else self._single(device),)
+        """Return its configuration, with abbreviated keys for a whole device."""
+        node, part = node_name(device), COMPONENTS[device.kind]
+        digits = hardware_address(device)
+        about = {
+            "identifiers": [node],
+            "connections": [["mac", ":".join(digits[at : at + 2] for at in range(0, 12, 2))]],
+            "name": device.device_id,
+            "manufacturer": "homebot",
+            "model": f"simulated {device.kind}",
+            "suggested_area": device.room,
+        }
+        config = {"~": node, **part.config, "name": None}
+        status, topic = f"{node}/status", f"{self._prefix}/{part.component}/{node}/config"
+        message: Fields = {**config, "unique_id": f"{node}_{part.component}", "availability_topic": status}
+        message["device"] = about
+        if self._whole_devices:
+            topic = f"{self._prefix}/device/{node}/config"
+            message = {
+                "dev": {_SHORT.get(key, key): value for key, value in about.items()},
+                "o": {"name": "homebot's simulated house"},
+                "avty_t": status,
+                "cmps": {device.kind: {**config, "p": part.component, "uniq_id": f"{node}_main"}},
+            }
+        return (OutgoingMessage(topic, as_json(message), retain=True),)
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its state, kept."""
@@ -193,46 +216,3 @@ class HomeAssistantDialect(Dialect):
             action=text if level == "set" and (device.kind != "lock" or text.isupper()) else "",
             target=to_number(text) if level == "set_temperature" else None,
         )
-
-    def _single(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
-        node, part = node_name(device), COMPONENTS[device.kind]
-        config = {
-            "~": node,
-            **part.config,
-            "name": None,
-            "unique_id": f"{node}_{part.component}",
-            "availability_topic": f"{node}/status",
-            "device": {
-                "identifiers": [node],
-                "connections": [["mac", _mac(device)]],
-                "name": device.device_id,
-                "manufacturer": "homebot",
-                "model": f"simulated {device.kind}",
-                "suggested_area": device.room,
-            },
-        }
-        return OutgoingMessage(f"{self._prefix}/{part.component}/{node}/config", as_json(config), retain=True)
-
-    def _whole(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
-        node, part = node_name(device), COMPONENTS[device.kind]
-        config = {
-            "dev": {
-                "ids": [node],
-                "cns": [["mac", _mac(device)]],
-                "name": device.device_id,
-                "mf": "homebot",
-                "mdl": f"simulated {device.kind}",
-                "sa": device.room,
-            },
-            "o": {"name": "homebot's simulated house"},
-            "avty_t": f"{node}/status",
-            "cmps": {
-                device.kind: {"~": node, **part.config, "p": part.component, "name": None, "uniq_id": f"{node}_main"}
-            },
-        }
-        return OutgoingMessage(f"{self._prefix}/device/{node}/config", as_json(config), retain=True)
-
-
-def _mac(device: SimulatedDeviceInfo) -> str:
-    digits = hardware_address(device)
-    return ":".join(digits[at : at + 2] for at in range(0, 12, 2))

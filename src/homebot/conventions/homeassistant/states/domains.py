@@ -91,16 +91,13 @@ def _write_lamp(name: str) -> Callable[[Fields, PlainValue, str], Fields]:
 
 
 def _lamp_row(name: str, read: Callable[[Fields, Fields], PlainValue]) -> EntityRow:
-    def ability(info: Fields) -> Mapping[str, tuple[tuple[float, ...], tuple[str, ...]]]:
-        return {one.name: (one.bounds, one.options) for one in _lamp(info).abilities()}
-
     return EntityRow(
         name,
         read,
         _write_lamp(name),
-        when=lambda info: name in ability(info),
-        options=lambda info: ability(info)[name][1],
-        bounds=lambda info: ability(info)[name][0],
+        when=lambda info: name in _lamp(info).abilities(),
+        options=lambda info: _lamp(info).abilities()[name][1],
+        bounds=lambda info: _lamp(info).abilities()[name][0],
     )
 
 
