@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
-from homebot.conventions.homeassistant.actions import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
+from homebot.conventions.homeassistant.components import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.homeassistant.topics import ValueSource

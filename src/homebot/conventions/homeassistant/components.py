@@ -1,10 +1,21 @@
-"""The components of configs that are understood."""
+"""The components of configs that are understood, and the actions of those that move or lock, by their state. Pure.
+
+Source of the actions: Home Assistant core 2025.4, ``components``: ``const.py`` of lawn_mower, lock and vacuum.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["BUILDERS", "COMPONENTS"]
+__all__ = [
+    "BUILDERS",
+    "COMPONENTS",
+    "LOCK_STATES",
+    "MOWER_ACTIONS",
+    "MOWER_STATES",
+    "VACUUM_ACTIONS",
+    "VACUUM_STATES",
+]
 
 BUILDERS: Mapping[str, tuple[str, str]] = {
     "alarm_control_panel": ("locks", "build_alarm_control_panel"),
@@ -46,3 +57,25 @@ Other components are ignored without a log line.
 
 COMPONENTS = (*BUILDERS, "device")
 """Components of configs: those with a builder, or a whole device."""
+
+LOCK_STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
+
+MOWER_ACTIONS: Mapping[str, tuple[int, str]] = {
+    "mowing": (1, "start_mowing"),
+    "paused": (2, "pause"),
+    "docked": (4, "dock"),
+}
+"""The bit of ``supported_features`` that each needs, and its name."""
+
+MOWER_STATES = (*MOWER_ACTIONS, "returning", "error")
+
+VACUUM_ACTIONS: Mapping[str, tuple[int, str]] = {
+    "cleaning": (8192, "start"),
+    "paused": (4, "pause"),
+    "idle": (8, "stop"),
+    "returning": (16, "return_to_base"),
+    "spot": (1024, "clean_spot"),
+}
+"""As :data:`MOWER_ACTIONS`."""
+
+VACUUM_STATES = ("cleaning", "docked", "paused", "idle", "returning", "error")

@@ -11,7 +11,7 @@ from hmac import compare_digest
 from homebot.conventions.command_values import require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.entity_rows import ALARM_ACTIONS, ALARM_STATES
-from homebot.conventions.homeassistant.actions import LOCK_STATES
+from homebot.conventions.homeassistant.components import LOCK_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity
 from homebot.conventions.homeassistant.topics import CommandTopic

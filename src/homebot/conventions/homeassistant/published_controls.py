@@ -12,7 +12,7 @@ import json
 
 from homebot.conventions.device_classes import CLOSURE_CLASSES
 from homebot.conventions.entity_rows import ALARM_ACTIONS
-from homebot.conventions.homeassistant.actions import LOCK_STATES, MOWER_ACTIONS, VACUUM_ACTIONS
+from homebot.conventions.homeassistant.components import LOCK_STATES, MOWER_ACTIONS, VACUUM_ACTIONS
 from homebot.conventions.homeassistant.published_entity import (
     Available,
     PublishedEntity,

@@ -27,9 +27,14 @@ from homebot.conventions.homeassistant.published_controls import (
     publish_vacuum,
     publish_valve,
 )
-from homebot.conventions.homeassistant.published_entity import Available, CommandReader, PublishedEntity, is_settable
+from homebot.conventions.homeassistant.published_entity import (
+    Available,
+    CommandReader,
+    PublishedEntity,
+    is_settable,
+    publish_single,
+)
 from homebot.conventions.homeassistant.published_light import publish_light
-from homebot.conventions.homeassistant.published_single import publish_single
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part

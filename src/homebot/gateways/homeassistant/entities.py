@@ -67,8 +67,6 @@ class HomeAssistantEntities:
         self._max_entities = max_entities
         self._entities: dict[str, HomeAssistantEntity] = {}
         self._parts: dict[str, dict[str, HomeAssistantEntity]] = {}
-        self._key_of: dict[str, str] = {}
-        self._grouped: frozenset[str] = frozenset()
         self._devices: dict[str, GatewayDevice] = {}
 
     def put(self, entity_id: str, change: object, *, is_new: bool) -> tuple[HomeAssistantEntity, bool] | None:
@@ -122,9 +120,7 @@ class HomeAssistantEntities:
             if forget or self._entities[entity_id].entry.key != entity_id:
                 del self._entities[entity_id]
         self._parts = groups = self._group()
-        self._grouped = frozenset(self._entities)
         self._devices = {key: one for key, one in self._devices.items() if key in groups}
-        self._key_of = {one.entity_id: key for key, parts in groups.items() for one in parts.values()}
         return {key: tuple(parts.values()) for key, parts in groups.items()}
 
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
@@ -133,7 +129,7 @@ class HomeAssistantEntities:
 
     def is_new(self, entity_id: str) -> bool:
         """Return whether an entity came after the last grouping; one that was left out then is not new."""
-        return entity_id not in self._grouped
+        return entity_id in self._entities and self._entities[entity_id].device_key is None
 
     def is_reached(self, key: str) -> bool:
         """Return whether Home Assistant reaches a device; of one without entities it does not know."""
@@ -142,7 +138,7 @@ class HomeAssistantEntities:
 
     def key_of(self, entity_id: str) -> str:
         """Return the key of the device of an entity; empty for none."""
-        return self._key_of.get(entity_id, "")
+        return (entity_id in self._entities and self._entities[entity_id].device_key) or ""
 
     def entity(self, key: str, part: str) -> HomeAssistantEntity:
         """Return the entity of a part that can be reached now.
@@ -195,7 +191,8 @@ class HomeAssistantEntities:
         """Return the entities by their devices and parts, each with its newest entry."""
         groups: dict[str, dict[str, HomeAssistantEntity]] = {}
         for entity_id, entity in sorted(self._entities.items(), key=_order):
-            entity.entry = entry = self.registries.entity(entity_id)
+            entity.device_key, entity.entry = "", self.registries.entity(entity_id)
+            entry = entity.entry
             if entity.is_left_out or self.registries.is_left_out(entry.device_id):
                 continue
             parts = groups.setdefault(entry.device_id or entry.key, {})
@@ -203,6 +200,7 @@ class HomeAssistantEntities:
                 entity.entry = entry = entry._replace(part_id=entry.key)
             if len(parts) < MAX_PARTS:
                 parts[entry.part_id] = entity
+                entity.device_key = entry.device_id or entry.key
         for key in self.triggers:
             if self.registries.device(key) is not None and not self.registries.is_left_out(key):
                 groups.setdefault(key, {})

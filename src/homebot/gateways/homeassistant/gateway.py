@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar, Final
+from typing import TYPE_CHECKING, ClassVar, Final
 
 import anyio
 import anyio.lowlevel
@@ -19,12 +19,14 @@ from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
-from homebot.gateways.homeassistant.link import HomeAssistantLink
 from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
-from homebot.gateways.homeassistant.triggers import DeviceTriggers
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
 from homebot.support.isolation import ungrouped
+
+if TYPE_CHECKING:
+    from homebot.gateways.homeassistant.link import HomeAssistantLink
+    from homebot.gateways.homeassistant.triggers import DeviceTriggers
 
 __all__ = ["HomeAssistantGateway"]
 
@@ -69,11 +71,12 @@ class HomeAssistantGateway(LinkedGateway):
 
     async def connect(self) -> None:
         """Connect, and follow Home Assistant until the link is lost."""
-        from homebot.gateways.homeassistant.socket import MAX_FRAME_BYTES, opened  # noqa: PLC0415 - only where it runs
+        from homebot.gateways.homeassistant.link import HomeAssistantLink, opened  # noqa: PLC0415 - only where it runs
+        from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415 - likewise
 
         token = await anyio.to_thread.run_sync(self._settings.read_token)
-        async with opened(self._settings.websocket) as socket:
-            link = HomeAssistantLink(socket, MAX_FRAME_BYTES, self.on_invalid)
+        async with opened(self._settings.websocket) as connection:
+            link = HomeAssistantLink(connection, self.on_invalid)
             try:
                 await link.greet(token)
             except RefusedError as exc:

@@ -1,4 +1,4 @@
-"""Commands and events over the WebSocket of Home Assistant.
+"""Commands and events over the WebSocket of Home Assistant; the one file of the gateway that knows websockets.
 
 Frames are taken in the order in which they come; an event waits until the one before it is handled.
 
@@ -7,20 +7,30 @@ Source: Home Assistant core 2024.3, ``components/websocket_api``; https://develo
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Final, TypeAlias
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager
+from typing import Final, TypeAlias
 
 import anyio
+import anyio.lowlevel
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidHandshake, WebSocketException
 
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.pending_calls import PendingCalls
+from homebot.support.connect_errors import connect_problem
 
-if TYPE_CHECKING:
-    from homebot.gateways.homeassistant.socket import HomeAssistantSocket
+__all__ = ["HomeAssistantLink", "OnEvent", "opened"]
 
-__all__ = ["HomeAssistantLink", "OnEvent"]
+MAX_FRAME_BYTES = 64 * 1024 * 1024
+"""Longest frame: all states of 10,000 entities, some 1 kB each, and much more for those with long attributes."""
+
+OPENS_WITHIN = 10.0
+CLOSES_WITHIN = 1.0
+ALIVE_WITHIN = 20.0
+"""In seconds; a peer that does not answer a ping for this long is lost."""
 
 GREETS_WITHIN: Final = 10.0
 ANSWERS_WITHIN: Final = 30.0
@@ -44,16 +54,16 @@ class HomeAssistantLink:
     """A connection to Home Assistant.
 
     Args:
+        connection: An open WebSocket.
         on_invalid: Takes each invalid frame, and the reason.
 
     Attributes:
         version: The version of Home Assistant, once it has greeted.
     """
 
-    def __init__(self, socket: HomeAssistantSocket, max_bytes: int, on_invalid: Callable[[bytes, str], None]) -> None:
+    def __init__(self, connection: ClientConnection, on_invalid: Callable[[bytes, str], None]) -> None:
         self.version = ""
-        self._socket = socket
-        self._max_bytes = max_bytes
+        self._connection = connection
         self._on_invalid = on_invalid
         self._calls = PendingCalls[_Frame]("Home Assistant")
         self._listeners: dict[str, OnEvent] = {}
@@ -69,7 +79,7 @@ class HomeAssistantLink:
         try:
             with anyio.fail_after(GREETS_WITHIN):
                 await self._expect("auth_required")
-                await self._socket.send(compact_json({"type": "auth", "access_token": token}))
+                await self._send(compact_json({"type": "auth", "access_token": token}))
                 await self._expect("auth_ok")
         except TimeoutError:
             raise LinkError(f"Home Assistant did not greet within {GREETS_WITHIN:g} s") from None
@@ -84,7 +94,7 @@ class HomeAssistantLink:
         invalid = 0
         try:
             while invalid < MOST_INVALID:
-                payload = await self._socket.receive()
+                payload = await self._receive()
                 try:
                     frame = await self._parsed(payload)
                     await self._handle(frame)
@@ -113,7 +123,7 @@ class HomeAssistantLink:
         async def send(number: str) -> None:
             if on_event is not None:
                 self._listeners[number] = on_event
-            await self._socket.send(compact_json({"id": int(number), "type": command, **(args or {})}))
+            await self._send(compact_json({"id": int(number), "type": command, **(args or {})}))
 
         answer = await self._calls.call(what, send, ANSWERS_WITHIN)
         if answer.get("success") is True:
@@ -124,8 +134,21 @@ class HomeAssistantLink:
             raise LinkError(f"{what}: {reason}")
         raise RefusedError(what, reason)
 
+    async def _send(self, message: str) -> None:
+        try:
+            await self._connection.send(message)
+        except ConnectionClosed as exc:
+            raise LinkError("the connection to Home Assistant was lost") from exc
+
+    async def _receive(self) -> bytes:
+        try:
+            message = await self._connection.recv()
+        except ConnectionClosed as exc:
+            raise LinkError("Home Assistant closed the connection") from exc
+        return message.encode() if isinstance(message, str) else message
+
     async def _expect(self, kind: str) -> None:
-        frame = await self._parsed(await self._socket.receive())
+        frame = await self._parsed(await self._receive())
         if frame.get("type") == "auth_invalid":
             raise RefusedError("the login to Home Assistant", "the token was revoked, has expired or is another's")
         if frame.get("type") != kind:
@@ -136,7 +159,7 @@ class HomeAssistantLink:
             raise WireError(f"it is Home Assistant {self.version}; homebot needs {OLDEST[0]}.{OLDEST[1]} or later")
 
     async def _parsed(self, payload: bytes) -> _Frame:
-        frame = await parse_long_json(payload, self._max_bytes)
+        frame = await parse_long_json(payload, MAX_FRAME_BYTES)
         if not isinstance(frame, dict):
             raise WireError(f"{shown(frame)} is not an object")
         return frame
@@ -156,3 +179,35 @@ class HomeAssistantLink:
                 await self._calls.resolve(str(number), frame)  # one without a waiting caller came too late
             case kind:
                 raise WireError(f"a message is of type {shown(kind)}, neither result nor event")
+
+
+@asynccontextmanager
+async def opened(url: str) -> AsyncIterator[ClientConnection]:
+    """Open the WebSocket at *url* inside the block.
+
+    Raises:
+        LinkError: It cannot be opened now.
+    """
+    connecting = connect(
+        url,
+        proxy=None,
+        compression=None,
+        open_timeout=OPENS_WITHIN,
+        close_timeout=CLOSES_WITHIN,
+        ping_interval=ALIVE_WITHIN,
+        ping_timeout=ALIVE_WITHIN,
+        max_size=MAX_FRAME_BYTES,
+    )
+    try:
+        connection = await connecting
+    except TimeoutError as exc:
+        raise LinkError(f"{url} did not answer within {OPENS_WITHIN:g} s") from exc
+    except (OSError, InvalidHandshake, WebSocketException) as exc:
+        problem = connect_problem(exc) if isinstance(exc, OSError) else exc
+        raise LinkError(f"{url} cannot be opened: {problem}") from exc
+    try:
+        yield connection
+    finally:
+        with anyio.move_on_after(CLOSES_WITHIN, shield=True):
+            await connection.close()
+            await anyio.lowlevel.cancel_shielded_checkpoint()  # its own tasks end after it

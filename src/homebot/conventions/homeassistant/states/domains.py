@@ -31,7 +31,7 @@ from homebot.conventions.entity_rows import (
     switch_type,
     text_component,
 )
-from homebot.conventions.homeassistant.actions import (
+from homebot.conventions.homeassistant.components import (
     LOCK_STATES,
     MOWER_ACTIONS,
     MOWER_STATES,

@@ -69,6 +69,7 @@ class HomeAssistantEntity:
         info: Its last known attributes, and its state as ``state``.
         has_state: Whether Home Assistant shows it now; not while it is reloaded.
         is_available: Whether it can be reached; ``unknown`` is a state of one that can.
+        device_key: The key of its device; empty for one that is left out, None before the first grouping.
     """
 
     def __init__(self, entity_id: str, entry: EntityEntry, *, celsius: bool = True) -> None:
@@ -76,6 +77,7 @@ class HomeAssistantEntity:
         self.entry = entry
         self.domain = entity_id.partition(".")[0]
         self.has_state = self.is_available = False
+        self.device_key: str | None = None
         self.info: dict[str, object] = {"is_fahrenheit": not celsius}
         self._changed_at = 0.0
         self._rows: dict[str, EntityRow] = {}
