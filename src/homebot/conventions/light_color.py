@@ -147,7 +147,6 @@ def _as_bright(target: Channels, channels: Channels) -> Channels:
 
 
 def _white_rgb(kelvin: float) -> Channels:
-    """Return the colour of a white, roughly."""
     warmth = min(max(kelvin, 1_000), 40_000) / 100
     red = 255.0 if warmth <= 66 else 329.698727446 * (warmth - 60) ** -0.1332047592
     if warmth <= 66:

@@ -111,7 +111,6 @@ def _part(fields: Fields, key: str, table: Mapping[str, str]) -> Fields:
 
 
 def _with_base(fields: dict[str, object]) -> dict[str, object]:
-    """Insert the base topic into the topics."""
     base = fields.pop(_BASE, None)
     if base is None:
         return fields
@@ -150,7 +149,6 @@ def _child_devices(fields: Fields) -> Iterator[Fields]:
 
 
 def _components(topic: ConfigTopic, fields: Fields) -> list[DiscoveryConfig]:
-    """Return the components of a whole device and of its child devices."""
     families = [one["components"] for one in (fields, *_child_devices(fields)) if one.get("components") is not None]
     if not families:
         raise WireError("a device's message has no components")

@@ -140,7 +140,6 @@ class _Temperatures:
         return celsius_bounds(self.low, self.high) if self.is_fahrenheit else (self.low, self.high)
 
     def celsius(self, number: float) -> float:
-        """Return the device's *number* in °C."""
         return to_celsius(number) if self.is_fahrenheit else number
 
     def number(self, celsius: float) -> float:
@@ -160,7 +159,6 @@ class _Temperatures:
         )
 
     def add_measured(self, entity: Entity, config: DiscoveryConfig) -> None:
-        """Add the measured temperature."""
         source = _source_of(config, "current_temperature")
         entity.add_number("local_temperature", source, None, unit="°C", from_device=self.celsius)
 
@@ -212,7 +210,6 @@ class _Targets:
             self._mode = mode
 
     def add_to(self, entity: Entity, config: DiscoveryConfig) -> None:
-        """Add the current temperature and the setpoints."""
         single, *pair = (
             config.has(f"{key}_command_topic") or config.has(f"{key}_state_topic") for key in (_SINGLE, *_ENDS.values())
         )

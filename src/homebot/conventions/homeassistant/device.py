@@ -187,7 +187,6 @@ class _PayloadAvailability(NamedTuple):
     unavailable: str
 
     def read(self, payload: bytes) -> bool | None:
-        """Return whether the device is reachable; None for any other payload."""
         text = self.source.text(payload)
         return True if text == self.available else False if text == self.unavailable else None
 

@@ -78,7 +78,6 @@ class _JsonLight:
         self.lamp = LightFeatures(_modes(config), read_white_range(config), effects, any_effect=any_effect)
 
     def publish(self, light: LightCommand) -> Publications:
-        """Encode a command."""
         message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
         if light.color:
             message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
@@ -93,7 +92,6 @@ class _JsonLight:
         return self.command.publish(compact_json(message))
 
     def read(self, payload: bytes) -> Readings:
-        """Read a state."""
         message = json_object(payload)
         if message is None:
             return NO_READINGS
@@ -228,7 +226,6 @@ class _TemplateLight:
         self._sources = {key: source for key in _TEMPLATES if (source := _source(config, key)) is not None}
 
     def publish(self, command: LightCommand) -> Publications:
-        """Encode a command."""
         variables: dict[str, object] = {"state": command.on}
         if command.brightness is not None:
             variables["brightness"] = command.brightness
@@ -246,7 +243,7 @@ class _TemplateLight:
         return (self.on if command.on else self._off).publish(None, variables)
 
     def add_readers(self, entity: Entity) -> set[str]:
-        """Add readers of all values to *entity*; return the readable capabilities."""
+        """Add the readers; return the readable capabilities."""
         rows: tuple[tuple[str, str, Callable[[str], Readings]], ...] = (
             ("on_off", "state", meaning_reader("on_off", _WORDS)),
             ("level", "brightness", _read_level),

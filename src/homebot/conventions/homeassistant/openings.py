@@ -29,7 +29,6 @@ def _scale(config: DiscoveryConfig) -> Scale:
 
 
 def _variables(scale: Scale) -> dict[str, object]:
-    """Return the variables of every template."""
     return {"position_open": scale.full, "position_closed": scale.zero}
 
 
@@ -198,7 +197,6 @@ class _Valve:
         self._states = {config.text(f"state_{state}", state): state for state in _STATES[:-1]}
 
     def read_state(self, text: str) -> Readings:
-        """Read the state of a valve that does not report its position."""
         state = fields_of(text).get("state") if text.startswith("{") else text
         if not isinstance(state, str):
             return NO_READINGS
@@ -207,7 +205,6 @@ class _Valve:
         return {"valve": self._states[state]} if state in self._states else NO_READINGS
 
     def read_position(self, text: str) -> Readings:
-        """Read the position of a valve that reports it."""
         state: object = text
         position: object = text
         if text.startswith("{"):
@@ -228,14 +225,12 @@ class _Valve:
         return found
 
     def move(self, value: PlainValue, transition: float) -> Publications:
-        """Write a state."""
         state = require_option("valve", value, self._payloads)
         if self.has_position and state != "stopped":
             return self.set_position(100.0 if state == "open" else 0.0, transition)
         return self.command.publish(self._payloads[state]) if self.command else ()
 
     def set_position(self, value: PlainValue, _transition: float) -> Publications:
-        """Write a position."""
         percent = round(require_number("position", value, 0, 100, "%"))
         variables = {"position": percent, **self.variables}
         return self.command.publish(round(self._scale.value(percent)), variables) if self.command else ()

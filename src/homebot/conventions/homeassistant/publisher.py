@@ -58,7 +58,6 @@ class _Whole(NamedTuple):
     service_types: tuple[str, ...] = ()
 
     def fits(self, part: Part, available: Available) -> bool:
-        """Return whether *part* may have it, with the capabilities that are *available*."""
         fits_type = not self.service_types or part.service_type in self.service_types
         return fits_type and all(is_settable(available, name) for name in self.needs)
 

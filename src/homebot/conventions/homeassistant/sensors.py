@@ -247,7 +247,6 @@ class _Versions:
         return self._found({"version": _version(text)} if text else {})
 
     def read_latest(self, text: str) -> Readings:
-        """Read the latest version."""
         return self._found({"latest_version": _version(text)} if text else {})
 
     def _found(self, found: dict[str, PlainValue]) -> Readings:

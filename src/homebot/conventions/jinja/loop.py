@@ -60,7 +60,6 @@ class Loop:
             self.otherwise(run)
 
     def _chosen(self, run: Run) -> list[object]:
-        """Return the values that pass the test."""
         values = values_of(run, self.values(run))
         if self.test is None:
             return values
@@ -75,7 +74,6 @@ class Loop:
 
 
 def _position(values: list[object], index: int) -> dict[str, object]:
-    """Return the variable ``loop``."""
     count = len(values)
     return {
         "index": index + 1,

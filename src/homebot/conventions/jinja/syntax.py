@@ -84,7 +84,6 @@ class _Compiler:
         self._in_loop = False
 
     def block(self, body: Iterable[nodes.Node]) -> Evaluate:
-        """Compile statements into one."""
         statements = self._all(body)
 
         def execute(run: Run) -> None:
@@ -264,7 +263,6 @@ class _Compiler:
     visit_not = visit_neg = visit_pos = _unary
 
     def visit_compare(self, node: nodes.Compare) -> Evaluate:
-        """Compile a chain of comparisons, as in Python."""
         steps = [(ORDER[one.op], self._compile(one.expr)) for one in node.ops]
         first = self._compile(node.expr)
 

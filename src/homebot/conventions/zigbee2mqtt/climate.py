@@ -10,7 +10,6 @@ BTH-RA, BTH-RM and BTH-RM230Z, as Zigbee2MQTT 2.14.1 announces them to Home Assi
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
 from functools import partial
 
 from homebot.conventions.command_values import bool_writer, require_bool, require_option
@@ -22,7 +21,7 @@ from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2Mqt
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
-__all__ = ["FEATURES_OF_CLIMATE", "build_climate", "build_thermometer", "is_program", "type_of_climate"]
+__all__ = ["build_climate", "build_thermometer", "is_program", "type_of_climate"]
 
 
 _MANUAL = "manual"
@@ -37,52 +36,45 @@ def is_program(expose: Expose) -> bool:
     return expose.name == "operating_mode" and is_whole and set(expose.options) == {_MANUAL, *_MODES}
 
 
-def _add_mode(part: Zigbee2MqttPart, mode: Expose, program: Expose) -> None:
-    """Add ``thermostat_mode``, from the enums ``system_mode`` and ``operating_mode``."""
-    by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
-    both = _Mode(part.topics, mode, program, by_hand)
-    part.read_from(part.topics.state, both.read)
-    part.add_capability("thermostat_mode", writer=both.write, options=both.options)
-    part.add_capability("on_off", writer=both.write_switch)
-    part.add_command_topics(part.topics.command)
-
-
-@dataclass(frozen=True, slots=True)
 class _Mode:
-    """Reader and writer of the mode; *by_hand* are the modes of manual operation."""
+    """Reader and writer of the mode, from the enums ``system_mode`` and ``operating_mode``."""
 
-    topics: Zigbee2MqttTopics
-    mode: Expose
-    program: Expose
-    by_hand: tuple[str, ...]
+    def __init__(self, topics: Zigbee2MqttTopics, mode: Expose, program: Expose) -> None:
+        self._topics = topics
+        self._mode = mode
+        self._program = program
+        self._by_hand = tuple(one for one in mode.options if one not in _OPTIONS)
+        self._options = ("off", *self._by_hand, "auto")
 
-    @property
-    def options(self) -> tuple[str, ...]:
-        """All modes."""
-        return ("off", *self.by_hand, "auto")
+    def add_to(self, part: Zigbee2MqttPart) -> None:
+        """Add ``thermostat_mode`` and ``on_off``."""
+        part.read_from(part.topics.state, self._read)
+        part.add_capability("thermostat_mode", writer=self._write, options=self._options)
+        part.add_capability("on_off", writer=self._write_switch)
+        part.add_command_topics(part.topics.command)
 
-    def read(self, message: JsonMessage) -> Readings:
-        if self.program.key not in message:
+    def _read(self, message: JsonMessage) -> Readings:
+        if self._program.key not in message:
             return NO_READINGS
-        reported = message[self.program.key]
+        reported = message[self._program.key]
         if reported is None:
             return {"thermostat_mode": None, "on_off": None}
         if reported == _MANUAL:
-            reported = message.get(self.mode.key)
-            found = reported if reported in self.by_hand else self.by_hand[0] if len(self.by_hand) == 1 else None
+            reported = message.get(self._mode.key)
+            found = reported if reported in self._by_hand else self._by_hand[0] if len(self._by_hand) == 1 else None
         else:
             found = _MODES.get(reported) if isinstance(reported, str) else None
         return NO_READINGS if found is None else {"thermostat_mode": found, "on_off": found != "off"}
 
-    def write(self, value: PlainValue, _transition: float) -> Publications:
-        target = require_option("thermostat_mode", value, self.options)
+    def _write(self, value: PlainValue, _transition: float) -> Publications:
+        target = require_option("thermostat_mode", value, self._options)
         if target in _OPTIONS:
-            return self.topics.publish({self.program.key: _OPTIONS[target]})
-        further = {self.mode.key: self.mode.options[target]} if len(self.mode.options) >= _PAIR else {}
-        return self.topics.publish({self.program.key: _MANUAL, **further})
+            return self._topics.publish({self._program.key: _OPTIONS[target]})
+        further = {self._mode.key: self._mode.options[target]} if len(self._mode.options) >= _PAIR else {}
+        return self._topics.publish({self._program.key: _MANUAL, **further})
 
-    def write_switch(self, value: PlainValue, transition: float) -> Publications:
-        return self.write(_mode_of(value, self.options), transition)
+    def _write_switch(self, value: PlainValue, transition: float) -> Publications:
+        return self._write(_mode_of(value, self._options), transition)
 
 
 def _add_switch(part: Zigbee2MqttPart, mode: Expose) -> None:
@@ -121,14 +113,14 @@ def build_climate(part: Zigbee2MqttPart, climate: Expose, program: Expose | None
     mode = climate.feature("system_mode")
     _add_setpoints(part, climate, mode.options if mode is not None else ())
     if mode is not None and program is not None:
-        _add_mode(part, mode, program)
+        _Mode(part.topics, mode, program).add_to(part)
     else:
         part.add_enum(mode, "thermostat_mode")
         if mode is not None and "off" in mode.options:
             _add_switch(part, mode)
     for capability, name, meanings in _ENUMS:
         part.add_enum(climate.feature(name), capability, meanings)
-    part.request(*(one for one in climate.features if one.name in FEATURES_OF_CLIMATE))
+    part.request(*climate.own_features)
     return part.build()
 
 
@@ -160,7 +152,3 @@ _ENUMS: tuple[tuple[str, str, Mapping[str, str] | None], ...] = (
     ("thermostat_action", "running_state", {"idle": "idle", "heat": "heating", "cool": "cooling", "fan_only": "fan"}),
 )
 """Capability, feature, and the vocabulary's names of its values if they differ."""
-
-FEATURES_OF_CLIMATE = frozenset(
-    {"system_mode", "local_temperature", *_SINGLE, _COOLING, *(name for _, name, _ in _ENUMS)}
-)

@@ -18,20 +18,7 @@ from homebot.conventions.zigbee2mqtt.expose import Expose
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, same_scalar
 from homebot.support.numbers import finite_number
 
-__all__ = [
-    "FEATURES_OF_COVER",
-    "FEATURES_OF_FAN",
-    "FEATURES_OF_LOCK",
-    "build_cover",
-    "build_fan",
-    "build_lock",
-    "build_opener",
-    "build_siren",
-    "build_valve",
-]
-
-
-FEATURES_OF_COVER = frozenset({"state", "position", "tilt"})
+__all__ = ["build_cover", "build_fan", "build_lock", "build_opener", "build_siren", "build_valve"]
 
 
 def build_cover(part: Zigbee2MqttPart, cover: Expose, motor: Expose | None) -> DescribedPart:
@@ -117,17 +104,13 @@ def _set(topics: Zigbee2MqttTopics, key: str, percent: float) -> Publications:
     return topics.publish({key: round(percent)})
 
 
-FEATURES_OF_LOCK = frozenset({"state", "lock_state"})
-
-
 def build_lock(part: Zigbee2MqttPart, lock: Expose) -> DescribedPart:
     """Describe a lock. A bolt that is not fully out is unlocked, to be safe."""
     state, bolt = lock.feature("state"), lock.feature("lock_state")
     part.read_from(part.topics.state, partial(_read, state, bolt))
     writer = None
     if state is not None and state.is_settable:
-        payloads = {"locked": state.value_on, "unlocked": state.value_off}
-        writer = option_writer("lock", payloads, lambda target: part.topics.publish({state.key: payloads[target]}))
+        writer = part.state_writer(state, "lock", {"locked": state.value_on, "unlocked": state.value_off})
     is_readable = any(one is not None and one.is_published for one in (state, bolt))
     part.add_capability("lock", readable=is_readable, writer=writer, options=("locked", "unlocked"))
     part.add_command_topics(part.topics.command)
@@ -151,9 +134,6 @@ def _read(state: Expose | None, bolt: Expose | None, message: JsonMessage) -> Re
     return {"lock": _BOLTS[bolt_state]} if isinstance(bolt_state, str) and bolt_state in _BOLTS else NO_READINGS
 
 
-FEATURES_OF_FAN = frozenset({"state", "mode", "speed"})
-
-
 def build_fan(part: Zigbee2MqttPart, fan: Expose, model: str) -> DescribedPart:
     """Describe a fan; one *model* spells its fastest speed differently."""
     state, mode, speed = (fan.feature(name) for name in ("state", "mode", "speed"))
@@ -172,7 +152,6 @@ _MODELS_WITH_FASTEST_ON = frozenset({"99432"})
 
 
 def _speed_steps(mode: Expose, model: str) -> tuple[str, ...]:
-    """Return the steps from off to the fastest."""
     fastest = ("on",) if model in _MODELS_WITH_FASTEST_ON else ()
     return "off", *(speed for speed in (*_SPEEDS, *fastest) if speed in mode.options)
 
@@ -221,8 +200,7 @@ def build_opener(part: Zigbee2MqttPart, trigger: Expose, contact: Expose, *, is_
         return part.build()
     targets = {"open": trigger.value_on, "closed": trigger.value_off}
     part.read_feature(contact, "movement", lambda value: _DOORS.get(value) if isinstance(value, bool) else None)
-    writer = option_writer("movement", targets, lambda target: part.topics.publish({trigger.key: targets[target]}))
-    part.add_capability("movement", writer=writer, options=tuple(targets))
+    part.add_capability("movement", writer=part.state_writer(trigger, "movement", targets), options=tuple(targets))
     return part.build()
 
 
@@ -232,12 +210,13 @@ _DOORS: Mapping[bool, str] = {True: "closed", False: "open"}
 def build_valve(part: Zigbee2MqttPart, state: Expose) -> DescribedPart:
     """Describe a valve by the binary of its *state*, which is on while it is open."""
     targets = {"open": state.value_on, "closed": state.value_off}
-    part.read_feature(
-        state, "valve", lambda value: next((at for at in targets if same_scalar(value, targets[at])), None)
+    part.add_feature(
+        state,
+        "valve",
+        lambda value: next((at for at in targets if same_scalar(value, targets[at])), None),
+        part.state_writer(state, "valve", targets),
+        options=tuple(targets),
     )
-    writer = option_writer("valve", targets, lambda target: part.topics.publish({state.key: targets[target]}))
-    part.add_capability("valve", readable=state.is_published, writer=writer, options=tuple(targets))
-    part.add_command_topics(part.topics.command)
     part.request(state)
     return part.build()
 

@@ -23,8 +23,20 @@ __all__ = ["SPECIFIC_TYPES", "Expose", "Scalar", "read_exposes"]
 Scalar: TypeAlias = str | bool | int | float
 """A value in the spelling of the device; values of different types differ."""
 
-SPECIFIC_TYPES = frozenset({"light", "switch", "cover", "lock", "climate", "fan"})
-"""Types of a whole part, with features."""
+SPECIFIC_TYPES: Mapping[str, frozenset[str]] = {
+    "light": frozenset({"state", "brightness", "color_temp", "color_xy", "color_hs"}),
+    "switch": frozenset({"state"}),
+    "cover": frozenset({"state", "position", "tilt"}),
+    "lock": frozenset({"state", "lock_state"}),
+    "climate": frozenset(
+        {
+            *("system_mode", "local_temperature", "occupied_heating_setpoint", "current_heating_setpoint"),
+            *("occupied_cooling_setpoint", "fan_mode", "swing_mode", "preset", "running_state"),
+        }
+    ),
+    "fan": frozenset({"state", "mode", "speed"}),
+}
+"""Types of a whole part, each with its own features; other features are parts of their own, mostly settings."""
 
 
 @dataclass(frozen=True)
@@ -98,6 +110,11 @@ class Expose:
         """Return the fields from which the payloads of its commands follow."""
         features = tuple([one.of_commands() for one in self.features if one.is_settable or one.features])
         return self.key, self.endpoint, self.value_on, self.value_off, self.least, self.most, self.values, features
+
+    @property
+    def own_features(self) -> tuple[Expose, ...]:
+        """The features of the part of a specific type itself."""
+        return tuple([one for one in self.features if one.name in SPECIFIC_TYPES[self.type]])
 
     def feature(self, *names: str) -> Expose | None:
         """Return the first feature with one of *names*; None if there is none."""

@@ -130,6 +130,14 @@ class Zigbee2MqttPart(JsonPart):
         super().__init__(part_id, service_type, name=name, advertised=advertised, category=category)
         self.topics = topics
 
+    @classmethod
+    def of(
+        cls, topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category = ""
+    ) -> Zigbee2MqttPart:
+        """Return the part of a generic *expose*."""
+        part_id = clean_text(expose.key)
+        return cls(topics, part_id, service_type, name=expose.title, advertised=expose.name, category=category)
+
     def read_feature(self, feature: Expose, capability: str, meaning: Callable[[object], PlainValue]) -> None:
         """Read the property of *feature*; *meaning* returns None for no value, and null is unknown."""
         is_number = CAPABILITIES[capability].kind == "number"
@@ -164,6 +172,10 @@ class Zigbee2MqttPart(JsonPart):
         if feature.is_settable:
             writer = bool_writer(capability, lambda on: self.topics.publish({feature.key: payloads[on]}))
         self.add_feature(feature, capability, partial(flag_of, feature), writer)
+
+    def state_writer(self, feature: Expose, capability: str, targets: Mapping[str, Scalar | None]) -> Writer:
+        """Return the writer of *capability* by the values of a binary *feature*, one for each of the *targets*."""
+        return option_writer(capability, targets, lambda target: self.topics.publish({feature.key: targets[target]}))
 
     def add_number(self, feature: Expose | None, capability: str, *, unit: str = "") -> None:
         """Add *capability* from a numeric *feature*, in the same unit."""

@@ -125,13 +125,8 @@ def _is_secret(expose: Expose) -> bool:
 _IS_READ = 1 | 4
 
 
-def _part(topics: Zigbee2MqttTopics, expose: Expose, service_type: str, category: Category) -> Zigbee2MqttPart:
-    part_id = clean_text(expose.key)
-    return Zigbee2MqttPart(topics, part_id, service_type, name=expose.title, advertised=expose.name, category=category)
-
-
 def _buttons(topics: Zigbee2MqttTopics, action: Expose) -> DescribedPart:
-    part = _part(topics, action, "generic_switch", "")
+    part = Zigbee2MqttPart.of(topics, action, "generic_switch")
     part.read_events_from(topics.state, partial(_read_action, action.key))
     part.add_capability("press", options=tuple(action.options))
     return part.build()
@@ -151,15 +146,15 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
         service_type = "x_battery" if capability == "battery_charging" else sensor_type(capability)
         if expose.name in _TRUE_IS_CLOSED:
             expose = replace(expose, value_on=False, value_off=True)
-        part = _part(topics, expose, service_type, category)
+        part = Zigbee2MqttPart.of(topics, expose, service_type, category)
         part.add_flag(expose, capability)
     elif expose.type == "numeric":
         quantity = _quantity_of(expose.name, expose.unit)
-        part = _part(topics, expose, quantity.service_type, category)
+        part = Zigbee2MqttPart.of(topics, expose, quantity.service_type, category)
         part.read_feature(expose, quantity.capability, partial(_measured, quantity))
         part.add_capability(quantity.capability, unit=quantity.unit)
     else:
-        part = _part(topics, expose, "x_sensor", category)
+        part = Zigbee2MqttPart.of(topics, expose, "x_sensor", category)
         part.read_feature(expose, "value", text_of if expose.type == "enum" else _json_text)
         part.add_capability("value", options=tuple(expose.options))
     if not category:
@@ -170,7 +165,7 @@ def _sensor(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
 def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | None:
     if expose.type == "binary" and expose.name == "state" and not expose.category:
         return _switch(topics, expose)
-    part = _part(topics, expose, "x_setting", expose.category or "config")
+    part = Zigbee2MqttPart.of(topics, expose, "x_setting", expose.category or "config")
     match expose.type:
         case "binary":
             part.add_flag(expose, "on_off")
@@ -186,7 +181,7 @@ def _setting(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart | Non
 
 
 def _switch(topics: Zigbee2MqttTopics, expose: Expose) -> Zigbee2MqttPart:
-    part = _part(topics, expose, "switch", "")
+    part = Zigbee2MqttPart.of(topics, expose, "switch")
     part.add_flag(expose, "on_off")
     part.request(expose)
     return part

@@ -18,14 +18,12 @@ from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2Mqt
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import finite_number
 
-__all__ = ["FEATURES_OF_LIGHT", "build_light"]
-
-FEATURES_OF_LIGHT = frozenset({"state", "brightness", "color_temp", "color_xy", "color_hs"})
+__all__ = ["build_light"]
 
 
 def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> DescribedPart:
     """Describe a lamp; *effect* is the enum of its effects."""
-    features = {one.name: one for one in light.features if one.name in FEATURES_OF_LIGHT}
+    features = {one.name: one for one in light.own_features}
     lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
     part.read_from(part.topics.state, lamp.read)
     part.add_command_topics(part.topics.command)
@@ -141,7 +139,6 @@ _FULL = 254.0
 
 
 def _color_mode(light: Expose) -> str:
-    """Return the mode that the device names first."""
     return next((one.name.removeprefix("color_") for one in light.features if one.name in ("color_xy", "color_hs")), "")
 
 

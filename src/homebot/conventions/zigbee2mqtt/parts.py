@@ -14,17 +14,8 @@ from homebot.conventions.part_builder import is_movable, moved, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
-from homebot.conventions.zigbee2mqtt.climate import (
-    FEATURES_OF_CLIMATE,
-    build_climate,
-    build_thermometer,
-    is_program,
-    type_of_climate,
-)
+from homebot.conventions.zigbee2mqtt.climate import build_climate, build_thermometer, is_program, type_of_climate
 from homebot.conventions.zigbee2mqtt.controls import (
-    FEATURES_OF_COVER,
-    FEATURES_OF_FAN,
-    FEATURES_OF_LOCK,
     build_cover,
     build_fan,
     build_lock,
@@ -35,7 +26,7 @@ from homebot.conventions.zigbee2mqtt.controls import (
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, read_exposes
 from homebot.conventions.zigbee2mqtt.features import Zigbee2MqttPart, Zigbee2MqttTopics, text_of
 from homebot.conventions.zigbee2mqtt.generic import build_generic
-from homebot.conventions.zigbee2mqtt.light import FEATURES_OF_LIGHT, build_light
+from homebot.conventions.zigbee2mqtt.light import build_light
 from homebot.devices.command_description import payload_digest
 
 __all__ = ["build_parts"]
@@ -52,16 +43,6 @@ _MOST_PARTS = 500
 _MOST_RAW = 20
 _MOST_SHAPES = 8
 _MAX_RAW = 255
-_FEATURES: Mapping[str, frozenset[str]] = {
-    "light": FEATURES_OF_LIGHT,
-    "switch": frozenset({"state"}),
-    "cover": FEATURES_OF_COVER,
-    "lock": FEATURES_OF_LOCK,
-    "climate": FEATURES_OF_CLIMATE,
-    "fan": FEATURES_OF_FAN,
-}
-"""Features of the part itself; other features are parts of their own, mostly settings."""
-
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 _THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
@@ -105,7 +86,6 @@ class _PartsBuilder:
             self._auxiliary["door"] = self._door
 
     def parts(self) -> Iterable[DescribedPart]:
-        """Describe each expose as a part, or several."""
         for expose in map(_key_lock_as_setting, self._exposes):
             topics = self._topics.of(expose)
             depends_on_others = self._auxiliary or expose.type in SPECIFIC_TYPES
@@ -166,8 +146,8 @@ class _PartsBuilder:
         found = [self._specific(topics, expose)]
         if expose.type == "climate" and not self._has_thermometer():
             found.append(build_thermometer(topics, expose))
-        others = [feature for feature in expose.features if feature.name not in _FEATURES[expose.type]]
-        found += [build_generic(topics, other) for other in others]
+        own = SPECIFIC_TYPES[expose.type]
+        found += [build_generic(topics, other) for other in expose.features if other.name not in own]
         return filter(None, found)
 
     def _has_thermometer(self) -> bool:
@@ -176,15 +156,15 @@ class _PartsBuilder:
     def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
         """Describe a generic expose that is a whole siren, valve or opener; None for any other."""
         if (expose.type, expose.name) == _VALVE and expose.is_settable:
-            return build_valve(_part_of(topics, expose, "water_valve"), expose)
+            return build_valve(Zigbee2MqttPart.of(topics, expose, "water_valve"), expose)
         if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
         if expose is self._auxiliary.get("opener"):
             is_pulse = "run_time" not in self._names
-            part = _part_of(topics, expose, "closure")
+            part = Zigbee2MqttPart.of(topics, expose, "closure")
             return build_opener(part, expose, self._auxiliary["door"], is_pulse=is_pulse)
         if expose is self._auxiliary.get("siren"):
-            part = _part_of(topics, expose, "siren")
+            part = Zigbee2MqttPart.of(topics, expose, "siren")
             part.add_flag(expose, "on_off")
             part.request(expose)
             return part.build()
@@ -212,10 +192,6 @@ class _PartsBuilder:
                 return build_fan(part, expose, self._device.model)
             case _:
                 return build_climate(part, expose, self._auxiliary.get("program"))
-
-
-def _part_of(topics: Zigbee2MqttTopics, expose: Expose, service_type: str) -> Zigbee2MqttPart:
-    return Zigbee2MqttPart(topics, clean_text(expose.key), service_type, name=expose.title, advertised=expose.name)
 
 
 def _key_lock_as_setting(expose: Expose) -> Expose:

@@ -179,7 +179,6 @@ class Zigbee2MqttDialect(Dialect):
 
 
 def _entry(device: SimulatedDeviceInfo) -> dict[str, object]:
-    """Return the device in the bridge's list."""
     return {
         "ieee_address": _ieee(device),
         "type": "Router" if device.kind in {"lamp", "cover", "window"} else "EndDevice",
