@@ -48,12 +48,6 @@ def test_a_part_has_the_collected_capabilities() -> None:
     assert described.codec.topics() == about.reads
 
 
-def test_a_part_reads_and_writes_by_its_tables() -> None:
-    codec = part().build().codec
-    assert codec.read("t", b'{"state":"ON"}', retained=True) == {"on_off": True}
-    assert codec.write("on_off", value=True, transition=2.0) == (Publication("t/set", b"True in 2"),)
-
-
 def test_a_moved_part_reads_and_writes_on_its_own_topics() -> None:
     described, topics = part().build(), {"t": "u", "t/event": "u/event", "t/set": "u/set", "t/get": "u/get"}
     assert is_movable(described, topics)

@@ -93,10 +93,6 @@ def test_the_fast_parser_takes_the_same_depth(depth: int) -> None:
         assert _parsed(text) == _parsed_strictly(text)
 
 
-def test_of_a_key_that_is_there_twice_the_last_counts() -> None:
-    assert parse_json(b'{"a": 1, "a": 2}') == {"a": 2}
-
-
 @pytest.mark.parametrize(
     ("payload", "problem"),
     [

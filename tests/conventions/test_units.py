@@ -8,38 +8,10 @@ from homebot.devices.device_types import DEVICE_TYPES
 
 
 @pytest.mark.parametrize(
-    ("capability", "unit", "number", "expected"),
-    [
-        ("temperature", "°C", 21.5, 21.5),
-        ("temperature", " ℉ ", 212.0, 100.0),
-        ("temperature", "K", 273.15, 0.0),
-        ("power", "kW", 1.5, 1500.0),
-        ("current", "mA", 5.0, 0.005),
-        ("energy", "kWh", 3.0, 3.0),
-        ("pm25", "μg/m³", 7.0, 7.0),
-        ("flow", "L/min", 1000.0, 60.0),
-        ("air_quality_index", "", 40.0, 40.0),
-    ],
-)
-def test_a_number_becomes_the_vocabularys(capability: str, unit: str, number: float, expected: float) -> None:
-    conversion = conversion_of(capability, unit)
-    assert conversion is not None
-    assert Quantity(sensor_type(capability), capability, "", conversion).value(number) == pytest.approx(expected)
-
-
-@pytest.mark.parametrize(
     ("capability", "unit"), [("temperature", "%"), ("humidity", ""), ("battery", "V"), ("power", "")]
 )
 def test_a_unit_of_something_else_is_not_converted(capability: str, unit: str) -> None:
     assert conversion_of(capability, unit) is None
-
-
-def test_a_plain_number_stays_as_it_is() -> None:
-    assert Quantity("x_sensor", "measurement", "rpm").value(12.5) == 12.5
-
-
-def test_the_type_of_every_sensor_is_in_the_vocabulary() -> None:
-    assert {sensor_type(capability) for capability in CAPABILITIES} <= DEVICE_TYPES.keys()
 
 
 def test_the_capability_determines_the_type_of_a_sensor() -> None:

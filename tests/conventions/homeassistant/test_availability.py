@@ -67,26 +67,3 @@ def test_one_entry_need_not_be_in_a_list() -> None:
 def test_an_invalid_availability_is_refused(fields: Mapping[str, object]) -> None:
     with pytest.raises(WireError):
         availability(fields)
-
-
-def test_payloads_that_are_equal_in_python_differ() -> None:
-    for word, said in ((1, b"1"), (True, b"True"), (1.0, b"1.0")):
-        told = availability({"availability": {"topic": "same", "payload_available": word}})
-        assert told is not None
-        assert told.sources[0].read(said) is True
-
-
-def test_devices_of_a_bridge_share_its_payloads() -> None:
-    """Entries that are alike but for the topic: a house has one for each device."""
-    template = "{{ value_json.state }}"
-    entries = [{"topic": f"z/{name}/availability", "value_template": template} for name in ("a", "b")]
-    one, other = (read_availability(DiscoveryConfig("light", "", {"availability": [entry]})) for entry in entries)
-
-    assert one is not None
-    assert other is not None
-    assert [source.topic for found in (one, other) for source in found.sources] == [
-        "z/a/availability",
-        "z/b/availability",
-    ]
-    assert [found.sources[0].read(b'{"state": "online"}') for found in (one, other)] == [True, True]
-    assert one != other

@@ -19,11 +19,6 @@ def test_a_text_is_spelled_as_python_does(value: object, text: str) -> None:
     assert config(k=value).text("k", "default") == text
 
 
-def test_null_and_absent_are_one_for_a_text_and_two_for_a_payload() -> None:
-    assert config(k=None).payload("k", "OPEN") is None
-    assert config().payload("k", "OPEN") == "OPEN"
-
-
 def test_the_fields_of_commands_say_which_of_them_share_a_topic_and_not_which_topic() -> None:
     kinds = ("command_topic", "set_position_topic", "tilt_command_topic")
     told = [config(**dict(zip(kinds, topics, strict=True))).of_commands() for topics in ("abb", "aba", "cdd", "abc")]
@@ -132,10 +127,11 @@ def test_a_command_has_the_qos_retain_and_encoding_of_its_config() -> None:
         command.publication("灯")
 
 
-def test_a_command_is_retained_only_if_the_config_requires_it() -> None:
-    assert config(command_topic="a").required_command().publication(21.0) == Publication("a", b"21.0")
-
-
 def test_a_command_without_template_takes_none_from_a_nameless_field() -> None:
     command = DiscoveryConfig("light", "lamp", {"command_topic": "a", "": "{{ 1 }}"}).required_command(template_key="")
     assert command.template is None
+
+
+def test_null_and_absent_are_one_for_a_text_and_two_for_a_payload() -> None:
+    assert config(k=None).payload("k", "OPEN") is None
+    assert config().payload("k", "OPEN") == "OPEN"

@@ -3,7 +3,6 @@ import json
 import pytest
 from pydantic import ValidationError
 
-from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homeassistant.components import BUILDERS, COMPONENTS
@@ -50,12 +49,6 @@ def take(convention: HomeAssistantDiscovery, topic: str, fields: object) -> Anno
     return heard
 
 
-def test_it_is_a_convention(convention: HomeAssistantDiscovery) -> None:
-    same: Convention = convention
-    assert same.name == "homeassistant"
-    assert HomeAssistantDiscovery.Settings is HomeAssistantSettings
-
-
 def test_a_config_describes_a_device(convention: HomeAssistantDiscovery) -> None:
     device = take(convention, "light/0x1/light", LAMP)
     assert isinstance(device, DeviceAnnounced)
@@ -100,12 +93,6 @@ def test_a_whole_device_is_one_description(convention: HomeAssistantDiscovery) -
     assert [(one.part.id, one.part.service_type) for one in device.parts] == [("a", "light"), ("b", "switch")]
     assert device.availability is not None
     assert device.availability.sources[0].topic == "kitchen/status"
-
-
-def test_a_component_that_is_taken_back_is_gone(convention: HomeAssistantDiscovery) -> None:
-    device = take(convention, "device/0AFFD2", {**WHOLE, "cmps": {**WHOLE["cmps"], "lamp": {"p": "light"}}})  # type: ignore[dict-item]  # cmps is a mapping
-    assert isinstance(device, DeviceAnnounced)
-    assert [one.part.id for one in device.parts] == ["b"]
 
 
 def test_a_device_without_components_left_is_withdrawn(convention: HomeAssistantDiscovery) -> None:

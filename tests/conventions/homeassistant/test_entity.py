@@ -1,7 +1,6 @@
 import pytest
 from tests.conventions.announced_parts import homeassistant_part
 
-from homebot.conventions.description import AutoExpiry
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
 from homebot.conventions.payload import fields_of, number_of, numbers_of, whole_of
@@ -10,22 +9,6 @@ from homebot.errors import WireError
 
 def entity(**fields: object) -> Entity:
     return Entity(DiscoveryConfig("sensor", "node x", fields), "x_sensor")
-
-
-def test_a_part_has_the_fields_of_its_config() -> None:
-    making = entity(name="Door\n1", device_class="door", entity_category="diagnostic", state_topic="a")
-    making.add_capability("state")
-    making.add_expiry(AutoExpiry("state", 5.0))
-    described = making.build()
-    part = described.part
-    assert (part.id, part.name, part.tag, part.category) == ("node x", "Door 1", "door", "diagnostic")
-    assert described.expiries == (AutoExpiry("state", 5.0),)
-
-
-def test_a_capability_without_access_is_left_out() -> None:
-    making = entity()
-    making.add_capability("level", readable=False)
-    assert making.build().part.capabilities == ()
 
 
 def test_a_message_with_which_a_template_asks_for_its_last_state_changes_nothing() -> None:
@@ -64,26 +47,8 @@ def test_a_scale_without_length_is_refused() -> None:
         Scale(5, 5)
 
 
-@pytest.mark.parametrize(
-    ("text", "number"),
-    [
-        ("7", 7.0),
-        (" 7.5 ", 7.5),
-        (True, 1.0),
-        ("nan", None),
-        ("1e999", None),
-        ("x", None),
-        (None, None),
-        ([], None),
-        ("1" * 41, None),
-        (10**400, None),
-    ],
-)
-def test_a_number_has_an_end_and_few_digits(text: object, number: float | None) -> None:
-    assert number_of(text) == number
-
-
 def test_rendered_texts_are_read_without_raising() -> None:
+    assert (number_of(value=True), number_of("7.5"), number_of("nan")) == (1.0, 7.5, None)
     assert (whole_of("7"), whole_of("7.0"), whole_of("9" * 5_000)) == (7, None, None)
     assert numbers_of("1,2.5", 2) == (1.0, 2.5)
     assert [numbers_of(text, 2) for text in ("1", "1,2,3", "1,x", "")] == [None] * 4

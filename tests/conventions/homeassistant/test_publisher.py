@@ -12,7 +12,6 @@ from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.exposure import ExposedDevice
 from homebot.devices.part import Capability, Part
-from homebot.devices.value import PlainValue
 
 STATUS = "homebot/hub/mqtt/status"
 
@@ -48,48 +47,6 @@ def test_a_config_fits_the_schema_of_home_assistant() -> None:
     assert fields["origin"] == {"name": "homebot"}
     assert fields["availability_topic"] == STATUS
     assert fields["command_topic"] == fields["state_topic"].removesuffix("/state") + "/set"
-
-
-@pytest.mark.parametrize(
-    ("capability", "component", "values"),
-    [
-        (Capability(name="on_off", settable=True), "switch", (True, False)),
-        (Capability(name="running"), "binary_sensor", (True, False)),
-        (Capability(name="battery"), "sensor", (80.0, 0.0, None)),
-        (Capability(name="level", settable=True, bounds=(0.0, 100.0)), "number", (40.0,)),
-        (Capability(name="option", settable=True, options=("fast", "slow")), "select", ("slow",)),
-    ],
-)
-def test_a_published_part_is_read_as_itself(
-    capability: Capability, component: str, values: tuple[PlainValue, ...]
-) -> None:
-    """Config, state and command make the whole way round."""
-    ours = publisher()
-    offered = offer(capability)
-    (config,) = ours.publications(offered)
-    assert config.topic.split("/")[1] == component
-    described = understood(config)
-    (part,) = described.parts
-    for value in values:
-        said = {("robot", capability.name): value}
-        (state,) = ours.states(offered, said, said)
-        assert state.retain
-        assert list(part.codec.read(state.topic, state.payload, retained=False).values()) == [value]
-        if not capability.settable:
-            continue
-        (told,) = part.codec.write(part.part.capabilities[0].name, value)
-        (command,) = ours.read_command(told.topic, told.payload)
-        assert (command.key, command.part, command.capability) == ("robot1", "robot", capability.name)
-        assert command.value.plain() == value
-
-
-def test_a_button_is_pressed() -> None:
-    ours = publisher()
-    (config,) = ours.publications(offer(Capability(name="locate", readable=False, settable=True)))
-    (part,) = understood(config).parts
-    (told,) = part.codec.write("push", True)
-    (command,) = ours.read_command(told.topic, told.payload)
-    assert command.value.plain() is True
 
 
 def test_every_capability_of_the_vocabulary_can_be_offered() -> None:

@@ -31,32 +31,15 @@ def test_another_topic_is_no_config(topic: str) -> None:
     assert parse_config_topic("ha", topic) is None
 
 
-def test_a_prefix_may_have_levels() -> None:
-    assert parse_config_topic("a/b", "a/b/light/x/config") == ConfigTopic("light", "", "x")
-
-
 def test_a_config_topic_that_would_fill_an_index_is_refused() -> None:
     with pytest.raises(WireError, match="512"):
         parse_config_topic("ha", f"ha/light/{'x' * 512}/config")
 
 
-@pytest.mark.parametrize("topic", ["a", "a/b c/ü", "$SYS/x", "/"])
-def test_a_command_goes_to_any_plain_topic(topic: str) -> None:
-    assert valid_topic(topic, validate_topic) == topic
-
-
-@pytest.mark.parametrize("topic", ["", "a/+", "#", "a\x00", "a\n", "a\x7f", "a\ufdd0", "\ud800", "a" * 65_536])
-def test_a_command_topic_that_cannot_be_is_refused(topic: str) -> None:
+@pytest.mark.parametrize("topic", ["", "a/+/b#", "#/a", "a\x00", "a\n", "a\x7f", "a\ufdd0", "\ud800", "a" * 65_536])
+def test_a_topic_that_cannot_be_is_refused(topic: str) -> None:
+    for validate in (validate_topic, validate_filter):
+        with pytest.raises(WireError):
+            valid_topic(topic, validate)
     with pytest.raises(WireError):
-        valid_topic(topic, validate_topic)
-
-
-@pytest.mark.parametrize("topic", ["a", "+/+/BTtoMQTT/A4C1", "a/#", "#"])
-def test_a_state_topic_may_be_a_filter(topic: str) -> None:
-    assert valid_topic(topic, validate_filter) == topic
-
-
-@pytest.mark.parametrize("topic", ["", "a+/b", "a#", "#/a", "a\x00", "a\t", "\ud800"])
-def test_a_state_topic_that_cannot_be_is_refused(topic: str) -> None:
-    with pytest.raises(WireError):
-        valid_topic(topic, validate_filter)
+        valid_topic("a/+", validate_topic)

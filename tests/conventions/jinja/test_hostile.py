@@ -133,15 +133,3 @@ def test_the_output_is_bounded() -> None:
     assert len(compile_template("{{ 'x' * 65536 }}").render({})) == MAX_TEXT
     with pytest.raises(TemplateError, match="longer than"):
         compile_template("{{ 'x' * 65536 }}y").render({})
-
-
-def test_ordinary_expressions_are_matched() -> None:
-    compiled = compile_template(r"{{ value | regex_findall('\\d+\\.?\\d*') | join(';') }}")
-
-    assert compiled.render_value("temp 21.5 hum 40 lux 300.25 and so on" * 2) == "21.5;40;300.25;21.5;40;300.25"
-
-
-def test_references_in_a_replacement_are_supported() -> None:
-    compiled = compile_template(r"{{ value | regex_replace('(\\w+)=(\\w+)', '\\2:\\1') }}")
-
-    assert compiled.render_value("a=1, bc=22; " * 10) == ("1:a, 22:bc; " * 10).strip()

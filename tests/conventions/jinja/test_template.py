@@ -106,36 +106,6 @@ def test_warnings_of_python_are_ignored(expression: str) -> None:
     assert compile_template(f"{{{{ value | regex_search('{expression}') }}}}").render_value("5") == "True"
 
 
-@pytest.mark.parametrize(
-    ("source", "payload", "text"),
-    [
-        ("{{ value }}", " on ", "on"),
-        ("{{value}}", '{"a": 1}', '{"a": 1}'),
-        ("{{ value_json.a }}", '{"a": 1}', "1"),
-        ("  {{- value_json.a.b -}}  ", '{"a": {"b": "x "}}', "x"),
-        ('{{ value_json["k"] }}', '{"k": true}', "True"),
-        ("{{ value_json['a']['b c'] }}", '{"a": {"b c": null}}', "None"),
-        ("{{ value_json['a'].b[0] }}", '{"a": {"b": [2.50]}}', "2.5"),
-        ('{{ value_json[""] }}', '{"": 5}', "5"),
-        ("{{ value_json.items }}", '{"items": 5}', "5"),
-        ("{{ value_json['_type'] }}", '{"_type": "location"}', "location"),
-        ("{{ value_json }}", "21.5", "21.5"),
-        ("{{ value_json }}", "no json", ""),
-        ("{{ value_json.missing }}", '{"a": 1}', ""),
-        ("{{ value_json.a.missing }}", '{"a": 1}', ""),
-        ("{{ value_json[9] }}", "[1]", ""),
-        ("{{ value_json[1] }}", '"text"', "e"),
-        ("{{ value_json.a }}", '{"a": {"b": [1, "x"]}}', "{'b': [1, 'x']}"),
-        ("{{ value_json.a | is_defined }}", '{"a": false}', "False"),
-    ],
-)
-def test_a_path_gives_the_text_of_its_value(source: str, payload: str, text: str) -> None:
-    template = compile_template(source)
-
-    assert template.problem == ""
-    assert template.render_value(payload) == text
-
-
 @pytest.mark.parametrize("source", ["{{ value_json.a.b }}", "{{ value_json.a['b'].c }}"])
 def test_a_path_through_a_missing_value_fails(source: str) -> None:
     with pytest.raises(TemplateError, match="not in the message"):

@@ -74,12 +74,6 @@ def test_without_a_colour_mode_the_only_value_is_read() -> None:
     assert said(lamp, color_temp=None, color_mode=None) == {}
 
 
-def test_white_alone_is_read_without_a_colour_mode() -> None:
-    lamp = only({"type": "light", "features": [onoff(), level(), WHITE]})
-    assert said(lamp, color_temp=250) == {"color_temperature": 4000.0}
-    assert lamp.part.capabilities[2].bounds == (1997.0, 6535.0)
-
-
 def test_lamps_of_one_device_have_their_own_properties() -> None:
     first, second = built(
         {"type": "light", "endpoint": "l1", "features": [onoff("_l1"), level("_l1")]},
@@ -132,17 +126,6 @@ def test_a_cover_reports_position_and_movement(message: dict[str, Any], expected
     assert said(cover, **message) == expected
 
 
-def test_a_cover_takes_movements_and_positions() -> None:
-    cover = only(COVER)
-    assert told(cover, "movement", "closed") == {"state": "CLOSE"}
-    assert told(cover, "movement", "stopped") == {"state": "STOP"}
-    assert told(cover, "position", 30.4) == {"position": 30}
-    with pytest.raises(RefusedError, match="0 to 100"):
-        cover.codec.write("position", 101.0)
-    with pytest.raises(RefusedError, match="open, closed, stopped"):
-        cover.codec.write("movement", "opening")
-
-
 LOCK = {
     "type": "lock",
     "features": [
@@ -162,12 +145,6 @@ def test_a_lock_goes_by_its_state_and_else_by_its_bolt() -> None:
     assert told(lock, "lock", "unlocked") == {"state": "UNLOCK"}
     with pytest.raises(RefusedError):
         lock.codec.write("lock", "open")
-
-
-def test_a_child_lock_is_a_setting_and_no_lock() -> None:
-    lock = only(feature("binary", "child_lock", 3, value_on="LOCK", value_off="UNLOCK"))
-    assert (lock.part.service_type, lock.part.category, names(lock)) == ("x_setting", "config", ["on_off"])
-    assert told(lock, "on_off", value=True) == {"child_lock": "LOCK"}
 
 
 @pytest.mark.parametrize("key", ["child_lock", "keypad_lockout"])
@@ -298,15 +275,6 @@ def test_a_sensor_has_a_type_and_our_unit(
     assert sensor.codec.read(TOPIC, payload, retained=False) == expected
 
 
-def test_presses_of_a_remote_are_events() -> None:
-    remote = only(feature("enum", "action", 1, category="diagnostic", values=["single", "double"]))
-    assert (remote.part.service_type, remote.part.category) == ("generic_switch", "")
-    assert said(remote, action="single") == {"press": "single"}
-    assert said(remote, action="") == {}
-    assert said(remote, action=None) == {}
-    assert said(remote, retained=True, action="single") == {}
-
-
 def test_settings_are_sent_in_their_own_types() -> None:
     number = only(feature("numeric", "countdown", 3, unit="s", value_min=0, value_max=100))
     assert told(number, "number", 5.0) == {"countdown": 5}
@@ -373,11 +341,6 @@ def test_a_transition_must_fit_the_radio() -> None:
     for seconds in (-1.0, 6_554.0, float("nan"), float("inf")):
         with pytest.raises(RefusedError, match="transition"):
             lamp.codec.write("on_off", value=True, transition=seconds)
-
-
-def test_parts_with_the_same_id_get_a_number() -> None:
-    parts = built(*[feature("numeric", "x", 1)] * 3)
-    assert [one.part.id for one in parts] == ["x", "x_2", "x_3"]
 
 
 def test_an_expose_without_access_is_left_out() -> None:
@@ -545,3 +508,12 @@ def test_a_gas_valve_is_a_valve_and_no_setting() -> None:
     assert (valve.part.service_type, valve.part.category, timeout.part.service_type) == ("water_valve", "", "x_setting")
     assert [said(valve, gas_valve_state=one) for one in ("OPEN", "CLOSE")] == [{"valve": "open"}, {"valve": "closed"}]
     assert told(valve, "valve", "closed") == {"gas_valve_state": "CLOSE"}
+
+
+def test_presses_of_a_remote_are_events() -> None:
+    remote = only(feature("enum", "action", 1, category="diagnostic", values=["single", "double"]))
+    assert (remote.part.service_type, remote.part.category) == ("generic_switch", "")
+    assert said(remote, action="single") == {"press": "single"}
+    assert said(remote, action="") == {}
+    assert said(remote, action=None) == {}
+    assert said(remote, retained=True, action="single") == {}
