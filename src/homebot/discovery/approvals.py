@@ -31,7 +31,7 @@ class Approval(NamedTuple):
 
 @final
 class ApprovalRegistry:
-    """The approvals by gateway, key and part: neither a device id nor an identifier has one."""
+    """The approvals by gateway, key and part: neither a device id nor an identifier has one. Too many are refused."""
 
     __slots__ = ("_by_place",)
 
@@ -42,11 +42,7 @@ class ApprovalRegistry:
         return len(self._by_place)
 
     def put(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
-        """Approve all parts of *sources* that take commands; return the differences from the approvals before.
-
-        Raises:
-            RefusedError: There are too many approvals.
-        """
+        """Approve all parts of *sources* that take commands; return the differences from the approvals before."""
         found = dict(_descriptions(sources))
         if len(self._by_place.keys() | found.keys()) > MAX_APPROVALS:
             raise RefusedError("an approval", f"there are {MAX_APPROVALS:,} already; take some back")

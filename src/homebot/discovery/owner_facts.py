@@ -55,6 +55,9 @@ class _Statement:
 class OwnerFacts:
     """The rooms of the house, and the facts that the owner states of devices.
 
+    Its methods raise RefusedError where there are too many statements or approvals, and those of rooms raise the errors
+    of :class:`HouseRooms`.
+
     Args:
         places: The table ``[places]`` of the configuration.
         read_at: When that was read, in seconds since the Unix epoch.
@@ -130,9 +133,6 @@ class OwnerFacts:
         Args:
             facts: The facts; none to take all back.
             present: The announcements of devices that are there; others of the device are gone, and lose theirs too.
-
-        Raises:
-            RefusedError: There are too many statements.
         """
         own: dict[_Name, None] = {**dict.fromkeys(source.key for source in sources), device_id: None}
         stated = _Statement(tuple(facts), own)
@@ -156,11 +156,7 @@ class OwnerFacts:
             statement.names = {}
 
     def approve(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
-        """Approve the announcements of a device as they are; return the differences from the approvals before.
-
-        Raises:
-            RefusedError: There are too many approvals.
-        """
+        """Approve the announcements of a device as they are; return the differences from the approvals before."""
         changes = self.approvals.put(sources, now)
         self.is_unsaved, self.is_empty = True, False
         return changes
@@ -177,9 +173,6 @@ class OwnerFacts:
         Args:
             names: The id, or the hardware addresses, that it will have.
             facts: The facts; none to take all back.
-
-        Raises:
-            RefusedError: There are too many statements.
         """
         stated = _Statement(tuple(facts), dict.fromkeys(names))
         self.check_room(sum(name not in self._by_name for name in stated.names))
@@ -202,11 +195,7 @@ class OwnerFacts:
         return _once(sorted((fact for statement in self._statements(names) for fact in statement.facts), key=_rank))
 
     def import_rooms(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> None:
-        """Add *rooms* and *doors* to the plan.
-
-        Raises:
-            ConfigError: They do not fit the plan; nothing was added.
-        """
+        """Add *rooms* and *doors* to the plan."""
         self.rooms.add(rooms, source, doors)
         self.is_unsaved = True
 
@@ -216,11 +205,7 @@ class OwnerFacts:
         self.is_empty = self.is_empty and not self._configured
 
     def remove_room(self, name: str) -> None:
-        """Take an imported room out of the plan, with its doors.
-
-        Raises:
-            RefusedError: No import stated it, the configuration does, or devices were placed in it.
-        """
+        """Take an imported room out of the plan, with its doors, unless devices were placed in it."""
         if placed := sorted(str(min(one.names, key=lambda name: not isinstance(name, str))) for one in self._in(name)):
             named = ", ".join(placed[:_MOST_NAMED]) + (", …" if len(placed) > _MOST_NAMED else "")
             reason = f"devices were placed in it: {named}; place them elsewhere first"
@@ -229,12 +214,7 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def rename_room(self, name: str, new: str) -> None:
-        """Give a room that was imported, or in which devices were placed, another name.
-
-        Raises:
-            RefusedError: There is no such room, the configuration has it, or there is one called *new*.
-            ConfigError: *new* is the name of a floor or of the home.
-        """
+        """Give a room that was imported, or in which devices were placed, another name."""
         in_it = self._in(name)
         if fold(new) != fold(name) and self._in(new):
             raise RefusedError(f"renaming the room {name!r}", f"there is a room {new!r} already")

@@ -38,7 +38,11 @@ _TAUGHT: Final = ("taught_area", "taught_position")
 
 @final
 class PlacesEditor:
-    """Takes the owner's statements, and updates the devices with them."""
+    """Takes the owner's statements, and updates the devices with them.
+
+    Its methods raise RefusedError where there is no such device, or there are too many statements, and UsageError
+    where a name or a position cannot be one, or is probably a typo. Times are in seconds since the Unix epoch.
+    """
 
     __slots__ = ("_table",)
 
@@ -57,14 +61,9 @@ class PlacesEditor:
         Args:
             device: Its id; of one that is not there yet as :meth:`future_name` returns it.
             room: The room, or a floor; empty for none.
-            now: Seconds since the Unix epoch.
             at: The position, as text; empty for none.
             is_new: Whether it may be a room with a name one typo away from that of another.
             may_be_absent: Whether the device need not be there yet.
-
-        Raises:
-            RefusedError: There is no such device, or there are too many statements.
-            UsageError: The name cannot be one, or is probably a typo; or there is no such position.
         """
         entry = self._found(device, may_be_absent=may_be_absent)
         facts = self._where(device, room, at, now, is_new=is_new)
@@ -94,11 +93,7 @@ class PlacesEditor:
         raise RefusedError("taking back the room", reason)
 
     def future_name(self, device: str) -> str:
-        """Return the id of a device, or that of one that is not there yet by its name; a hardware address as it is.
-
-        Raises:
-            UsageError: *device* cannot be a name.
-        """
+        """Return the id of a device, or that of one that is not there yet by its name; a hardware address as it is."""
         name = device if self.has(device) else check_name(device)
         return name if self.has(name) or ":" in name or "/" in name else id_of_name(name)
 
@@ -117,14 +112,9 @@ class PlacesEditor:
 
         Args:
             room: The room on the tag; the room that it is in itself counts more.
-            now: Seconds since the Unix epoch.
 
         Returns:
             The room that the device is in now, and whether the tag said another place before, or none.
-
-        Raises:
-            RefusedError: There is no such device, or there are too many statements.
-            UsageError: The tag's room is unknown, its room cannot be one, or is probably a typo.
         """
         entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
         facts = self._taught(entry, gateway, tag, room, now)
@@ -155,12 +145,7 @@ class PlacesEditor:
         return facts
 
     def add(self, device_id: str, name: FactName, value: str, now: float) -> tuple[str, ...]:
-        """Add an alias or a tag of a device; return all that it has.
-
-        Raises:
-            RefusedError: There is no such device, or there are too many statements.
-            UsageError: *value* cannot be a name.
-        """
+        """Add an alias or a tag of a device; return all that it has."""
         entry = self._entry(device_id)
         added = check_name(value)
         others = [fact for fact in self.stated(entry) if (fact.name, fold(fact.value)) != (name, fold(added))]
@@ -188,11 +173,7 @@ class PlacesEditor:
         return self._values(entry, name)
 
     def approval_digest(self, device_id: str) -> str:
-        """Return the digest of what an approval of a device would be bound to now.
-
-        Raises:
-            RefusedError: There is no such device.
-        """
+        """Return the digest of what an approval of a device would be bound to now."""
         return approval_digest(self._entry(device_id).sources.values())
 
     def check_shown(self, device_id: str, digest: str) -> None:
@@ -224,21 +205,13 @@ class PlacesEditor:
         return changes
 
     def disapprove(self, device_id: str) -> None:
-        """Take back the approval of a device; if it has none, nothing happens.
-
-        Raises:
-            RefusedError: There is no such device.
-        """
+        """Take back the approval of a device; if it has none, nothing happens."""
         entry = self._entry(device_id)
         if self._table.owner.disapprove(entry.sources.values()):
             self.restate((entry,), "the owner took back the approval")
 
     def commands(self, device_id: str) -> dict[SourceKey, tuple[str, ...]]:
-        """Return a line for each part of a device that takes commands, by announcement: the commands and addresses.
-
-        Raises:
-            RefusedError: There is no such device.
-        """
+        """Return a line for each part of a device that takes commands, by announcement: the commands and addresses."""
         return {key: _announced_commands(one) for key, one in self._entry(device_id).sources.items()}
 
     def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
@@ -246,11 +219,7 @@ class PlacesEditor:
         return self._table.owner.stated(entry.id, entry.sources.values())
 
     def state(self, entry: Entry, facts: Iterable[OwnerFact], why: str) -> None:
-        """Store *facts* as the statements of commands and imports on a device, and *why* as the reason of the change.
-
-        Raises:
-            RefusedError: There are too many statements.
-        """
+        """Store *facts* as the statements of commands and imports on a device, for the reason *why*."""
         self._table.owner.put(entry.id, entry.sources.values(), facts, self._table.owners)
         self.restate((entry,), why)
 

@@ -38,7 +38,7 @@ class Imported:
 
 @final
 class PlacesExchange:
-    """Writes and reads places files."""
+    """Writes and reads places files. Times are in seconds since the Unix epoch."""
 
     __slots__ = ("_editor", "_table")
 
@@ -107,9 +107,6 @@ class PlacesExchange:
         """Replace the statements of the configuration, and describe the devices anew that they change.
 
         Others may have their turn at each step.
-
-        Args:
-            now: Seconds since the Unix epoch.
         """
         owner = self._table.owner
         before = {entry: owner.of(entry.id, entry.sources.values()) for entry in tuple(self._table.entries.values())}
@@ -124,25 +121,13 @@ class PlacesExchange:
         yield from self._restate(plan, owner.plan)
 
     def remove_room(self, name: str) -> Generator[None, None, None]:
-        """Take an imported room out of the plan; others may have their turn at each step.
-
-        Raises:
-            RefusedError: No import stated it, the configuration does, or devices were placed in it.
-        """
+        """Take an imported room out of the plan, as :class:`OwnerFacts`; others may have their turn at each step."""
         before = self._table.owner.plan
         self._table.owner.remove_room(name)
         yield from self._restate(before, self._table.owner.plan)
 
     def rename_room(self, name: str, new: str) -> Generator[None, None, str]:
-        """Rename a room that was imported, or in which devices were placed; return its name.
-
-        Others may have their turn at each step.
-
-        Raises:
-            RefusedError: There is no such room, the configuration has it, or there is one called *new*.
-            ConfigError: *new* is the name of a floor or of the home.
-            UsageError: *new* cannot be a name.
-        """
+        """Rename a room that was imported, or in which devices were placed, likewise; return its name."""
         owner, checked = self._table.owner, check_name(new)
         owner.rename_room(name, checked)
         for entry in tuple(self._table.entries.values()):

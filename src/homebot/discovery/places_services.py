@@ -182,11 +182,7 @@ class PlacesServices:
         return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
 
     def _check_free(self, alias: str, device_id: str) -> None:
-        """Check that no device but that is called *alias*.
-
-        Raises:
-            RefusedError: One is; the message names it.
-        """
+        """Check that no device but that is called *alias*."""
         name = fold(alias)
         for other in sorted(self._index.find(NameIs(name)) - {device_id}):
             device = self._index.get(other)
@@ -194,11 +190,7 @@ class PlacesServices:
                 raise RefusedError(f"the alias {alias!r}", f"{device.id} is called that already")
 
     def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:
-        """Add a word to the statements on a device, or take it back; return all of them.
-
-        Raises:
-            RefusedError, UsageError: It cannot be stated; the message says why.
-        """
+        """Add a word to the statements on a device, or take it back; return all of them."""
         places = self._index.places
         if remove:
             return places.withdraw(device, fact, word)

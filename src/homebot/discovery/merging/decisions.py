@@ -31,6 +31,8 @@ class _Record(BaseModel):
 class MergeDecisions:
     """Keeps which identifiers are no evidence, and which announcements are one device because the owner says so.
 
+    Where there are too many decisions, further ones raise RefusedError.
+
     Attributes:
         merged: The identifiers that the owner gave to announcements.
         is_unsaved: Whether something was decided that is not in the index file.
@@ -42,11 +44,7 @@ class MergeDecisions:
         self.merged: dict[SourceKey, str] = {}
 
     def split(self, identifiers: Iterable[str], keys: Iterable[SourceKey]) -> None:
-        """Decide that *identifiers* are no evidence, and that *keys* were not to be merged.
-
-        Raises:
-            RefusedError: There are too many decisions.
-        """
+        """Decide that *identifiers* are no evidence, and that *keys* were not to be merged."""
         ignored = {one for one in identifiers if not one.startswith(OWNER)} | self.ignored
         self._check("a split", len(ignored))
         self.ignored = ignored
@@ -55,11 +53,7 @@ class MergeDecisions:
         self.is_unsaved = True
 
     def merge(self, keys: Iterable[SourceKey]) -> None:
-        """Decide that the devices that announcements *keys* are about are one.
-
-        Raises:
-            RefusedError: There are too many decisions.
-        """
+        """Decide that the devices that announcements *keys* are about are one."""
         announcements = tuple(keys)
         self._check("a merge", len(self.merged) + len(announcements))
         known = {given for key in announcements if (given := self.merged.get(key)) is not None}

@@ -183,11 +183,8 @@ class DeviceMerger:
         """Make several devices of *entry*, because the owner says so; return them, *entry* first.
 
         Args:
-            key: The announcement that is not about it, with those of the same identity; None for each
-                of them to be a device of its own.
-
-        Raises:
-            RefusedError: Its announcements all have the same identity, or there are too many decisions.
+            key: The announcement that is not about it, with those of the same identity; None for each of them to be a
+                device of its own. RefusedError is raised where all have the same identity.
         """
         keys = tuple(entry.sources)
         shared = [identifier for identifier, _ in self.identities.shared(keys)]
@@ -202,11 +199,7 @@ class DeviceMerger:
         return tuple(dict.fromkeys((entry, *(self._table.owners[one] for one in keys))))
 
     def merge(self, entries: Iterable[Entry]) -> Entry:
-        """Make *entries* one device, because the owner says so; return it.
-
-        Raises:
-            RefusedError: There are too many decisions.
-        """
+        """Make *entries* one device, because the owner says so; return it."""
         keys = tuple(next(iter(entry.sources)) for entry in entries)
         if len(keys) > 1:
             self.decisions.merge(keys)

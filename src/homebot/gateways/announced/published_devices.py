@@ -114,12 +114,7 @@ class PublishedDevices:
         return self.owner_of(address) if self._find_source is None else self._find_source(address)
 
     async def send_raw(self, command: RawCommand) -> None:
-        """Send a raw command to the address that it names.
-
-        Raises:
-            RefusedError: It cannot be sent there, or the protocol has no raw commands.
-            LinkError: There is no link.
-        """
+        """Send a raw command, as :class:`RawMessages` says; refused where the protocol has none."""
         if self._send_raw is None:
             raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
         await self._send_raw(command)

@@ -52,7 +52,7 @@ T = TypeVar("T")
 
 
 class AnnouncedDevices:
-    """The engine of one gateway: from its conventions' announcements to devices.
+    """The engine of one gateway: from its conventions' announcements to devices; its port to :class:`RawMessages`.
 
     Args:
         responses: Asks devices for responses to commands; None if they are not to be asked.
@@ -214,12 +214,7 @@ class AnnouncedDevices:
             await self._replay_retained(missed, message.topic)
 
     def send_raw(self, command: RawCommand) -> Awaitable[object]:
-        """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for.
-
-        Raises:
-            RefusedError: The broker said no.
-            InvalidNameError: The address is no topic.
-        """
+        """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for."""
         address, payload = command.address, command.payload.encode()
         codec = self._registry.codecs.get(address)
         if codec is not None:
@@ -231,12 +226,7 @@ class AnnouncedDevices:
         return self._connection.publish(address, payload, qos=command.qos, retain=command.retain, properties=properties)
 
     def find_source(self, address: str, listener: str) -> tuple[str, str]:
-        """Return key and name of the device that speaks on the topic *address*, which it need not have done yet.
-
-        Raises:
-            WireError: No device speaks there and the *listener* reads no robots, or the topic breaks a rule.
-            InvalidNameError: It is none.
-        """
+        """Return key and name of the device that speaks on the topic *address*, which it need not have done yet."""
         validate_topic(address)
         if (route := self.route(address)) is not None:
             for announced_part in (route.text, *route.announced_parts):
