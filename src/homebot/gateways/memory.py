@@ -66,6 +66,7 @@ class MemoryGateway(Gateway):
             self._perform,
             settings,
             send_raw=self._send_raw,
+            find_source=self.find_source,
             max_devices=settings.max_devices,
         )
         log = self.devices.engine.quarantine.log_limited
@@ -116,6 +117,10 @@ class MemoryGateway(Gateway):
     async def _send_raw(self, command: RawCommand) -> None:
         self._check_link()
         self.raw_commands.append(command)
+
+    def find_source(self, address: str) -> tuple[str, str]:
+        """Return key and name of the device that reports raw messages on *address*."""
+        return self.devices.owner_of(address)
 
     def _show(self, offer: ExposedDevice) -> None:
         if offer.is_withdrawn:
