@@ -11,45 +11,10 @@ from typing import Final, Literal, TypeVar, final
 from anyio import to_thread
 
 from homebot.clock import Clock, TimeSlice
+from homebot.devices import approval_messages as approvals
 from homebot.devices import names
-from homebot.devices.approval_messages import (
-    ApproveDevice,
-    ApproveDeviceRequest,
-    ApproveDeviceResponse,
-    DescribeCommands,
-    DescribeCommandsRequest,
-)
+from homebot.devices import places_messages as messages
 from homebot.devices.device import KeyValue
-from homebot.devices.places_messages import (
-    AliasDevice,
-    AliasDeviceRequest,
-    AliasDeviceResponse,
-    AreaRing,
-    ChangeRoom,
-    ChangeRoomRequest,
-    ChangeRoomResponse,
-    DoorInfo,
-    ExportPlaces,
-    ExportPlacesRequest,
-    ExportPlacesResponse,
-    GetPlaces,
-    GetPlacesRequest,
-    GetPlacesResponse,
-    ImportPlaces,
-    ImportPlacesRequest,
-    ImportPlacesResponse,
-    OwnerRequest,
-    PlaceDevice,
-    PlaceDeviceRequest,
-    PlaceDeviceResponse,
-    RoomInfo,
-    TagDevice,
-    TagDeviceRequest,
-    TagDeviceResponse,
-    TeachPlace,
-    TeachPlaceRequest,
-    TeachPlaceResponse,
-)
 from homebot.devices.query import NameIs
 from homebot.discovery.index import DeviceIndex
 from homebot.errors import ConfigError, RefusedError, ServiceError, UsageError
@@ -83,21 +48,21 @@ class PlacesServices:
 
     def register(self, node: Node, owner: OwnerRequests) -> None:
         """Begin to answer, as *node*; requests of the owner pass *owner*."""
-        owner.serve(PlaceDevice, names.PLACE_DEVICE, self._place)
-        owner.serve(AliasDevice, names.ALIAS_DEVICE, self._add_alias)
-        owner.serve(TagDevice, names.TAG_DEVICE, self._add_tag)
-        owner.serve(ApproveDevice, names.APPROVE_DEVICE, partial(self._approve, node))
-        node.create_service(GetPlaces, names.GET_PLACES, self._get_places)
-        owner.serve(TeachPlace, names.TEACH_PLACE, self._teach)
-        owner.serve(ChangeRoom, names.CHANGE_ROOM, self._change_room)
-        node.create_service(ExportPlaces, names.EXPORT_PLACES, self._export)
+        owner.serve(messages.PlaceDevice, names.PLACE_DEVICE, self._place)
+        owner.serve(messages.AliasDevice, names.ALIAS_DEVICE, self._add_alias)
+        owner.serve(messages.TagDevice, names.TAG_DEVICE, self._add_tag)
+        owner.serve(approvals.ApproveDevice, names.APPROVE_DEVICE, partial(self._approve, node))
+        node.create_service(messages.GetPlaces, names.GET_PLACES, self._get_places)
+        owner.serve(messages.TeachPlace, names.TEACH_PLACE, self._teach)
+        owner.serve(messages.ChangeRoom, names.CHANGE_ROOM, self._change_room)
+        node.create_service(messages.ExportPlaces, names.EXPORT_PLACES, self._export)
         node.create_service(
-            ImportPlaces,
+            messages.ImportPlaces,
             names.IMPORT_PLACES,
-            lambda request: owner.carry_out(ImportPlacesResponse, partial(self._import, owner, request)),
+            lambda request: owner.carry_out(messages.ImportPlacesResponse, partial(self._import, owner, request)),
         )
 
-    def _place(self, request: PlaceDeviceRequest) -> PlaceDeviceResponse:
+    def _place(self, request: messages.PlaceDeviceRequest) -> messages.PlaceDeviceResponse:
         places, may_be_absent = self._index.places, request.may_be_absent
         device = places.future_name(request.device) if may_be_absent else request.device
         if request.room or request.at:
@@ -105,71 +70,79 @@ class PlacesServices:
             room = places.place(device, request.room, self._clock.now(), at=request.at, **more)
         else:
             room = places.unplace(device, may_be_absent=may_be_absent)
-        return PlaceDeviceResponse(success=True, room=room, absent="" if places.has(device) else device)
+        return messages.PlaceDeviceResponse(success=True, room=room, absent="" if places.has(device) else device)
 
-    def _add_alias(self, request: AliasDeviceRequest) -> AliasDeviceResponse:
+    def _add_alias(self, request: messages.AliasDeviceRequest) -> messages.AliasDeviceResponse:
         if not request.remove:
             self._check_free(request.alias, request.device)
         aliases = self._change(request.device, "name", request.alias, remove=request.remove)
-        return AliasDeviceResponse(success=True, aliases=aliases)
+        return messages.AliasDeviceResponse(success=True, aliases=aliases)
 
-    def _add_tag(self, request: TagDeviceRequest) -> TagDeviceResponse:
-        return TagDeviceResponse(
+    def _add_tag(self, request: messages.TagDeviceRequest) -> messages.TagDeviceResponse:
+        return messages.TagDeviceResponse(
             success=True, tags=self._change(request.device, "tag", request.tag, remove=request.remove)
         )
 
-    async def _approve(self, node: Node, request: ApproveDeviceRequest) -> ApproveDeviceResponse:
+    async def _approve(self, node: Node, request: approvals.ApproveDeviceRequest) -> approvals.ApproveDeviceResponse:
         places, device = self._index.places, request.device
         if request.is_preview:
             digest = places.approval_digest(device)
             commands = await self._commands(node, device)
             places.check_shown(device, digest)
-            return ApproveDeviceResponse(success=True, commands=commands, digest=digest)
+            return approvals.ApproveDeviceResponse(success=True, commands=commands, digest=digest)
         if request.remove:
             places.disapprove(device)
-            return ApproveDeviceResponse(success=True)
+            return approvals.ApproveDeviceResponse(success=True)
         changes = places.approve(device, self._clock.now(), request.digest)
-        return ApproveDeviceResponse(success=True, commands=await self._commands(node, device), changes=changes)
+        return approvals.ApproveDeviceResponse(
+            success=True, commands=await self._commands(node, device), changes=changes
+        )
 
     async def _commands(self, node: Node, device: str) -> tuple[str, ...]:
         """Return the payloads that the gateways of *device* send for commands, or those announced if one is silent."""
         lines: list[str] = []
         for (gateway, key), announced in self._index.places.commands(device).items():
-            with closing(node.create_client(DescribeCommands, names.GatewayNames(gateway).describe_commands)) as client:
+            with closing(
+                node.create_client(approvals.DescribeCommands, names.GatewayNames(gateway).describe_commands)
+            ) as client:
                 try:
-                    described = (await client.call(DescribeCommandsRequest(key=key))).commands
+                    described = (await client.call(approvals.DescribeCommandsRequest(key=key))).commands
                 except ServiceError:
                     described = ()
             lines += described or announced
         return tuple(lines)
 
-    def _get_places(self, _: GetPlacesRequest) -> GetPlacesResponse:
+    def _get_places(self, _: messages.GetPlacesRequest) -> messages.GetPlacesResponse:
         plan = self._index.owner.plan
         absent = sorted(self._index.places.absent())[:_MOST_ABSENT]
-        return GetPlacesResponse(
+        return messages.GetPlacesResponse(
             home=plan.home,
             rooms=tuple(map(_room_info, plan.rooms)),
             absent=tuple(KeyValue(key=key, value=room) for key, room in absent),
             doors=tuple(map(_door_info, plan.doors)),
         )
 
-    def _teach(self, request: TeachPlaceRequest) -> TeachPlaceResponse:
+    def _teach(self, request: messages.TeachPlaceRequest) -> messages.TeachPlaceResponse:
         teach, now = self._index.places.teach, self._clock.now()
         room, is_new = teach(request.device, request.gateway, request.tag, request.room, now)
-        return TeachPlaceResponse(success=True, room=room, is_new=is_new)
+        return messages.TeachPlaceResponse(success=True, room=room, is_new=is_new)
 
-    async def _change_room(self, request: ChangeRoomRequest) -> ChangeRoomResponse:
+    async def _change_room(self, request: messages.ChangeRoomRequest) -> messages.ChangeRoomResponse:
         exchange, name = self._index.places_exchange, ""
         if request.name:
             name = await TimeSlice(self._clock).do(exchange.rename_room(request.room, request.name))
         else:
             await TimeSlice(self._clock).do(exchange.remove_room(request.room))
-        return ChangeRoomResponse(success=True, name=name)
+        return messages.ChangeRoomResponse(success=True, name=name)
 
-    async def _export(self, _: ExportPlacesRequest) -> ExportPlacesResponse:
-        return ExportPlacesResponse(text=await TimeSlice(self._clock).do(self._index.places_exchange.export_text()))
+    async def _export(self, _: messages.ExportPlacesRequest) -> messages.ExportPlacesResponse:
+        return messages.ExportPlacesResponse(
+            text=await TimeSlice(self._clock).do(self._index.places_exchange.export_text())
+        )
 
-    async def _import(self, owner: OwnerRequests, request: ImportPlacesRequest) -> ImportPlacesResponse:
+    async def _import(
+        self, owner: OwnerRequests, request: messages.ImportPlacesRequest
+    ) -> messages.ImportPlacesResponse:
         exchange = self._index.places_exchange
         try:
             parse = partial(exchange.parse, request.text, self._clock.now())
@@ -179,7 +152,7 @@ class PlacesServices:
             imported = await TimeSlice(self._clock).do(exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:
             raise UsageError(f"{exc.key}: {exc.reason}" if exc.key else exc.reason) from exc
-        return ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
+        return messages.ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
 
     def _check_free(self, alias: str, device_id: str) -> None:
         """Check that no device but that is called *alias*."""
@@ -210,7 +183,7 @@ class OwnerRequests:
         self._node = node
         self._keep = keep
         self._publish_all = publish_all
-        self._publisher = node.create_publisher(OwnerRequest, names.OWNER_REQUESTS, _DEPTH)
+        self._publisher = node.create_publisher(messages.OwnerRequest, names.OWNER_REQUESTS, _DEPTH)
 
     def serve(
         self,
@@ -245,18 +218,18 @@ class OwnerRequests:
         """Publish a request to the service *name*."""
         if self._publisher.subscription_count:
             at = Time.from_seconds(self._node.graph.clock.now())
-            self._publisher.publish(OwnerRequest(at=at, service=name, request=message_to_text(request)))
+            self._publisher.publish(messages.OwnerRequest(at=at, service=name, request=message_to_text(request)))
 
 
-def _room_info(room: HouseRoom) -> RoomInfo:
+def _room_info(room: HouseRoom) -> messages.RoomInfo:
     rings = ((ring, index > 0) for rings in room.polygons for index, ring in enumerate(rings))
-    areas = (AreaRing(x=_xs(ring), y=_ys(ring), is_hole=is_hole) for ring, is_hole in rings)
-    return RoomInfo(name=room.name, floor=room.floor, doors=room.doors, areas=tuple(areas))
+    areas = (messages.AreaRing(x=_xs(ring), y=_ys(ring), is_hole=is_hole) for ring, is_hole in rings)
+    return messages.RoomInfo(name=room.name, floor=room.floor, doors=room.doors, areas=tuple(areas))
 
 
-def _door_info(door: HouseDoor) -> DoorInfo:
+def _door_info(door: HouseDoor) -> messages.DoorInfo:
     ends, more = door.position, (door.width, door.contact, door.lock)
-    return DoorInfo(
+    return messages.DoorInfo(
         name=door.name, rooms=door.rooms, x=_xs(ends), y=_ys(ends), width=more[0], contact=more[1], lock=more[2]
     )
 

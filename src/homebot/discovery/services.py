@@ -12,51 +12,11 @@ from anyio import to_thread
 
 import homebot.devices.query
 import homebot.places
-from homebot.devices import (
-    FIND_DEVICES,
-    GET_CHANGES,
-    GET_INDEX_DATA,
-    QUERY_DEVICES,
-    Device,
-    FindDevices,
-    Found,
-    GetChanges,
-    GetIndexData,
-    QueryDevices,
-    names,
-)
+from homebot.devices import FIND_DEVICES, GET_CHANGES, GET_INDEX_DATA, QUERY_DEVICES, Device, names
+from homebot.devices import services as messages
 from homebot.devices.always_ask import waits_for_approval
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse
 from homebot.devices.query import And, Query, read_terms, type_is
-from homebot.devices.services import (
-    MOST_LISTED,
-    AnnouncedOn,
-    ExportIndex,
-    ExportIndexRequest,
-    ExportIndexResponse,
-    FindDevicesRequest,
-    FindDevicesResponse,
-    ForgetDevice,
-    ForgetDeviceRequest,
-    ForgetDeviceResponse,
-    GetChangesRequest,
-    GetChangesResponse,
-    GetIndexDataRequest,
-    GetIndexDataResponse,
-    IndexEntry,
-    ListDevices,
-    ListDevicesRequest,
-    ListDevicesResponse,
-    ListedDevice,
-    MergeDevices,
-    MergeDevicesRequest,
-    MergeDevicesResponse,
-    QueryDevicesRequest,
-    QueryDevicesResponse,
-    SplitDevice,
-    SplitDeviceRequest,
-    SplitDeviceResponse,
-)
 from homebot.devices.value import Reading
 from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
@@ -101,24 +61,24 @@ class DirectoryServices:
     def register(self) -> None:
         """Begin to answer."""
         node, owner = self._node, OwnerRequests(self._node, self._persistence.keep, self._publish_all)
-        node.create_service(GetIndexData, GET_INDEX_DATA, self._get_index_data)
-        node.create_service(FindDevices, FIND_DEVICES, self._find_devices)
-        node.create_service(QueryDevices, QUERY_DEVICES, self._query)
-        node.create_service(ListDevices, names.LIST_DEVICES, self._list)
-        node.create_service(GetChanges, GET_CHANGES, self._get_changes)
-        owner.serve(ForgetDevice, names.FORGET_DEVICE, self._forget)
-        owner.serve(SplitDevice, names.SPLIT_DEVICE, self._split)
-        owner.serve(MergeDevices, names.MERGE_DEVICES, self._merge)
-        node.create_service(ExportIndex, names.EXPORT_INDEX, self._export_index)
+        node.create_service(messages.GetIndexData, GET_INDEX_DATA, self._get_index_data)
+        node.create_service(messages.FindDevices, FIND_DEVICES, self._find_devices)
+        node.create_service(messages.QueryDevices, QUERY_DEVICES, self._query)
+        node.create_service(messages.ListDevices, names.LIST_DEVICES, self._list)
+        node.create_service(messages.GetChanges, GET_CHANGES, self._get_changes)
+        owner.serve(messages.ForgetDevice, names.FORGET_DEVICE, self._forget)
+        owner.serve(messages.SplitDevice, names.SPLIT_DEVICE, self._split)
+        owner.serve(messages.MergeDevices, names.MERGE_DEVICES, self._merge)
+        node.create_service(messages.ExportIndex, names.EXPORT_INDEX, self._export_index)
         node.create_service(GetHealth, names.DISCOVERY_HEALTH, self._get_health)
         PlacesServices(self._clock, self._index).register(node, owner)
 
-    async def _get_index_data(self, request: GetIndexDataRequest) -> GetIndexDataResponse:
+    async def _get_index_data(self, request: messages.GetIndexDataRequest) -> messages.GetIndexDataResponse:
         await self._catch_up()
         devices = self._index.devices(request.service_type)
-        return GetIndexDataResponse(
+        return messages.GetIndexDataResponse(
             entries=tuple(
-                IndexEntry(gateway=gateway, topic=topic, device_id=device.id)
+                messages.IndexEntry(gateway=gateway, topic=topic, device_id=device.id)
                 for device in devices
                 for gateway, topic in dict.fromkeys((one.gateway, one.address) for one in device.endpoints)
             ),
@@ -126,32 +86,36 @@ class DirectoryServices:
             device_ids=tuple(device.id for device in devices),
         )
 
-    def _find_devices(self, request: FindDevicesRequest) -> FindDevicesResponse | Awaitable[FindDevicesResponse]:
+    def _find_devices(
+        self, request: messages.FindDevicesRequest
+    ) -> messages.FindDevicesResponse | Awaitable[messages.FindDevicesResponse]:
         if self._index.is_behind or "near" in map(_KIND, request.query):
             return self._find_later(request)
         return self._found(request)
 
-    async def _find_later(self, request: FindDevicesRequest) -> FindDevicesResponse:
+    async def _find_later(self, request: messages.FindDevicesRequest) -> messages.FindDevicesResponse:
         await self._catch_up()
         return self._found(request, await self._near_robot(request))
 
-    async def _near_robot(self, request: FindDevicesRequest) -> set[str] | None:
+    async def _near_robot(self, request: messages.FindDevicesRequest) -> set[str] | None:
         """Return the ids of those that *request* finds near a robot; None where it does not ask for that."""
         near, rest = homebot.devices.query.split_near(read_terms(request.query))
         if near is None:
             return None
         return {one.device for one in (await (await self._nearness()).find(near, rest)).devices}
 
-    def _found(self, request: FindDevicesRequest, near: AbstractSet[str] | None = None) -> FindDevicesResponse:
+    def _found(
+        self, request: messages.FindDevicesRequest, near: AbstractSet[str] | None = None
+    ) -> messages.FindDevicesResponse:
         is_by_id = request.ids and not request.query and not request.service_type
         devices = []
         for device_id in sorted(set(request.ids)) if is_by_id else self._matching(request, near):
             device = self._index.get(device_id)
             if device is not None:  # else it is named, but unknown
                 devices.append(device)
-        return FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
+        return messages.FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
-    def _matching(self, request: FindDevicesRequest, near: AbstractSet[str] | None) -> list[str]:
+    def _matching(self, request: messages.FindDevicesRequest, near: AbstractSet[str] | None) -> list[str]:
         """Return the ids of the devices that match *request*, sorted; only those *near* a robot where it asks so."""
         query = read_terms(request.query)
         if request.service_type:
@@ -161,7 +125,7 @@ class DirectoryServices:
         found = self._index.find(query) if near is None else self._index.find(query) & near
         return sorted(found.intersection(request.ids) if request.ids else found)
 
-    async def _query(self, request: QueryDevicesRequest) -> QueryDevicesResponse:
+    async def _query(self, request: messages.QueryDevicesRequest) -> messages.QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
 
         await self._catch_up()
@@ -173,7 +137,7 @@ class DirectoryServices:
             near, rest = homebot.devices.query.split_near(query)
             if near is None:
                 ranked = [(score, one, ()) for score, one in rank(query, index.find(query), index.postings)]
-                answer = QueryDevicesResponse(success=True, total=len(ranked))
+                answer = messages.QueryDevicesResponse(success=True, total=len(ranked))
             else:
                 found = await (await self._nearness()).find(near, rest, limit or 0)
                 ranked = [(-one.cost, one.device, (found.why(one),)) for one in found.devices]
@@ -181,24 +145,26 @@ class DirectoryServices:
         except (RefusedError, UsageError) as exc:
             is_mistake = isinstance(exc, UsageError)
             reason = exc.reason if isinstance(exc, RefusedError) else str(exc)
-            return QueryDevicesResponse(success=False, message=reason, sequence=index.sequence, is_mistake=is_mistake)
+            return messages.QueryDevicesResponse(
+                success=False, message=reason, sequence=index.sequence, is_mistake=is_mistake
+            )
         results = [
-            Found(device=device, score=score, reasons=(*why, *reasons(rest, one, index.postings)))
+            messages.Found(device=device, score=score, reasons=(*why, *reasons(rest, one, index.postings)))
             for score, one, why in ranked[request.offset : limit]
             if (device := index.get(one)) is not None
         ]
         return answer.model_copy(update={"results": tuple(results), "sequence": index.sequence})
 
-    async def _list(self, request: ListDevicesRequest) -> ListDevicesResponse:
+    async def _list(self, request: messages.ListDevicesRequest) -> messages.ListDevicesResponse:
         await self._catch_up()
-        wanted = FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)
+        wanted = messages.FindDevicesRequest(query=request.query, ids=request.ids, is_checked=True)
         try:
             found = self._matching(wanted, await self._near_robot(wanted))
         except (RefusedError, UsageError) as exc:
-            return ListDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
-        end = request.offset + min(request.limit or MOST_LISTED, MOST_LISTED)
+            return messages.ListDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
+        end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
-        return ListDevicesResponse(
+        return messages.ListDevicesResponse(
             success=True,
             devices=tuple(_listed(one, needs_approval=self._index.postings.needs_approval) for one in devices),
             total=len(found),
@@ -220,22 +186,22 @@ class DirectoryServices:
         index = self._index
         check_words(query, index.postings, index.owner.plan, index.devices)
 
-    def _get_changes(self, request: GetChangesRequest) -> GetChangesResponse:
+    def _get_changes(self, request: messages.GetChangesRequest) -> messages.GetChangesResponse:
         self._publish_all()
         recent = self._index.changes.recent
-        return GetChangesResponse(
+        return messages.GetChangesResponse(
             changes=recent.since(request.since),
             complete=recent.forgotten <= request.since <= self._index.sequence,
             sequence=self._index.sequence,
         )
 
-    def _forget(self, request: ForgetDeviceRequest) -> ForgetDeviceResponse:
+    def _forget(self, request: messages.ForgetDeviceRequest) -> messages.ForgetDeviceResponse:
         announced = self._index.forget(request.device, self._clock.now())
         if announced is None:
             raise UsageError(f"there is no device {request.device!r}")
-        return ForgetDeviceResponse(
+        return messages.ForgetDeviceResponse(
             success=True,
-            announced_on=tuple(AnnouncedOn(gateway=gateway, topic=topic) for gateway, topic in announced),
+            announced_on=tuple(messages.AnnouncedOn(gateway=gateway, topic=topic) for gateway, topic in announced),
         )
 
     async def _catch_up(self) -> None:
@@ -267,17 +233,17 @@ class DirectoryServices:
         while self._publish_some(_FEW):
             pass
 
-    def _split(self, request: SplitDeviceRequest) -> SplitDeviceResponse:
+    def _split(self, request: messages.SplitDeviceRequest) -> messages.SplitDeviceResponse:
         key = (request.gateway, request.key) if request.gateway or request.key else None
         devices = self._index.split(request.device, key, self._clock.monotonic())
-        return SplitDeviceResponse(success=True, devices=devices)
+        return messages.SplitDeviceResponse(success=True, devices=devices)
 
-    def _merge(self, request: MergeDevicesRequest) -> MergeDevicesResponse:
+    def _merge(self, request: messages.MergeDevicesRequest) -> messages.MergeDevicesResponse:
         device = self._index.merge(request.devices, self._clock.monotonic())
-        return MergeDevicesResponse(success=True, device=device)
+        return messages.MergeDevicesResponse(success=True, device=device)
 
-    async def _export_index(self, _: ExportIndexRequest) -> ExportIndexResponse:
-        return ExportIndexResponse(rows=await self._persistence.export())
+    async def _export_index(self, _: messages.ExportIndexRequest) -> messages.ExportIndexResponse:
+        return messages.ExportIndexResponse(rows=await self._persistence.export())
 
     def _get_health(self, _: HealthRequest) -> HealthResponse:
         counts = {
@@ -295,11 +261,11 @@ class DirectoryServices:
         return HealthResponse(counts=Count.each(counts), troubles=troubles, notes=tuple(notes))
 
 
-def _listed(device: Device, *, needs_approval: bool) -> ListedDevice:
+def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
     """Return *device* in short, as screens and agents list it, without the values of its settings and diagnostics."""
     position = position_of(device.facts)
     used = {one.id for one in device.parts if not one.part.category}
-    return ListedDevice(
+    return messages.ListedDevice(
         id=device.id,
         name=device.name,
         type=(device.service_types or (device.service_type,))[0],
