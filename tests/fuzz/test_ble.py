@@ -13,7 +13,7 @@ from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import can_report
 
 BTHOME = full_uuid("fcd2")
 KEY = bytes.fromhex("231d39c1d7cc1ab1aee224cd096db932")

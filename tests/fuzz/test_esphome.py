@@ -12,7 +12,7 @@ from tests.fuzz.conftest import Fuzz, Mutator
 from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.announced.value_check import can_report, check_command
+from homebot.gateways.announced.gateway_device import can_report, check_command
 
 KINDS = {kind: info for kind, info in model.COMPONENT_TYPE_TO_INFO.items() if kind != "camera"}
 STATES = {info: state for state, info in STATE_TYPE_TO_INFO_TYPE.items()}

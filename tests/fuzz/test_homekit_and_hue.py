@@ -18,7 +18,7 @@ from homebot.conventions.hue.devices import devices_of
 from homebot.conventions.hue.resources import HueResources
 from homebot.conventions.hue.service_rows import press_of
 from homebot.errors import PeerError, WireError
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import can_report
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.hue.resources import device_resources, group_resources, scene_resource
 

@@ -14,7 +14,7 @@ from homebot.conventions.payload import parse_json
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import can_report
 from homebot.gateways.matter.node import MatterNode, NodeDevice, parse_path
 from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, read_frame
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo

@@ -10,7 +10,7 @@ from tests.fuzz.conftest import Fuzz
 from homebot.conventions.payload import parse_object
 from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import can_report
 
 TEXTS = [json.dumps(one) for one in (RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13, BEFORE_0_13)]
 WORDS = ("seg", "seglc", "lc", "col", "cct", "bri", "on", "id", "state", "info", "leds")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value
-from homebot.gateways.announced.value_check import check_command
+from homebot.gateways.announced.gateway_device import check_command
 
 
 def checked_command(

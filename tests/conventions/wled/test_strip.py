@@ -16,7 +16,7 @@ from homebot.conventions.wled.strip import WledStrip, effect_names
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import can_report
 
 EFFECTS = effect_names(["Solid", "Blink", "RSVD", "-", "Solid", "Rainbow@!,Size;!", "", 7, "x", "Wipe"])
 DOCUMENTS = {

@@ -13,8 +13,7 @@ from tests.patience import PATIENCE
 from homebot.clock import Clock, LoopClock
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue, Value
-from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import GatewayDevice, can_report
 from homebot.gateways.drivers.base import Driver, FoundService
 from homebot.house.http.served_web_device import ServedWebDevice
 from homebot.support.logger import get_logger

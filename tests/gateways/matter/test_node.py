@@ -10,7 +10,7 @@ from tests.gateways.checked_command import checked_command
 from homebot.conventions.matter.endpoint import MatterOrders
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, WireError, WrongCodeError
-from homebot.gateways.announced.value_check import can_report
+from homebot.gateways.announced.gateway_device import can_report
 from homebot.gateways.matter.node import MatterNode, NodeDevice
 
 LAMP = {

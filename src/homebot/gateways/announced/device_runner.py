@@ -5,10 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from itertools import islice
-from typing import Final
+from typing import Final, Protocol
 
 import anyio
+from structlog.typing import FilteringBoundLogger
 
+from homebot.clock import Clock
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, PeerError, WireError
 from homebot.gateways.announced.gateway_device import GatewayDevice
@@ -16,7 +18,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.support.backoff import DEVICE_REFUSED_BACKOFF, WRONG_ANSWER_BACKOFF, Backoff, BackoffCounter
 from homebot.support.isolation import error_text, first_cause, run_as
 
-__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "PublishedDevice", "problems_of"]
+__all__ = ["LISTED_WITHIN", "MAX_PROBLEMS", "DeviceRunner", "DriverHost", "PublishedDevice", "problems_of"]
 
 FAILED = "device.failed"
 CRASHED = "device.crashed"
@@ -34,8 +36,47 @@ MAX_PROBLEMS: Final = 20
 """Devices in the list of problems."""
 
 
+class DriverHost(Protocol):
+    """The interface that a gateway offers to the driver of one service."""
+
+    clock: Clock
+    log: FilteringBoundLogger
+
+    def describe(self, device: GatewayDevice) -> None:
+        """Publish the description of the device, once it is known and on each change.
+
+        Args:
+            device: The device; its key is that of the service. Facts from DNS-SD are added by the gateway.
+        """
+
+    def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
+        """Publish the descriptions of the devices that the device connects, in place of those before.
+
+        They can be reached if the device can; each has a key of its own.
+        """
+
+    async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
+        """Publish a report of a part, in the units of the vocabulary; values that it cannot have are refused.
+
+        Args:
+            key: The key of a device behind the device; empty for the device itself.
+        """
+
+    def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
+        """Publish whether the device with all behind it, or one of its parts, can be reached.
+
+        The gateway does so for the connection.
+        """
+
+    async def deliver_raw(self, payload: bytes) -> None:
+        """Deliver a raw message of the device to the subscribers of its address."""
+
+    def reject(self, payload: bytes, why: str) -> None:
+        """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
+
+
 class PublishedDevice:
-    """One device of a gateway; it is a :class:`homebot.gateways.drivers.base.DriverHost`.
+    """One device of a gateway; it is a :class:`DriverHost`.
 
     Args:
         behind: The published devices behind it, by key.

@@ -19,9 +19,8 @@ from homebot.errors import RefusedError, UnableError, WireError
 from homebot.gateways.announced.announcement import SightingKind, StoredAnnouncement
 from homebot.gateways.announced.command_server import CommandServer, Perform
 from homebot.gateways.announced.engine import GatewayEngine
-from homebot.gateways.announced.gateway_device import GatewayDevice
+from homebot.gateways.announced.gateway_device import GatewayDevice, can_report, check_command
 from homebot.gateways.announced.registry import DeviceRegistry, RegistryLimits
-from homebot.gateways.announced.value_check import can_report, check_command
 from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.raw_delivery import PartTexts, missed
 

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError
-from homebot.gateways.driver_host import DriverHost
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.plugins import check_extra
 
 __all__ = ["Driver", "DriverSettings", "FoundService", "first_answer"]

@@ -19,8 +19,8 @@ from homebot.conventions.wled.strip import Fields, WledStrip, effect_names, pres
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
 from homebot.gateways.http_address import http_origin
 from homebot.support.isolation import ungrouped

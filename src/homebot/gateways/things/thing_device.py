@@ -20,8 +20,8 @@ from homebot.devices.capabilities import implied_settings
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, UnableError, WireError
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.driver_host import DriverHost
 from homebot.support.isolation import run_as, ungrouped
 from homebot.wot.binding import Binding, RequestBinding
 from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart

@@ -14,8 +14,8 @@ from homebot.conventions.entity_rows import Fields
 from homebot.conventions.esphome.device import EsphomeDevice
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, UsageError
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService
 from homebot.gateways.drivers.esphome.settings import KEY_ADVICE, EsphomeSettings
 

@@ -24,8 +24,8 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import LinkError, PeerError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.drivers.base import Driver, DriverSettings, FoundService, first_answer
 from homebot.gateways.drivers.shelly.rpc_link import RpcLink, wants_password
 from homebot.gateways.http_address import http_origin

@@ -19,8 +19,8 @@ from homebot.conventions.payload import MAX_ANNOUNCEMENT_BYTES, clean_text, pars
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
+from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
-from homebot.gateways.driver_host import DriverHost
 from homebot.gateways.drivers.base import FoundService, first_answer
 from homebot.gateways.http_address import http_origin, parse_url, shown_url
 from homebot.gateways.http_client import HttpClient
