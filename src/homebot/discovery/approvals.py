@@ -33,8 +33,6 @@ class Approval(NamedTuple):
 class ApprovalRegistry:
     """The approvals by gateway, key and part: neither a device id nor an identifier has one. Too many are refused."""
 
-    __slots__ = ("_by_place",)
-
     def __init__(self) -> None:
         self._by_place: dict[PartPlace, Approval] = {}
 

@@ -47,22 +47,6 @@ class DeviceTable:
         is_saved: Whether there is an index file; without one nothing is unsaved.
     """
 
-    __slots__ = (
-        "changes",
-        "counters",
-        "entries",
-        "is_saved",
-        "lost",
-        "outdated",
-        "owner",
-        "owners",
-        "postings",
-        "sources",
-        "tombstones",
-        "topics",
-        "unsaved",
-    )
-
     def __init__(self, first_sequence: int, owner: OwnerFacts) -> None:
         self.owner = owner
         self.sources: dict[SourceKey, SourceRecord] = {}

@@ -154,12 +154,14 @@ class Directory:
         names = GatewayNames(gateway)
         if not gateway or publisher.name in self._sources:
             return
-        if (publisher.name, publisher.ros_type) == (names.received_topics, Sighting.ros_type):
-            self._listen(Sighting, publisher, partial(self._ingest, gateway, self.index.observe))
-        elif (publisher.name, publisher.ros_type) == (names.readings, Report.ros_type):
-            self._listen(Report, publisher, partial(self._ingest, gateway, self.index.report))
-        elif (publisher.name, publisher.ros_type) == (names.state, GatewayState.ros_type):
-            self._listen_to_link(gateway, publisher)
+        match publisher.name, publisher.ros_type:
+            case names.received_topics, Sighting.ros_type:
+                self._listen(Sighting, publisher, partial(self._ingest, gateway, self.index.observe))
+            case names.readings, Report.ros_type:
+                self._listen(Report, publisher, partial(self._ingest, gateway, self.index.report))
+            case names.state, GatewayState.ros_type:
+                if (states := self._subscribe(GatewayState, publisher)) is not None:
+                    self._node.create_task(partial(self._follow_link, gateway, states))
 
     def _listen(
         self, kind: type[MessageT], publisher: EndpointInfo, take: Callable[[float, Iterator[MessageT]], None]
@@ -167,10 +169,6 @@ class Directory:
         if (source := self._subscribe(kind, publisher)) is not None:
             take(math.inf, iter(source.take, None))
             self._node.create_task(partial(source.run_batches, partial(take, SLICE)))
-
-    def _listen_to_link(self, gateway: str, publisher: EndpointInfo) -> None:
-        if (states := self._subscribe(GatewayState, publisher)) is not None:
-            self._node.create_task(partial(self._follow_link, gateway, states))
 
     def _subscribe(self, kind: type[SourceT], publisher: EndpointInfo) -> Subscription[SourceT] | None:
         topic = publisher.name

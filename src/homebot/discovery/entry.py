@@ -14,7 +14,6 @@ from homebot.devices import (
     Reachability,
     State,
 )
-from homebot.devices.value import PlainValue
 from homebot.discovery.description import (
     DeviceDescription,
     describe_device,
@@ -192,11 +191,6 @@ class Entry:
             return ()
         ids = {number: one.id for number, one in enumerate(merged.parts)}
         return offline_parts(self._believed(), merged.places, ids)
-
-    def is_new_event(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Return whether an event was not reported by another route already; see :meth:`Echoes.is_new`."""
-        self.echoes = self.echoes or Echoes()  # few devices report events
-        return self.echoes.is_new(place, capability, value, route, now)
 
     def _endpoints(self, described: tuple[Addresses, ...], reachable: Reachability) -> tuple[Endpoint, ...]:
         """Return its endpoints; the one of a single announcement, as most devices have, is as the device."""

@@ -18,8 +18,6 @@ __all__ = ["HouseRooms"]
 class HouseRooms:
     """The rooms of the house."""
 
-    __slots__ = ("_configured", "imported", "imported_doors", "plan")
-
     def __init__(self, home: str, configured: Iterable[HouseRoom], doors: Iterable[HouseDoor] = ()) -> None:
         self.plan = self._configured = HousePlan(home, configured, doors=doors)
         self.imported: tuple[HouseRoom, ...] = ()

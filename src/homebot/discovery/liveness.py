@@ -36,15 +36,6 @@ class Liveness:
         deadlines: When :meth:`pop_silent` has which device, in seconds of that clock.
     """
 
-    __slots__ = (
-        "_forget_after",
-        "_seconds",
-        "_stamp",
-        "_table",
-        "deadlines",
-        "now",
-    )
-
     def __init__(self, table: DeviceTable, forget_after: float) -> None:
         self.now = -math.inf
         self._table = table

@@ -71,19 +71,6 @@ class OwnerFacts:
         read_at: When the configuration was read at the start, in seconds since the Unix epoch.
     """
 
-    __slots__ = (
-        "_by_name",
-        "_configured",
-        "_known_as",
-        "approvals",
-        "closed_door",
-        "is_empty",
-        "is_unsaved",
-        "prefer",
-        "read_at",
-        "rooms",
-    )
-
     def __init__(self, home: str = UNNAMED, places: Places | None = None, read_at: float = 0.0) -> None:
         given = places or Places()
         self.closed_door = given.closed_door

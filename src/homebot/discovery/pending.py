@@ -64,12 +64,9 @@ class PendingReports:
         found = self.reports.pop(key, None)
         if found is None:
             return ()
-        return tuple(report for came, report in found.values() if now - came <= _wait_of(report))
+        waits = ((now - came, report) for came, report in found.values())
+        return tuple(one for age, one in waits if age <= (_EVENT_WAIT if _is_event(one) else _REPORT_WAIT))
 
 
 def _is_event(report: Report) -> bool:
     return any(reading.capability in EVENTS for reading in report.readings)
-
-
-def _wait_of(report: Report) -> float:
-    return _EVENT_WAIT if _is_event(report) else _REPORT_WAIT

@@ -44,8 +44,6 @@ class PlacesEditor:
     where a name or a position cannot be one, or is probably a typo. Times are in seconds since the Unix epoch.
     """
 
-    __slots__ = ("_table",)
-
     def __init__(self, table: DeviceTable) -> None:
         self._table = table
 

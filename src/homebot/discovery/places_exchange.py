@@ -40,8 +40,6 @@ class Imported:
 class PlacesExchange:
     """Writes and reads places files. Times are in seconds since the Unix epoch."""
 
-    __slots__ = ("_editor", "_table")
-
     def __init__(self, table: DeviceTable, editor: PlacesEditor) -> None:
         self._table = table
         self._editor = editor

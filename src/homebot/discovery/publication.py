@@ -153,7 +153,7 @@ class ChangePublisher:
                 self._is_idle = True
                 is_busy = True
                 while is_busy and (self._queue.pending or self._queue.states or self._index.table.outdated):
-                    await self._burst.wait(self._has_many_states)
+                    await self._burst.wait(lambda: len(self._queue.states) >= _MANY_STATES)
                     is_busy = await self._publish_waiting()
 
     async def publish_growth(self) -> None:
@@ -190,9 +190,6 @@ class ChangePublisher:
             return False
         self._publish_states(at_most * _STATES_PER_CHANGE)
         return bool(queue.states)
-
-    def _has_many_states(self) -> bool:
-        return len(self._queue.states) >= _MANY_STATES
 
     async def _publish_waiting(self) -> bool:
         """Publish the changes that wait now, or sort a few devices in; return whether more may be left."""

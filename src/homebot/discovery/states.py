@@ -13,6 +13,7 @@ from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.value import Reading, Value
 from homebot.discovery.changes import stream_of
 from homebot.discovery.device_table import DeviceTable
+from homebot.discovery.echoes import Echoes
 from homebot.discovery.entry import Entry
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.parts import MergedParts
@@ -46,8 +47,6 @@ class StateRecorder:
     Args:
         trust: Lets endpoints of a device have its commands, which reported the same changes as the others.
     """
-
-    __slots__ = ("_liveness", "_settings", "_table", "_trust")
 
     def __init__(self, table: DeviceTable, liveness: Liveness, trust: Trust, settings: SettingChanges) -> None:
         self._table = table
@@ -218,7 +217,8 @@ class StateRecorder:
         value = reading.value.plain()
         if number is None or (source.is_claimed and merged.parts[number].routes):
             return
-        if not entry.is_new_event(number, reading.capability, value, source.key, now):
+        entry.echoes = entry.echoes or Echoes()  # few devices report events
+        if not entry.echoes.is_new(number, reading.capability, value, source.key, now):
             return
         stored = StoredValue(reading.value, value, stamp, stamp, live=True, heard_at=now)
         source.events = {**source.events, (reading.part, reading.capability): stored}
@@ -290,8 +290,6 @@ class SettingChanges:
     Attributes:
         waiting: Those that wait, by the identity of the stored value.
     """
-
-    __slots__ = ("_table", "waiting")
 
     def __init__(self, table: DeviceTable) -> None:
         self._table = table

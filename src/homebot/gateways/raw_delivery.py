@@ -118,7 +118,8 @@ class RawDelivery:
         self._delivered[message.address] = content
         for publisher in tuple(publishers):
             try:
-                if wait_if_full and publisher.is_full and self._may_wait(publisher.topic_name):
+                until = self._no_wait_until.get(publisher.topic_name, 0.0)
+                if wait_if_full and publisher.is_full and self._node.graph.clock.monotonic() >= until:
                     with anyio.move_on_after(FULL_INBOX_WAIT):
                         await publisher.send(message)
                         continue
@@ -168,9 +169,6 @@ class RawDelivery:
             if not self.by_address[address]:
                 del self.by_address[address]
                 self._delivered.pop(address, None)
-
-    def _may_wait(self, topic: str) -> bool:
-        return self._node.graph.clock.monotonic() >= self._no_wait_until.get(topic, 0.0)
 
     def _stop_waiting_for(self, topic: str) -> None:
         self._no_wait_until[topic] = self._node.graph.clock.monotonic() + SLOW_READER_PENALTY

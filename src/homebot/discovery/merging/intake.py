@@ -31,8 +31,6 @@ class SightingIntake:
         pending: Where reports of unknown devices, and the announcements of devices that were forgotten, are kept.
     """
 
-    __slots__ = ("_liveness", "_max_devices", "_merger", "_number", "_pending", "_restored", "_states", "_table")
-
     def __init__(
         self,
         table: DeviceTable,
@@ -116,7 +114,8 @@ class SightingIntake:
         table.sources[key] = source
         self._restored.discard(key)
         source.number = self._number
-        why = _first_reason(sighting) if sighting.kind == "updated" else sighting.why
+        is_overtaken = sighting.kind == "updated" and sighting.announced_on
+        why = "it was announced" if is_overtaken else sighting.why
         if count == 1:
             merger.appear({key: source}, why)
         elif sibling is not None:
@@ -204,8 +203,3 @@ class SightingIntake:
         self._merger.restore(entry, now, wall)
         for key in entry.sources:
             self._merger.join_repetitions(key)
-
-
-def _first_reason(sighting: Sighting) -> str:
-    """Return the reason for the first sighting, which was overtaken by *sighting*."""
-    return "it was announced" if sighting.announced_on else sighting.why

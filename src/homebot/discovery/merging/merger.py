@@ -37,8 +37,6 @@ class DeviceMerger:
         pending: Where the announcements of devices that were forgotten are kept.
     """
 
-    __slots__ = ("_liveness", "_pending", "_table", "decisions", "identities")
-
     def __init__(self, table: DeviceTable, liveness: Liveness, pending: PendingReports) -> None:
         self.decisions = MergeDecisions()
         self.identities = IdentityGraph(self.decisions)

@@ -11,7 +11,6 @@ import math
 from bisect import insort
 from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Set as AbstractSet
-from functools import partial
 from typing import NamedTuple, TypeAlias, final
 
 from homebot.places.path import Crossing, PathFinder, Spot, Way
@@ -85,7 +84,7 @@ def nearest(
         limit: How many; 0 for all.
     """
     if not math.isinf(within):
-        wanted = finder.within(start, partial(_passing, crossing), wanted, within)
+        wanted = finder.within(start, lambda door: math.inf if math.isinf(crossing(door)) else 0.0, wanted, within)
         total = len(wanted)
     found: list[NearDevice] = []
     for route in finder.nearest(start, crossing, wanted) if total else ():
@@ -97,10 +96,6 @@ def nearest(
         if len(found) == total:
             break
     return (found[:limit] if limit else found), total
-
-
-def _passing(crossing: Crossing, door: str) -> float:
-    return math.inf if math.isinf(crossing(door)) else 0.0
 
 
 def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str:

@@ -150,24 +150,6 @@ class Postings:
         """Return the devices that fit *query*; not to be changed."""
         return self._FINDERS[type(query)](self, query)
 
-    def _any(self, query: Or) -> Found:
-        return _NONE.union(*map(self.find, query.terms))
-
-    def _not(self, query: Not) -> Found:
-        return self._posted.keys() - self.find(query.term)
-
-    def _with_text(self, query: HasText) -> Found:
-        return self._union(("word", one) for one in self._words.like(query.text))
-
-    def _of_type(self, query: TypeIs) -> Found:
-        return self._union(self._type_keys(query))
-
-    def _everywhere(self, _: IsNear) -> Found:
-        return frozenset(self._posted)
-
-    def _unapproved(self, _: IsUnapproved) -> Found:
-        return self._devices(_UNAPPROVED) if self.needs_approval else _NONE
-
     def _of_area(self, query: AreaIs) -> Found:
         if query.text:
             return self._devices(("area", query.text))
@@ -177,12 +159,6 @@ class Postings:
         with_words = [self._devices(("word", word)) for word in words_of(query.text)]
         likely = min(with_words, key=len, default=self._posted.keys())  # an id is among the words of its device
         return self._devices(("fact name", query.text)) | {one for one in likely if fold(one) == query.text}
-
-    def _in_area(self, query: InArea) -> Found:
-        return self._begins("area", query.text)
-
-    def _by_key(self, query: CanDo | FreshnessIs | GatewayIs | IsDisputed | ReachableIs) -> Found:
-        return self._devices(_key_of(query))
 
     def _by_fact(self, query: FactIs) -> Found:
         name, value = query.name, query.value
@@ -278,18 +254,22 @@ class Postings:
 
     _FINDERS: ClassVar[Mapping[type[Query], Callable[[Postings, Any], Found]]] = {
         And: _all,
-        Or: _any,
-        Not: _not,
+        Or: lambda self, query: _NONE.union(*map(self.find, query.terms)),
+        Not: lambda self, query: self._posted.keys() - self.find(query.term),
         StateIs: _by_value,
-        HasText: _with_text,
-        TypeIs: _of_type,
-        IsNear: _everywhere,
-        IsUnapproved: _unapproved,
+        HasText: lambda self, query: self._union(("word", one) for one in self._words.like(query.text)),
+        TypeIs: lambda self, query: self._union(self._type_keys(query)),
+        IsNear: lambda self, _: frozenset(self._posted),
+        IsUnapproved: lambda self, _: self._devices(_UNAPPROVED) if self.needs_approval else _NONE,
+        IsDisputed: lambda self, _: self._devices(_DISPUTED),
         AreaIs: _of_area,
-        InArea: _in_area,
+        InArea: lambda self, query: self._begins("area", query.text),
         NameIs: _named,
         FactIs: _by_fact,
-        **dict.fromkeys((CanDo, FreshnessIs, GatewayIs, IsDisputed, ReachableIs), _by_key),
+        CanDo: lambda self, query: self._devices(("set" if query.settable else "can", query.name)),
+        FreshnessIs: lambda self, query: self._devices(("freshness", query.text)),
+        GatewayIs: lambda self, query: self._devices(("gateway", query.text)),
+        ReachableIs: lambda self, query: self._devices(("reachable", query.text)),
     }
     """Find the devices for each kind of term."""
 
@@ -359,17 +339,3 @@ def _shortened(word: str) -> set[str]:
     if not may_be_typo(word):
         return set()
     return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}
-
-
-def _key_of(query: CanDo | FreshnessIs | GatewayIs | IsDisputed | ReachableIs) -> _Key:
-    match query:
-        case IsDisputed():
-            return _DISPUTED
-        case CanDo(name, settable):
-            return ("set" if settable else "can", name)
-        case FreshnessIs(freshness):
-            return ("freshness", freshness)
-        case ReachableIs(state):
-            return ("reachable", state)
-        case GatewayIs(gateway):
-            return ("gateway", gateway)

@@ -106,7 +106,8 @@ class Offers:
             await self._news.wait()
             self._news = anyio.Event()
             while self._waiting or self._events:
-                publication = self._next()
+                is_state = bool(self._waiting)  # descriptions come before events
+                publication = self._waiting.pop(next(iter(self._waiting))) if is_state else self._events.popleft()
                 topic = publication.topic
                 try:
                     await connection.publish(topic, publication.payload, qos=publication.qos, retain=publication.retain)
@@ -117,10 +118,6 @@ class Offers:
                     break
                 except HomebotError as exc:
                     self._quarantine.log_limited(NOT_PUBLISHED, f"not published on {topic}: {exc}", source=topic)
-
-    def _next(self) -> Publication:
-        """Return the next publication: descriptions come before events."""
-        return self._waiting.pop(next(iter(self._waiting))) if self._waiting else self._events.popleft()
 
     async def _publish_anew(self, connection: MqttConnection, exposed: ExposedDevices) -> None:
         async for state in connection.states():
