@@ -66,7 +66,7 @@ class DeviceTable:
         self, kind: ChangeKind, entry: Entry, why: str, other: str = "", *, is_of_link: bool = False
     ) -> None:
         """Record a change of *entry*, which makes its message and its postings out of date."""
-        entry.invalidate_device()
+        entry.device = None
         self.outdated[entry.id] = None
         self.changes.add(kind, entry, why, other, is_of_link=is_of_link)
 

@@ -63,6 +63,7 @@ class Entry:
         agreement: The last reports of the two; None if all are trusted.
         echoes: The last events, each with the number of routes that reported it; None without events.
         owner: The owner's statements on devices; None before it is in the index.
+        device: What :meth:`to_device` returned last; None where its states or its freshness changed since.
     """
 
     id: str
@@ -87,7 +88,7 @@ class Entry:
     echoes: Echoes | None = None
     owner: OwnerFacts | None = None
     _description: DeviceDescription | None = None
-    _device: Device | None = None
+    device: Device | None = None
 
     def hardware(self) -> tuple[str, ...]:
         """Return its hardware addresses."""
@@ -99,16 +100,12 @@ class Entry:
         sources = self.sources.values()
         return next(iter(sources)).seen_at if len(sources) == 1 else last_seen(sources)
 
-    def invalidate_device(self) -> None:
-        """Build the device anew when it is next asked for: its states or its freshness changed."""
-        self._device = None
-
     def invalidate_description(self) -> None:
         """Build the description anew when next asked for: its announcements changed, or the disputes about it."""
         if self._description is not None:
             self.known_ids = self.part_ids()
             self._description = None
-        self._device = None
+        self.device = None
 
     def part_ids(self) -> PartIds:
         """Return the ids that its parts have, and those that they had in announcements that are gone."""
@@ -123,14 +120,14 @@ class Entry:
 
     def to_device(self, topics: TopicOwnership) -> Device:
         """Return the message that tells all of it; the same object as long as nothing is new."""
-        if self._device is None:
+        if self.device is None:
             described = self._description or self._described(topics)
             sources = self.sources.values()
             has_states, has_events = any(map(_VALUES, sources)), any(map(_EVENTS, sources))
             parts, reachable = described.merged.parts, self.reachability()
             if self.stale_gateways or self.is_denied:
                 parts = sorted_routes(parts, self.sources, self.stale_gateways)
-            self._device = _device_of(
+            self.device = _device_of(
                 id=self.id,
                 name=described.name,
                 service_type=described.service_type,
@@ -155,7 +152,7 @@ class Entry:
                 evidence=self.evidence,
                 conflicts=described.merged.conflicts,
             )
-        return self._device
+        return self.device
 
     def reachability(self) -> Reachability:
         """Return whether it can be reached, as its parts are together."""

@@ -59,7 +59,7 @@ class Liveness:
         source.seen_at, source.heard_at = stamp, now
         online_for = _ONLINE_FOR if source.is_online else 0.0
         silence = max(entry.report_interval.record(now), entry.silence_allowed, online_for)
-        entry.invalidate_device()
+        entry.device = None
         before, entry.freshness = entry.freshness, "fresh"
         if stamp is not self._stamp:  # all that is heard at once has one
             self._stamp, self._seconds = stamp, stamp.to_seconds()

@@ -61,7 +61,7 @@ class StateRecorder:
         if new := self._record_values(entry, source, report):
             self._publish(entry, source, new, report)
         if report.retained or report.address == "" or (states_reach and _denies_life(report)):
-            entry.invalidate_device()
+            entry.device = None
         else:
             self._liveness.mark_seen(entry, source, report.received_at, "it sent a message")
         if before is not None and self._reach(entry) != before:
@@ -88,7 +88,7 @@ class StateRecorder:
         before = self._reach(entry)
         source.lost = lost
         entry.is_denied = is_denied(entry.sources.values())
-        entry.invalidate_device()
+        entry.device = None
         after = self._reach(entry)
         if after != before:
             why = f"{source.key[0]} has its link again" if lost is None else lost.why

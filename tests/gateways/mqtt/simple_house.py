@@ -290,11 +290,7 @@ async def simple_house(
             watcher.create_subscription(Report, gateway.names.readings, qos_profile=LATCHED),
             watcher.create_subscription(Quarantine, gateway.names.quarantine, qos_profile=LATCHED),
         )
-        await tasks.start(_serve, gateway)
+        await tasks.start(gateway.serve)
         await settled()
         yield house
         tasks.cancel_scope.cancel()
-
-
-async def _serve(gateway: MqttGateway, *, task_status: anyio.abc.TaskStatus[None]) -> None:
-    await gateway.serve(task_status=task_status)

@@ -79,14 +79,10 @@ async def gateway_on(url: str, **settings: object) -> AsyncIterator[House]:
     ):
         gateway = MqttGateway(node, table)
         sightings = watcher.create_subscription(Sighting, gateway.names.received_topics, qos_profile=LATCHED)
-        await tasks.start(_serve, gateway)
+        await tasks.start(gateway.serve)
         await devices.wait_connected()
         yield House(graph, gateway, watcher, devices, sightings)
         tasks.cancel_scope.cancel()
-
-
-async def _serve(gateway: MqttGateway, *, task_status: anyio.abc.TaskStatus[None]) -> None:
-    await gateway.serve(task_status=task_status)
 
 
 @pytest.mark.parametrize("client", ["aiomqtt", "native"])

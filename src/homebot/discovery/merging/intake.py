@@ -158,7 +158,7 @@ class SightingIntake:
             self._liveness.mark_seen(entry, source, sighting.seen_at, "it sent a message")
         elif not source.confirmed and entry.freshness == "unconfirmed":
             source.seen_at, source.heard_at = sighting.seen_at, self._liveness.now
-            entry.invalidate_device()
+            entry.device = None
             self._liveness.extend(entry, source, self._liveness.now)
         self._restored.discard(key)
         if self._restored and sighting.native:

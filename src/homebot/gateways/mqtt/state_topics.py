@@ -9,7 +9,7 @@ from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.filter_tree import FilterIndex, has_wildcard
 from homebot.mqtt.topics import validate_filter
 
-__all__ = ["StateTopics", "prefix_of"]
+__all__ = ["StateTopics", "pop_filters", "prefix_of"]
 
 MAX_TOPICS = 100_000
 LONGEST = 1000
@@ -27,6 +27,9 @@ class StateTopics:
 
     Attributes:
         users: How often each filter is needed.
+        wanted: Filters to subscribe to, in the order of their coming; one that is taken out counts as subscribed to.
+            One of an announcement may be among them, for the kept message.
+        unwanted: Filters to unsubscribe from; never one of an announcement.
     """
 
     def __init__(self, announcements: Iterable[str], others: Iterable[str] = (), max_topics: int = MAX_TOPICS) -> None:
@@ -37,8 +40,8 @@ class StateTopics:
             self._covering.add(one, one)
         self._max_topics = max_topics
         self.users: dict[str, int] = {}
-        self._wanted: dict[str, None] = {}
-        self._unwanted: dict[str, None] = {}
+        self.wanted: dict[str, None] = {}
+        self.unwanted: dict[str, None] = {}
 
     def use(self, topic_filter: str) -> None:
         """Need *topic_filter* once more.
@@ -49,10 +52,10 @@ class StateTopics:
         users = self.users.get(topic_filter)
         if users is None:
             self._check(topic_filter)
-            if topic_filter in self._unwanted:
-                del self._unwanted[topic_filter]
+            if topic_filter in self.unwanted:
+                del self.unwanted[topic_filter]
             elif topic_filter not in self._others:
-                self._wanted[topic_filter] = None
+                self.wanted[topic_filter] = None
         self.users[topic_filter] = (users or 0) + 1
 
     def leave(self, topic_filter: str) -> None:
@@ -64,26 +67,15 @@ class StateTopics:
             self.users[topic_filter] = users - 1
             return
         del self.users[topic_filter]
-        if topic_filter in self._wanted:
-            del self._wanted[topic_filter]
+        if topic_filter in self.wanted:
+            del self.wanted[topic_filter]
         elif topic_filter not in self._announcements and topic_filter not in self._others:
-            self._unwanted[topic_filter] = None
+            self.unwanted[topic_filter] = None
 
     def is_covered(self, topic_filter: str) -> bool:
         """Return whether all it matches comes by another filter; subscribing then brings the retained message alone."""
         is_other = topic_filter not in self._announcements and self._covering.has_match(topic_filter)
         return is_other and not has_wildcard(topic_filter)
-
-    def pop_wanted(self, at_most: int) -> tuple[str, ...]:
-        """Return filters to subscribe to, in the order of their coming; they count as subscribed to from now on.
-
-        One of an announcement is among them, for the kept message, but never among those to unsubscribe from.
-        """
-        return _pop(self._wanted, at_most) if self._wanted else ()
-
-    def pop_unwanted(self, at_most: int) -> tuple[str, ...]:
-        """Return filters to unsubscribe from."""
-        return _pop(self._unwanted, at_most) if self._unwanted else ()
 
     def _check(self, topic_filter: str) -> None:
         if len(topic_filter) > LONGEST:
@@ -113,7 +105,8 @@ def _asks_too_much(topic_filter: str) -> bool:
     return levels[-1] == "#" or len(levels) - levels.count("+") < LITERAL_LEVELS
 
 
-def _pop(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
+def pop_filters(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
+    """Remove the oldest of *filters*, and return them."""
     taken = tuple(islice(filters, at_most))
     for one in taken:
         del filters[one]

@@ -15,7 +15,7 @@ from homebot.errors import HomebotError, LinkError, RefusedError
 from homebot.gateways.announced.announcement import StoredAnnouncement
 from homebot.gateways.announced.engine import GatewayEngine
 from homebot.gateways.mqtt.registry import AnnouncementRegistry
-from homebot.gateways.mqtt.state_topics import StateTopics
+from homebot.gateways.mqtt.state_topics import StateTopics, pop_filters
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import LinkPhase, MqttConnection
 from homebot.mqtt.message import MqttMessage
@@ -96,10 +96,10 @@ class Subscriber:
             while True:
                 await self._needed.wait()
                 self._needed = anyio.Event()
-                while wanted := self._topics.pop_wanted(BATCH):
-                    await self._subscribe_to(connection, wanted)
-                while unwanted := self._topics.pop_unwanted(BATCH):
-                    await connection.unsubscribe(*unwanted)
+                while self._topics.wanted:
+                    await self._subscribe_to(connection, pop_filters(self._topics.wanted, BATCH))
+                while self._topics.unwanted:
+                    await connection.unsubscribe(*pop_filters(self._topics.unwanted, BATCH))
                 self._asks.update(self._asks_later)
                 self._asks_later.clear()
                 if self._asks:
