@@ -94,11 +94,7 @@ class ChangeQueue:
         self.collects_settings = False
 
     def add(self, kind: ChangeKind, entry: Entry, why: str, other: str = "", *, is_of_link: bool = False) -> None:
-        """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one.
-
-        Args:
-            is_of_link: Whether the link of a gateway made it, which is lost or back.
-        """
+        """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
         pending = self._last.get(entry.id)
         if kind == "changed" and pending is not None and pending.kind != "stale":
             return
@@ -141,11 +137,7 @@ class ChangeQueue:
             self.states.append(states)
 
     def pop(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
-        """Return the oldest changes, and the disputes they caused, and forget them.
-
-        Args:
-            at_most: How many to take; None for all.
-        """
+        """Return the oldest changes, and the disputes they caused, and forget them."""
         if at_most is None:
             self.end_growth()
         taken = self.pending if at_most is None else self.pending[:at_most]
@@ -159,11 +151,7 @@ class ChangeQueue:
         return tuple(found)
 
     def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them; changes of a removed part are left out.
-
-        Args:
-            at_most: How many to look at; None for all.
-        """
+        """Return the changes of states, oldest first, and forget them; changes of a removed part are left out."""
         taken = self.states if at_most is None else self.states[:at_most]
         self.states = [] if at_most is None else self.states[at_most:]
         found: list[StateChange] = []

@@ -66,12 +66,7 @@ class DeviceDescription:
 def describe_device(
     sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds, owner: OwnerFacts | None
 ) -> DeviceDescription:
-    """Return the description of a device that was announced.
-
-    Args:
-        known_ids: Ids that its parts had.
-        owner: Where rooms are, as the owner states; None if nothing is stated.
-    """
+    """Return the description of a device that was announced."""
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     first = ordered[0].sighting
     merged = _with_sirens(merge_parts(ordered, topics, known_ids), first)
@@ -220,11 +215,7 @@ def _room_at(facts: Iterable[Fact], plan: HousePlan) -> str:
 def with_approvals(
     described: DeviceDescription, approvals: Sequence[tuple[PartPlace, Approval, str]]
 ) -> DeviceDescription:
-    """Return the description with the owner's approvals: each approved route, and the changes since elsewhere.
-
-    Args:
-        approvals: The approved parts of the device, each with the changes since as text.
-    """
+    """Return the description with the owner's approvals: each approved route, and the changes since elsewhere."""
     digests = {place: approval.description.digest for place, approval, change in approvals if not change}
     facts = [
         _owner_fact(CHANGED, change, *place[:2], approval.said_at) for place, approval, change in approvals if change
@@ -251,12 +242,7 @@ def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) ->
 
 
 def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], said_at: float) -> DeviceDescription:
-    """Return the description of a device of several gateways with its routes in the order of *prefer*, and that fact.
-
-    Args:
-        prefer: Names of gateways, the best first.
-        said_at: When that was stated, in seconds since the Unix epoch.
-    """
+    """Return the description of a device of several gateways with its routes in the order *prefer*, and that fact."""
     gateways = {gateway for (gateway, _), _, _ in described.addresses}
     named = [gateway for gateway in prefer if gateway in gateways]
     if len(gateways) == 1 or not named:

@@ -40,11 +40,7 @@ class Echoes:
         self._lately: BoundedMap[_Event, _RecentEvent] = BoundedMap(_MOST)
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Return whether an event was not reported by another route already.
-
-        Args:
-            now: When, on a clock that is never set.
-        """
+        """Return whether an event was not reported by another route already."""
         what = (place, capability, value)
         lately = self._lately.get(what)
         if lately is None or now - lately.at > WINDOW:

@@ -65,11 +65,7 @@ def endpoints(
     freshness: Freshness,
     stale_gateways: frozenset[str],
 ) -> tuple[Endpoint, ...]:
-    """Return the endpoints as they are now; those that are offline, stale or only claimed come last.
-
-    Args:
-        stale_gateways: The gateways at which it was silent for too long.
-    """
+    """Return the endpoints as they are now; those that are offline, stale or only claimed come last."""
     found: list[Endpoint] = []
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]

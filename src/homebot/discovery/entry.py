@@ -238,11 +238,7 @@ class Entry:
         return self._newest(self.parts(topics), events=False).values()
 
     def _newest(self, merged: MergedParts, *, events: bool) -> dict[tuple[int, str], StoredValue]:
-        """Return the newest report of all routes to each part; live values take precedence over retained ones.
-
-        Args:
-            events: Whether to return events rather than values.
-        """
+        """Return the newest report of all routes to each part; live values take precedence over retained ones."""
         newest: dict[tuple[int, str], StoredValue] = {}
         for (gateway, key), source in self.sources.items():
             for (part, capability), stored in (source.events if events else source.values).items():

@@ -28,10 +28,6 @@ def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> s
 
     The key, as in the thesis, for a device that its topic alone tells of; else its name in plain letters. Where that is
     taken, the gateway or a few letters of its identity follow.
-
-    Args:
-        known: Ids of the devices that are known.
-        gone: Ids of those that went.
     """
     if not sighting.identifiers and (sighting.is_plain_text or not sighting.parts):
         proposals: Iterator[str] = accumulate(repeat(f"@{sighting.gateway}"), initial=sighting.key)

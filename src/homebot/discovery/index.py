@@ -3,6 +3,8 @@
 It holds devices, not topics: with any number of messages, announcements and addresses, a device is one entry. Changes
 of devices are collected until :meth:`DeviceIndex.pop_changes`, so that a device that is announced in thirty
 messages is published once.
+
+A time called *now* is in seconds of a clock that is never set; *wall* is in seconds since the Unix epoch.
 """
 
 from __future__ import annotations
@@ -201,7 +203,6 @@ class DeviceIndex:
 
         Args:
             key: Gateway and key of the announcement that is not about it; None to make one device of each.
-            now: As for :meth:`expire`.
 
         Raises:
             RefusedError: There is no such device or announcement, nothing was merged into it, or there are too many
@@ -221,7 +222,6 @@ class DeviceIndex:
 
         Args:
             device_ids: The devices; one alone where an endpoint of it only claims to be it.
-            now: As for :meth:`expire`.
 
         Raises:
             RefusedError: There is no such device, nothing is to be merged, or there are too many decisions.

@@ -28,9 +28,6 @@ _ONLINE_FOR = 86_400.0
 class Liveness:
     """Deadlines of the devices: after its own a device is stale, and after *forget_after* more it is overdue.
 
-    Args:
-        forget_after: Seconds for which a stale device is kept.
-
     Attributes:
         now: Time of the newest input, in seconds of a clock that is never set.
         deadlines: When :meth:`pop_silent` has which device, in seconds of that clock.
@@ -77,12 +74,7 @@ class Liveness:
             self._table.record_change("changed", entry, why)
 
     def extend(self, entry: Entry, source: SourceRecord, heard_at: float) -> None:
-        """Allow *entry* the silence that *source*, last heard at *heard_at*, allows; it may have a longer one already.
-
-        Args:
-            source: One of its announcements.
-            heard_at: Seconds of the clock that is never set.
-        """
+        """Allow *entry* the silence that *source*, last heard at *heard_at*, allows; it may have a longer one."""
         silence = source.lasts
         deadline = heard_at + silence
         if deadline > entry.deadline:
@@ -90,12 +82,7 @@ class Liveness:
         self.schedule(entry)
 
     def restart(self, entry: Entry, now: float, wall: float) -> None:
-        """Allow *entry*, which is known from before, its whole silence from now on.
-
-        Args:
-            now: Seconds of the clock that is never set.
-            wall: Seconds since the Unix epoch.
-        """
+        """Allow *entry*, which is known from before, its whole silence from now on."""
         silence = max(source.lasts for source in entry.sources.values())
         entry.deadline, entry.expires = now + silence, wall + silence
         self.deadlines.set(entry.id, entry.deadline, None)

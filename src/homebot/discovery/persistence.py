@@ -55,7 +55,6 @@ class IndexPersistence:
     """Keeps the index file.
 
     Args:
-        path: The path of the file; None for no file.
         known: The known devices if there is no file, as from a recording.
 
     Attributes:

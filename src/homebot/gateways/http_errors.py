@@ -54,9 +54,6 @@ def translated_errors(what: str, where: str, *, has_login: bool = False) -> Iter
 def check_status(what: str, status: int, *, has_login: bool = False) -> None:
     """Raise an error unless *status* is from 200 to 299.
 
-    Args:
-        has_login: Whether the request carried credentials.
-
     Raises:
         BusyError: It says that the request may work later.
         RefusedError: It is another; that is the code.

@@ -30,7 +30,6 @@ class LinkedGateway(Gateway):
 
     Attributes:
         peer: The name of the other end of the link.
-        devices: Its devices.
         problem: The reason why there is no link; empty while there is one.
     """
 

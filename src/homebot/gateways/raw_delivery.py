@@ -46,9 +46,6 @@ class RawDelivery:
     In *inbox* mode a node gets the messages of everything it asked for on one topic of its own, ``<node>/inbox``. In
     *mirror* mode, and for askers that are no node, each device has its topic ``received_data/<device>``.
 
-    Args:
-        inboxes: Whether nodes get inboxes.
-
     Attributes:
         by_address: The listeners of each address, none of an address without.
     """
@@ -71,15 +68,10 @@ class RawDelivery:
         return asker is not None and asker.node is self._node.graph.get_node(listener) and address in asker.addresses
 
     def add(self, address: str, key: str, name: str, listener: str) -> Publisher[RawMessage]:
-        """Deliver the messages on *address*, of the device *key* called *name*, to *listener*, from now on.
+        """Deliver the messages on *address*, of the device *key* called *name*, to *listener*; return the publisher.
 
         Args:
-            address: Where the device speaks.
-            name: The name of the device; names its mirror topic.
             listener: Full name of the node that asks; empty for a mirror topic.
-
-        Returns:
-            The publisher that delivers; its topic is where the messages come.
 
         Raises:
             RefusedError: No such node is on the graph, or too many addresses are listened to.

@@ -25,11 +25,7 @@ _SOURCES_PER_DEVICE = 10
 
 @final
 class SightingIntake:
-    """Takes in sightings and reports.
-
-    Args:
-        pending: Where reports of unknown devices, and the announcements of devices that were forgotten, are kept.
-    """
+    """Takes in sightings and reports."""
 
     def __init__(
         self,
@@ -68,11 +64,7 @@ class SightingIntake:
             self._refresh(source, sighting)
 
     def report(self, report: Report, now: float | None = None) -> None:
-        """Take in the report of a device; that of an unannounced one waits a moment, and is counted.
-
-        Args:
-            now: As for :meth:`observe`.
-        """
+        """Take in the report of a device; that of an unannounced one waits a moment, and is counted."""
         self._liveness.now = report.received_at.to_seconds() if now is None else now
         key = (report.gateway, report.key)
         source = self._table.sources.get(key)
@@ -183,12 +175,7 @@ class SightingIntake:
                 self._withdraw(key, "the list of its bridge describes it")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
-        """Take in a device of the index file; one that is known already, or too many, is left out.
-
-        Args:
-            now: Seconds of the clock that is never set.
-            wall: Seconds since the Unix epoch.
-        """
+        """Take in a device of the index file; one that is known already, or too many, is left out."""
         table = self._table
         if entry.id in table.entries or len(table.entries) >= self._max_devices or not entry.sources:
             return

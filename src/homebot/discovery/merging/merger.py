@@ -31,11 +31,7 @@ _REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attr
 
 @final
 class DeviceMerger:
-    """Keeps each device the set of the announcements that are about it.
-
-    Args:
-        pending: Where the announcements of devices that were forgotten are kept.
-    """
+    """Keeps each device the set of the announcements that are about it."""
 
     def __init__(self, table: DeviceTable, liveness: Liveness, pending: PendingReports) -> None:
         self.decisions = MergeDecisions()
@@ -45,11 +41,7 @@ class DeviceMerger:
         self._pending = pending
 
     def appear(self, sources: dict[SourceKey, SourceRecord], why: str) -> Entry:
-        """Make a device of *sources*; one that went and is back has its old id.
-
-        Args:
-            sources: Its announcements; the table has them already.
-        """
+        """Make a device of *sources*; one that went and is back has its old id."""
         table = self._table
         tombstone = self._pop_tombstone(sources) if table.tombstones.by_id else None
         if tombstone is not None:
@@ -96,13 +88,7 @@ class DeviceMerger:
         self._table.changes.add_growth(entry, "it announces more capabilities")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
-        """Make *entry* of the index file a device, unconfirmed.
-
-        Args:
-            entry: The device; the table has its announcements already.
-            now: Seconds of the clock that is never set.
-            wall: Seconds since the Unix epoch.
-        """
+        """Make *entry* of the index file a device, unconfirmed."""
         for key, source in entry.sources.items():
             self._table.owners[key] = entry
             self.identities.put(key, source.sighting)

@@ -161,9 +161,6 @@ class Agreement:
     ) -> frozenset[EndpointKey]:
         """Note that *endpoint* reported a change.
 
-        Args:
-            now: Seconds of a clock that is never set.
-
         Returns:
             Those of them that are to be trusted from now on.
         """

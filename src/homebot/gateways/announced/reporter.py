@@ -29,9 +29,6 @@ _report_of, _stamp_of = Report.of_checked, Time.from_seconds  # looked up once, 
 class DeviceReporter:
     """Publishes sightings and reports of one gateway, all with the time of the last :meth:`refresh_time`.
 
-    Args:
-        stale_after: Seconds of silence after which a device counts as stale.
-
     Attributes:
         now: Reading of the monotonic clock.
     """

@@ -14,11 +14,7 @@ __all__ = ["Scheduler"]
 
 
 class Scheduler:
-    """A timer queue of callbacks that is kept by one task, in the clock's own time.
-
-    Args:
-        most: Callbacks that may be planned at once.
-    """
+    """A timer queue of callbacks that is kept by one task, in the clock's own time."""
 
     def __init__(self, clock: Clock, most: int = 100_000) -> None:
         self._clock = clock

@@ -45,7 +45,6 @@ class StateReader:
     """The way from messages of state to the graph.
 
     Args:
-        scheduler: Ends values that end by themselves.
         record_failure: Called with address, convention and error if a convention raised an unexpected exception.
     """
 
@@ -80,11 +79,6 @@ class StateReader:
 
         Args:
             payload: Its bytes; where they are too long for a state, that is only counted.
-            announced_parts: The parts that publish there, the parts of one device together.
-            availability_readers: The devices and parts with availability there.
-            retained: Whether it was kept from before.
-            wait_if_full: Whether to wait a moment for a full inbox.
-            longest: Bytes that a state may have.
         """
         if availability_readers:
             await self._read_availability(address, payload, availability_readers, retained=retained)

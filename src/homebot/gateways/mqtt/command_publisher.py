@@ -53,11 +53,7 @@ class SentSecrets:
 
 
 class CommandPublisher:
-    """The way from commands to publications.
-
-    Args:
-        responses: Asks the devices for responses; None if they are not to be asked.
-    """
+    """The way from commands to publications."""
 
     def __init__(
         self,

@@ -54,15 +54,9 @@ T = TypeVar("T")
 class AnnouncedDevices:
     """The engine of one gateway: from its conventions' announcements to devices; its port to :class:`RawMessages`.
 
-    Args:
-        responses: Asks devices for responses to commands; None if they are not to be asked.
-
     Attributes:
-        offers: The devices that homebot offers to others.
-        read_text: Takes a message as the text that a part says by itself.
         route: Returns the readers of a topic; None if it has none.
         tick: Advances the time; once before each batch of messages.
-        quarantine: Defers messages of sources that break the rules.
     """
 
     def __init__(

@@ -40,12 +40,7 @@ MAX_STEPS = 100_000
 
 
 class AnnouncementHandler:
-    """The way from announcements to sightings.
-
-    Args:
-        reserved: The topics on which no device is told anything.
-        subscriber: Subscribes to the topics of described devices, and asks them for their state.
-    """
+    """The way from announcements to sightings."""
 
     def __init__(
         self,

@@ -35,9 +35,6 @@ class Offers:
     """The publications of the devices that homebot exposes through one gateway.
 
     A gateway that only observes publishes nothing.
-
-    Attributes:
-        publishes: Whether anything can be published here.
     """
 
     def __init__(

@@ -48,11 +48,7 @@ class ResponseCounters:
 
 @final
 class Responses:
-    """Asks devices for responses, and publishes the answers.
-
-    Args:
-        topic: The topic of all responses, which is its own.
-    """
+    """Asks devices for responses, and publishes the answers."""
 
     def __init__(self, gateway: str, topic: str, clock: Clock, publish: Callable[[CommandAnswer], object]) -> None:
         self.counters = ResponseCounters()

@@ -37,11 +37,7 @@ MAX_ASKS_EACH = 20
 
 
 class Subscriber:
-    """Updates the subscriptions to the needs of the descriptions, all of them at QoS 0.
-
-    Args:
-        conventions: The conventions with births, which are published on each new link.
-    """
+    """Updates the subscriptions to the needs of the descriptions, all of them at QoS 0."""
 
     def __init__(
         self,
