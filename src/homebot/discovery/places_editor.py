@@ -71,10 +71,7 @@ class PlacesEditor:
         return self._place(device, entry, [*facts, *others], f"the owner placed it {'in' if room else 'at'} {where}")
 
     def unplace(self, device: str, *, may_be_absent: bool = False) -> str:
-        """Take back the room and position that a command or an import stated, or the room that a tag taught.
-
-        Returns:
-            The room that it is in now; empty for none.
+        """Take back the room and position that a command or an import stated, or a tag taught; return its room then.
 
         Raises:
             RefusedError: There is no such device, or no room was stated or taught.

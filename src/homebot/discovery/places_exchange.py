@@ -77,9 +77,6 @@ class PlacesExchange:
         It adds rooms, aliases and tags. The room of a device that was stated here before stays. Others may have their
         turn at each step.
 
-        Args:
-            replaces: Whether the file's room of a device wins over one that was stated here before.
-
         Raises:
             ConfigError: Its rooms do not fit those of the house; names the key and the value.
             RefusedError: There are too many statements.
@@ -193,12 +190,7 @@ def _added_to_plan(places: Places, before: HousePlan, now: HousePlan) -> list[st
 
 
 def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = ()) -> Places:
-    """Return the content of a places file.
-
-    Args:
-        text: Its text: TOML, or GeoJSON.
-        now: Seconds since the Unix epoch.
-        known: The rooms of the house, to which doors of the file may lead.
+    """Return the content of a places file, TOML or GeoJSON, the doors of which may lead to the *known* rooms.
 
     Raises:
         ConfigError: The first mistake; names the key and the value.
@@ -244,7 +236,6 @@ def _merge(
     Args:
         in_use: All that is stated of it, in the configuration too.
         kept: Is given the room and position that were kept, as text.
-        replaces: Whether those of the file win.
     """
     known = {(fact.name, fold(fact.value)) for fact in in_use}
     single = {fact.name: fact.value for fact in reversed(in_use) if fact.name in {"area", "position"}}

@@ -73,7 +73,6 @@ class Burst:
     """Wait for the end of a burst of announcements: a house that comes at once is described once, not per message.
 
     Args:
-        counter: The number of announcements so far, as its attribute ``announced``.
         pause: Waits for the time without an announcement after which a burst is over.
     """
 

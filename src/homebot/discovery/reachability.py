@@ -35,11 +35,7 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
 def offline_parts(
     sources: Mapping[SourceKey, SourceRecord], places: Mapping[tuple[str, str, str], int], ids: Mapping[int, str]
 ) -> tuple[str, ...]:
-    """Return the ids of the parts that cannot be reached, by the same rule for each.
-
-    Args:
-        places: Which part of the device each of theirs is.
-    """
+    """Return the ids of the parts that cannot be reached, by the same rule for each."""
     reports: dict[int, list[_SourceReach]] = {}
     for (gateway, key, part), place in places.items():
         source = sources.get((gateway, key))

@@ -26,11 +26,7 @@ MAX_RECORD = 4_000_000
 
 
 class Records(NamedTuple):
-    """Rows of the index file: id and record.
-
-    Attributes:
-        owner: The owner's decisions, by the name of their subject.
-    """
+    """Rows of the index file: id and record."""
 
     devices: tuple[tuple[str, str], ...] = ()
     tombstones: tuple[tuple[str, str], ...] = ()

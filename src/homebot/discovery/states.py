@@ -68,10 +68,9 @@ class StateRecorder:
             self._table.record_change("changed", entry, entry.reachability().why)
 
     def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
-        """Record that *gateway* lost its link, or has it again; pauses after each device.
+        """Record that *gateway* lost its link, or has it again; return for how many devices that makes a difference.
 
-        Returns:
-            How many devices cannot be reached any more, or can again.
+        It pauses after each device.
         """
         table = self._table
         before, count = table.lost.pop(gateway, None), 0

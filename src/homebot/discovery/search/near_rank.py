@@ -50,11 +50,7 @@ Doors: TypeAlias = Callable[[str], DoorState]
 
 @final
 class NearDevice(NamedTuple):
-    """A device near a robot.
-
-    Attributes:
-        cost: The metres by which it is ranked.
-    """
+    """A device near a robot."""
 
     cost: float
     device: str
@@ -77,11 +73,7 @@ def nearest(
     """Return the best *limit* of the *wanted* devices, best first, and how many are near enough.
 
     Args:
-        crossing: What going through each door costs.
-        terms: What speaks against each.
         within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
-        least: The metres that speak against each at least.
-        limit: How many; 0 for all.
     """
     if not math.isinf(within):
         wanted = finder.within(start, lambda door: math.inf if math.isinf(crossing(door)) else 0.0, wanted, within)

@@ -99,7 +99,6 @@ class SharedReachability:
         value: True if the device can be reached; None for unknown.
         members: The announcements with it, each with a part; an empty one is the whole.
         subscriptions: The filters that it is read on, each with its reader.
-        address: Where it was reported last.
     """
 
     __slots__ = ("_latest", "_reports", "address", "availability", "members", "subscriptions", "value")
@@ -143,11 +142,7 @@ _RETAINED_OFFLINE = (False, True)
 
 @dataclass(frozen=True, slots=True)
 class AvailabilityReader:
-    """One address that tells whether a device, or some of its parts, can be reached.
-
-    Attributes:
-        index: Which of the sources of that.
-    """
+    """One address that tells whether a device, or some of its parts, can be reached."""
 
     reachability: SharedReachability
     index: int

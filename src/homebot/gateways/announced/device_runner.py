@@ -76,11 +76,7 @@ class DriverHost(Protocol):
 
 
 class PublishedDevice:
-    """One device of a gateway; it is a :class:`DriverHost`.
-
-    Args:
-        behind: The published devices behind it, by key.
-    """
+    """One device of a gateway; it is a :class:`DriverHost`."""
 
     def __init__(
         self, devices: PublishedDevices, key: str, behind: MutableMapping[str, GatewayDevice] | None = None
@@ -129,9 +125,6 @@ class PublishedDevice:
 
 class DeviceRunner(PublishedDevice, ABC):
     """Works with one device until it is stopped, and publishes whether it can be reached.
-
-    Args:
-        lost_backoff: The pauses after a connection that was lost or not made.
 
     Attributes:
         problem: The reason why it is not connected, as text; empty if it is, or has not tried yet.

@@ -43,7 +43,6 @@ class GatewayEngine(Generic[MessageT]):
     :class:`homebot.gateways.announced.command_server.CommandServer`.
 
     Args:
-        stale_after: Seconds of silence after which a device without its own limit counts as stale.
         inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
         budgets: The budgets of peers that break rules; by default all unknown peers share one.
     """

@@ -14,11 +14,7 @@ MAX_EACH = 64 * 1024
 
 
 class CachedMessage(NamedTuple):
-    """The last message on a topic.
-
-    Attributes:
-        heard_at: The same on the monotonic clock.
-    """
+    """The last message on a topic."""
 
     payload: bytes
     retained: bool

@@ -155,9 +155,6 @@ class PeerQuarantine(Generic[MessageT]):
 
     A gateway asks :meth:`must_wait` before it reads a message of an unproven sender, and then reports the result:
     :meth:`WorkBudgets.accept` of the budgets, or :meth:`record_offence`. Waiting messages are read by :meth:`serve`.
-
-    Args:
-        budgets: The budgets that offences are paid from.
     """
 
     def __init__(
@@ -182,11 +179,7 @@ class PeerQuarantine(Generic[MessageT]):
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
     def must_wait(self, message: MessageT, source: str, payload: bytes) -> bool:
-        """Queue *message* if that is due, behind the waiting messages of its source; return whether it was queued.
-
-        Args:
-            message: The message, as :meth:`serve` is to hand it back.
-        """
+        """Queue *message* if that is due, behind the waiting messages of its source; return whether it was queued."""
         now = self._reporter.now
         if now >= self.budgets.clean_at and not self.waiting.sources:
             return False

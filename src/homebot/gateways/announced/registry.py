@@ -146,9 +146,6 @@ class RegistryChange(NamedTuple):
 class DeviceRegistry:
     """The devices of one gateway, or the announcements of them; a protocol adds the readers of each address.
 
-    Args:
-        limits: How much may stand at once.
-
     Attributes:
         by_key: The registered announcements, by key, in the order of arrival.
         derived: Those of them that name their program.
