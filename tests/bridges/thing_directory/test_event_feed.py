@@ -7,11 +7,9 @@ import pytest
 
 from homebot.bridges.thing_directory.catalog import MAX_CHANGES, ThingCatalog
 from homebot.bridges.thing_directory.documents import CHANGE_NAMES
-from homebot.bridges.thing_directory.event_feed import EventFeed, EventRequest
+from homebot.bridges.thing_directory.event_feed import EventFeed
 
 pytestmark = pytest.mark.virtual_time
-
-REQUEST = EventRequest(CHANGE_NAMES, has_details=False, last_id="", base="http://x")
 
 
 class SlowClient:
@@ -30,7 +28,7 @@ async def test_a_client_that_is_behind_too_far_is_cut_off_and_counted() -> None:
     catalog, client = ThingCatalog(), SlowClient()
     feed = EventFeed(catalog, "run")
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run, REQUEST, client)
+        tasks.start_soon(feed.run, client, CHANGE_NAMES)
         await anyio.wait_all_tasks_blocked()
         catalog.put("a", {"id": "a"}, "now")
         feed.notify()
@@ -50,7 +48,7 @@ async def test_a_silent_stream_is_kept_alive_and_ends_with_the_directory() -> No
     for _ in range(10):
         client.may_take.release()
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run, REQUEST, client)
+        tasks.start_soon(feed.run, client, CHANGE_NAMES)
         await anyio.sleep(50)
         assert client.taken == [b"retry: 2000\n\n", b":\n\n", b":\n\n", b":\n\n"]
         feed.close()
@@ -62,7 +60,7 @@ async def test_after_an_unknown_id_only_new_changes_are_sent(last_id: str) -> No
     catalog.put("a", {"id": "a"}, "now")
     feed = EventFeed(catalog, "run")
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run, EventRequest(CHANGE_NAMES, has_details=False, last_id=last_id, base=""), client)
+        tasks.start_soon(feed.run, client, CHANGE_NAMES, last_id)
         await anyio.wait_all_tasks_blocked()
         assert client.taken == [b"retry: 2000\n\n"]
         feed.close()

@@ -18,13 +18,11 @@ from homebot.bridges.thing_directory.documents import (
     BEARER,
     CHANGE_NAMES,
     PREFLIGHT,
-    DirectoryAnswer,
     RequestError,
     directory_description,
-    is_preflight,
     sharing_headers,
 )
-from homebot.bridges.thing_directory.event_feed import EventFeed, EventRequest
+from homebot.bridges.thing_directory.event_feed import EventFeed
 from homebot.bridges.thing_directory.http_server import BoundedServer, HttpExchange
 from homebot.bridges.thing_directory.listed_devices import ListedDevices
 from homebot.bridges.thing_directory.requests import DirectoryRequests
@@ -140,7 +138,7 @@ class ThingDirectoryBridge:
         try:
             self._check_origin(exchange)
             shared = sharing_headers(exchange.headers("Origin"))
-            if is_preflight(exchange.method, exchange.headers("Access-Control-Request-Method")):
+            if exchange.method == "OPTIONS" and exchange.headers("Access-Control-Request-Method"):
                 answer = PREFLIGHT
             else:
                 await self._check_token(exchange)
@@ -150,7 +148,9 @@ class ThingDirectoryBridge:
                 answer = await self._requests.answer(exchange)
         except RequestError as exc:
             answer = exc.answer
-        headers = {"Cache-Control": "no-cache", "Server": "homebot", **shared, **answer.headers, **_typed(answer)}
+        headers = {"Cache-Control": "no-cache", "Server": "homebot", **shared, **answer.headers}
+        if answer.content_type:
+            headers["Content-Type"] = answer.content_type
         await exchange.answer(answer.status, headers, answer.body)
 
     def _check_origin(self, exchange: HttpExchange) -> None:
@@ -188,17 +188,8 @@ class ThingDirectoryBridge:
         if len(exchange.path) > 2 or names[0] not in CHANGE_NAMES:
             raise RequestError(HTTPStatus.NOT_FOUND, "there are no such events")
         last_id = exchange.headers("Last-Event-ID")
-        wanted = EventRequest(
-            tuple(names),
-            exchange.query.get("diff", "").lower() == "true",
-            last_id[-1] if last_id else "",
-            exchange.base,
-        )
         await exchange.open_stream(
             {"Content-Type": "text/event-stream", "Cache-Control": "no-store", "Server": "homebot", **shared}
         )
-        await self._feed.run(wanted, exchange)
-
-
-def _typed(answer: DirectoryAnswer) -> Mapping[str, str]:
-    return {"Content-Type": answer.content_type} if answer.content_type else {}
+        base = exchange.base if exchange.query.get("diff", "").lower() == "true" else ""
+        await self._feed.run(exchange, names, last_id[-1] if last_id else "", base)

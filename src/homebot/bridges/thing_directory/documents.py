@@ -27,7 +27,6 @@ __all__ = [
     "RequestError",
     "at_base",
     "directory_description",
-    "is_preflight",
     "page_of",
     "sharing_headers",
 ]
@@ -93,11 +92,6 @@ def sharing_headers(origins: Sequence[str]) -> Mapping[str, str]:
     }
 
 
-def is_preflight(method: str, asked_methods: Sequence[str]) -> bool:
-    """Return whether a request is a preflight: *asked_methods* is its ``Access-Control-Request-Method``."""
-    return method == "OPTIONS" and bool(asked_methods)
-
-
 class RequestError(Exception):
     """A request is not carried out."""
 
@@ -155,75 +149,48 @@ def at_base(text: str, base: str) -> str:
     return f'{{"base":{compact_json(base)},{text[1:]}'
 
 
-_ACTIONS: Final[Mapping[str, object]] = {
-    "retrieveThing": {
+def directory_description(title: str, thing_id: str, security: Mapping[str, object]) -> dict[str, object]:
+    """Return the description of the directory itself."""
+    page = {name: {"type": "integer", "minimum": least} for name, least in (("offset", 0), ("limit", 1))}
+    page |= {"sort_order": {"enum": ["asc", "desc"]}, "format": {"enum": ["array", "collection"]}}
+    things = {
+        "description": "all descriptions, in pages",
+        "type": "array",
+        "readOnly": True,
+        "uriVariables": page,
+        "forms": _forms("/things{?offset,limit,sort_order,format}", "readproperty", contentType=LD_TYPE),
+    }
+    retrieve = {
         "description": "the description of one thing",
         "safe": True,
         "idempotent": True,
         "uriVariables": {"id": {"type": "string", "format": "iri-reference"}},
         "output": {"type": "object"},
-        "forms": [
-            {
-                "href": "/things/{id}",
-                "op": "invokeaction",
-                "response": {"contentType": TD_TYPE},
-                "htv:methodName": "GET",
-            }
-        ],
+        "forms": _forms("/things/{id}", "invokeaction", response={"contentType": TD_TYPE}),
     }
-}
-
-
-def directory_description(title: str, thing_id: str, security: Mapping[str, object]) -> dict[str, object]:
-    """Return the description of the directory itself."""
-    page = {name: {"type": "integer", "minimum": least} for name, least in (("offset", 0), ("limit", 1))}
-    page |= {"sort_order": {"enum": ["asc", "desc"]}, "format": {"enum": ["array", "collection"]}}
     return {
         "@context": [CONTEXT, _DISCOVERY_CONTEXT],
         "@type": "ThingDirectory",
         "id": thing_id,
         "title": title,
         **security,
-        "properties": {
-            "things": {
-                "description": "all descriptions, in pages",
-                "type": "array",
-                "readOnly": True,
-                "uriVariables": page,
-                "forms": [
-                    {
-                        "href": "/things{?offset,limit,sort_order,format}",
-                        "op": "readproperty",
-                        "contentType": LD_TYPE,
-                        "htv:methodName": "GET",
-                    }
-                ],
-            }
-        },
-        "actions": _ACTIONS,
-        "events": {_event_name(name): _event(name) for name in CHANGE_NAMES},
+        "properties": {"things": things},
+        "actions": {"retrieveThing": retrieve},
+        "events": {f"thing{name.removeprefix('thing_').capitalize()}": _event(name) for name in CHANGE_NAMES},
     }
-
-
-def _event_name(name: str) -> str:
-    first, _, second = name.partition("_")
-    return f"{first}{second.capitalize()}"
 
 
 def _event(name: str) -> dict[str, object]:
+    stream = {"subprotocol": "sse", "contentType": "text/event-stream"}
     return {
         "uriVariables": {"diff": {"type": "boolean"}},
         "data": {"type": "object"},
-        "forms": [
-            {
-                "href": f"/events/{name}{{?diff}}",
-                "op": "subscribeevent",
-                "subprotocol": "sse",
-                "contentType": "text/event-stream",
-                "htv:methodName": "GET",
-            }
-        ],
+        "forms": _forms(f"/events/{name}{{?diff}}", "subscribeevent", **stream),
     }
+
+
+def _forms(href: str, op: str, **more: object) -> list[dict[str, object]]:
+    return [{"href": href, "op": op, "htv:methodName": "GET", **more}]
 
 
 def _whole(query: Mapping[str, str], name: str, default: int) -> int:

@@ -10,8 +10,7 @@ section 9.2 (server-sent events).
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
 from typing import Final, Protocol
 
 import anyio
@@ -20,7 +19,7 @@ from homebot.bridges.thing_directory.catalog import CatalogChange, ThingCatalog
 from homebot.bridges.thing_directory.documents import at_base
 from homebot.conventions.payload import compact_json
 
-__all__ = ["EventFeed", "EventRequest"]
+__all__ = ["EventFeed"]
 
 KEEP_ALIVE: Final = 15.0
 """Seconds of silence after which a line is sent that says nothing, so that a client that is gone is noticed."""
@@ -35,23 +34,6 @@ class ByteStream(Protocol):
         Raises:
             ConnectionError: The client has left, or takes no bytes.
         """
-
-
-@dataclass(frozen=True, slots=True)
-class EventRequest:
-    """A request for events.
-
-    Attributes:
-        names: The kinds of changes.
-        has_details: Whether it wants descriptions, and not the ids of things alone.
-        last_id: The id of the last event that it had; empty for none.
-        base: The address of the directory, as the client calls it.
-    """
-
-    names: tuple[str, ...]
-    has_details: bool
-    last_id: str
-    base: str
 
 
 class EventFeed:
@@ -83,13 +65,18 @@ class EventFeed:
         self._is_closed = True
         self.notify()
 
-    async def run(self, request: EventRequest, stream: ByteStream) -> None:
+    async def run(self, stream: ByteStream, names: Collection[str], last_id: str = "", base: str = "") -> None:
         """Send events until the client falls behind too far, or the directory ends.
+
+        Args:
+            names: The kinds of changes that the client wants.
+            last_id: The id of the last event that it had; empty for none.
+            base: The address of the directory, as the client calls it; empty if it wants ids without descriptions.
 
         Raises:
             ConnectionError: The client has left, or takes no bytes.
         """
-        place = self._place_of(request.last_id)
+        place = self._place_of(last_id)
         self.clients += 1
         try:
             await stream.send(b"retry: 2000\n\n")
@@ -100,8 +87,8 @@ class EventFeed:
                     return
                 for change in changes:
                     place = change.number
-                    if change.name in request.names:
-                        await stream.send(self._event(change, request))
+                    if change.name in names:
+                        await stream.send(self._event(change, base))
                 if place == self._catalog.version and not self._is_closed:
                     await self._wait(stream)
         finally:
@@ -123,12 +110,12 @@ class EventFeed:
                 return place
         return self._catalog.version
 
-    def _event(self, change: CatalogChange, request: EventRequest) -> bytes:
+    def _event(self, change: CatalogChange, base: str) -> bytes:
         fields: Mapping[str, object] = {"id": change.id}
         data = compact_json(fields)
-        if request.has_details and change.detail:
+        if base and change.detail:
             if change.name == "thing_created":
-                data = at_base(change.detail, f"{request.base}/")
+                data = at_base(change.detail, f"{base}/")
             else:
                 data = compact_json({**json.loads(change.detail), **fields})
         return f"id: {self._version}-{change.number}\nevent: {change.name}\ndata: {data}\n\n".encode()
