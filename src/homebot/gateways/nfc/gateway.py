@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-from collections import deque
 from functools import partial
 from typing import ClassVar, Final
 
 import anyio
-import anyio.lowlevel
 import anyio.to_thread
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
@@ -31,7 +29,6 @@ from homebot.gateways.nfc.pcsc_reader import PcscReader
 from homebot.gateways.nfc.reader import (
     ReaderDesk,
     ReaderNews,
-    ReadersFound,
     TagLeft,
     TagReader,
     TagReaders,
@@ -92,8 +89,7 @@ class NfcGateway(Gateway):
         self.readers: dict[int, tuple[str, ...]] = {}
         self._problems: dict[int, str] = {}
         self._sides: list[TagReader] = []
-        self._waiting: deque[tuple[ReaderNews, ReaderDesk | None]] = deque()
-        self._has_news = anyio.Event()
+        self._handling = anyio.Lock()
         self._was_tried = anyio.Event()
         self._taps = node.create_publisher(TagTap, "~/taps")
         self._services = TagServices(self, node)
@@ -118,7 +114,6 @@ class NfcGateway(Gateway):
         async with anyio.create_task_group() as tasks:
             for number, reader in enumerate(self._sides):
                 tasks.start_soon(run_as, self.node.full_name, partial(self._follow, number, reader))
-            tasks.start_soon(run_as, self.node.full_name, self._handle_reports)
             await self._was_tried.wait()
             task_status.started()
 
@@ -143,31 +138,40 @@ class NfcGateway(Gateway):
             try:
                 await read_tags(reader, desk)
             except LinkError as exc:
-                self._lose(number, str(exc))
+                self._problems[number] = str(exc)
             else:
-                self._lose(number, "the reader stopped")
+                self._problems[number] = "the reader stopped"
             finally:
                 self._services.close(desk)
+            self.readers.pop(number, None)
+            await self._lose_tags()
             await anyio.sleep(retries.fail(READER_BACKOFF))
 
-    def _on_report(self, number: int, desk: ReaderDesk, news: ReaderNews) -> None:
-        """Queue a report of a reader; called in the loop."""
-        if isinstance(news, ReadersFound):
-            self.readers[number] = news.readers
-            self._problems.pop(number, None)
-            if not news.readers:
-                self._problems[number] = "no NFC reader is connected"
-            self._show_state()
-        self._waiting.append((news, desk))
-        self._has_news.set()
+    async def _on_report(self, number: int, news: ReaderNews) -> None:
+        """Handle a report of a reader, one after the other."""
+        async with self._handling:
+            if isinstance(news, TagSeen):
+                await self._handle_tag(news)
+            elif isinstance(news, TagLeft):
+                await self._lose_tag(news.uid)
+            else:
+                self.readers[number] = news.readers
+                self._problems.pop(number, None)
+                if not news.readers:
+                    self._problems[number] = "no NFC reader is connected"
+                await self._lose_tags()
 
-    def _lose(self, number: int, why: str) -> None:
-        self._problems[number] = why
-        for name in self.readers.pop(number, ()):
-            for uid in [uid for uid, seen in self.at_reader.items() if seen.reader == name]:
-                self._waiting.append((TagLeft(name, uid), None))
-        self._has_news.set()
+    async def _lose_tags(self) -> None:
+        """Report that the tags at readers that are not connected any more were taken away."""
         self._show_state()
+        connected = {name for some in self.readers.values() for name in some}
+        for uid in [uid for uid, seen in self.at_reader.items() if seen.reader not in connected]:
+            await self._lose_tag(uid)
+
+    async def _lose_tag(self, uid: str) -> None:
+        self._services.forget(uid)
+        if self.at_reader.pop(uid, None) is not None and uid in self.devices.keys:
+            await self.devices.report(uid, {"connectivity": False})
 
     def _show_state(self) -> None:
         """Publish whether any reader works, after the first attempt with each."""
@@ -179,32 +183,6 @@ class NfcGateway(Gateway):
         else:
             self.publish_state("unavailable", "; ".join(dict.fromkeys(self._problems.values())))
         self._was_tried.set()
-
-    async def _handle_reports(self) -> None:
-        while True:
-            await self._has_news.wait()
-            while self._waiting:
-                news, desk = self._waiting.popleft()
-                await self._handle(news)
-                if desk is not None:
-                    desk.make_room()
-                await anyio.lowlevel.checkpoint()  # other tasks run during a flood of tags
-            self._has_news = anyio.Event()
-
-    async def _handle(self, news: ReaderNews) -> None:
-        if isinstance(news, TagSeen):
-            await self._handle_tag(news)
-        elif isinstance(news, TagLeft):
-            self._services.forget(news.uid)
-            if self.at_reader.pop(news.uid, None) is not None and news.uid in self.devices.keys:
-                await self.devices.report(news.uid, {"connectivity": False})
-        else:
-            gone = [uid for uid, seen in self.at_reader.items() if not self._is_there(seen.reader)]
-            for uid in gone:
-                await self._handle(TagLeft("", uid))
-
-    def _is_there(self, reader: str) -> bool:
-        return any(reader in some for some in self.readers.values())
 
     async def _handle_tag(self, seen: TagSeen) -> None:
         if not self.devices.admits(seen.uid):

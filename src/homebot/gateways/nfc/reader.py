@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import asyncio
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
+from concurrent.futures import CancelledError
+from contextlib import suppress
 from dataclasses import dataclass, field
-from threading import Event, Lock, Semaphore
-from typing import Final, Protocol, TypeAlias
+from threading import Event, Lock
+from typing import Protocol, TypeAlias
 
 import anyio
 import anyio.lowlevel
-import anyio.to_thread
+from anyio import from_thread, to_thread
 
 from homebot.conventions.nfc.ndef_message import TagContent, TagError
 from homebot.errors import LinkError
@@ -28,12 +30,6 @@ __all__ = [
     "WriteOrder",
     "read_tags",
 ]
-
-_MAX_POSTED: Final = 64
-"""Reports of a reader that the gateway has not handled yet; when there are more, its thread waits."""
-
-_LOOK: Final = 0.1
-"""Seconds after which a reader that waits for the loop checks whether it should end."""
 
 
 class PresentTag(Protocol):
@@ -125,16 +121,14 @@ class ReaderDesk:
     """The place where threads of readers and the gateway meet.
 
     Args:
-        report: Takes this desk and a report of its reader, in the loop; call :meth:`make_room` after handling it.
+        report: Handles a report of the reader, in the loop; the thread waits for that.
     """
 
-    def __init__(self, report: Callable[[ReaderDesk, ReaderNews], None]) -> None:
+    def __init__(self, report: Callable[[ReaderNews], Coroutine[object, object, None]]) -> None:
         self._report = report
-        self._loop = asyncio.get_running_loop()
         self._stopped = Event()
         self._lock = Lock()
         self._order: WriteOrder | None = None
-        self._room = Semaphore(_MAX_POSTED)
 
     @property
     def is_stopped(self) -> bool:
@@ -148,10 +142,6 @@ class ReaderDesk:
     def wait(self, seconds: float) -> bool:
         """Wait in a reader's thread; return whether it should end."""
         return self._stopped.wait(seconds)
-
-    def make_room(self) -> None:
-        """Allow the reader one more report, as one was handled."""
-        self._room.release()
 
     def place(self, order: WriteOrder) -> None:
         """Place an order with the reader; it has one at a time."""
@@ -190,7 +180,7 @@ class ReaderDesk:
         except TagError as exc:
             error = exc
         self._post(_seen(reader, tag))
-        self._loop.call_soon_threadsafe(_finish, order, reader, tag.uid, error)
+        from_thread.run_sync(_finish, order, reader, tag.uid, error)
         return True
 
     def left(self, reader: str, uid: str) -> None:
@@ -206,11 +196,9 @@ class ReaderDesk:
             return order if order.claim() else None
 
     def _post(self, news: ReaderNews) -> None:
-        """Pass *news* to the loop; the reader waits while the gateway is behind."""
-        while not self.is_stopped:
-            if self._room.acquire(timeout=_LOOK):
-                self._loop.call_soon_threadsafe(self._report, self, news)
-                return
+        with suppress(CancelledError):  # then it is stopped
+            if not self.is_stopped:
+                from_thread.run(self._report, news)
 
 
 class TagReader(ABC):
@@ -249,7 +237,7 @@ async def read_tags(reader: TagReader, desk: ReaderDesk) -> None:
     async with anyio.create_task_group() as tasks:
         tasks.start_soon(stop_when_cancelled)
         try:
-            await anyio.to_thread.run_sync(reader.run, desk, limiter=anyio.CapacityLimiter(1))
+            await to_thread.run_sync(reader.run, desk, limiter=anyio.CapacityLimiter(1))
         except LinkError as exc:  # the group would wrap it
             failure = exc
         tasks.cancel_scope.cancel()
