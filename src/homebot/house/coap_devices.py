@@ -99,11 +99,7 @@ class CoapDevice(ServedDevice):
                 one.updated_state()
 
     async def register(self) -> None:
-        """Register in the directory, or renew that; RFC 9176, section 5.
-
-        Raises:
-            OSError: It does not answer, or refuses.
-        """
+        """Register in the directory or renew that (RFC 9176, section 5); raise OSError if it refuses, or is silent."""
         query = f"ep={self.device.device_id}&lt={_LIFETIME}"  # its address is where that comes from
         links = ",".join(_link(path, one) for path, one in self._resources).encode()
         if self._registration:
@@ -115,11 +111,7 @@ class CoapDevice(ServedDevice):
         self._registration = "/" + "/".join(answer.opt.location_path)
 
     async def deregister(self) -> None:
-        """Take itself out of the directory; it is still there.
-
-        Raises:
-            OSError: The directory does not answer, or refuses.
-        """
+        """Take itself out of the directory, though it is there; raise OSError if that does not answer, or refuses."""
         path, self._registration = self._registration, ""
         await self._request_directory(Code.DELETE, f"{self._directory}{path}")
 

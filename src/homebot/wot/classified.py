@@ -31,11 +31,7 @@ class ClassifiedAffordance:
     actions: Mapping[str, ClassifiedAffordance] = field(default_factory=dict)
 
     def request(self, value: PlainValue) -> tuple[ClassifiedAffordance, Form, PlainValue]:
-        """Return the affordance that sets it to *value*, with the form and the value for that.
-
-        Raises:
-            RefusedError: None does.
-        """
+        """Return the affordance, form and value that set it to *value*; raise RefusedError if none do."""
         if isinstance(value, str) and value in self.actions:
             return self.actions[value].request(value=True)
         if self.written is None:

@@ -45,11 +45,7 @@ class Fields:
         return WireError(f"{self.where(name)}: {problem}")
 
     def text(self, name: str, *, required: bool = False) -> str:
-        """Return a text, without control characters.
-
-        Raises:
-            WireError: It is none, or is missing or empty if it is *required*.
-        """
+        """Return a text without control characters; raise WireError for another value, or none if it is *required*."""
         value = self._value.get(name)
         if value is None and not required:
             return ""
@@ -109,11 +105,7 @@ class Fields:
         return Fields(self._value.get(name, {}), self.where(name))
 
     def names(self) -> tuple[str, ...]:
-        """Return the names of all fields.
-
-        Raises:
-            WireError: They are more than 300, or one is longer than 200 characters.
-        """
+        """Return the names of all fields; raise WireError for more than 300, or one longer than 200 characters."""
         self._check_length("", len(self._value))
         for name in self._value:
             if not isinstance(name, str) or len(name) > _MAX_NAME:

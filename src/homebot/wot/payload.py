@@ -47,12 +47,7 @@ _FULL = 255
 
 @dataclass(frozen=True, slots=True)
 class PayloadFormat:
-    """A format of payloads.
-
-    Attributes:
-        parse: Returns the document that a payload spells; a WireError where it spells none.
-        encode: Returns the payload that spells a document.
-    """
+    """A format of payloads: *parse* returns the document in one or raises WireError, *encode* the payload with one."""
 
     parse: Callable[[bytes], object]
     encode: Callable[[object], bytes]
@@ -126,11 +121,7 @@ def _is_no_number(capability: Capability, schema: DataSchema, document: object) 
 
 
 def encode_document(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
-    """Return the document that makes *capability* become *value*.
-
-    Raises:
-        RefusedError: It is no value of this capability.
-    """
+    """Return the document that makes *capability* become *value*; raise RefusedError if it is no value of it."""
     document = _encode(capability, affordance, value)
     return {affordance.schema.member: document} if affordance.schema.member else document
 

@@ -181,11 +181,7 @@ class Thing:
 
 
 def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:
-    """Return the identifiers of *thing*, see :func:`homebot.devices.identity.identifiers`.
-
-    Args:
-        others: Its other identities, for example the name of its host.
-    """
+    """Return :func:`homebot.devices.identity.identifiers` of *thing*; *others* are such as the name of its host."""
     own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
     declared = identifiers(one for one in (*thing.identifiers, thing.id, *others) if one and one not in own)
     return tuple(dict.fromkeys((*own, *declared)))
@@ -200,11 +196,7 @@ def facts_of(thing: Thing) -> dict[str, str]:
 
 
 def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
-    """Return *thing* with its forms changed.
-
-    Args:
-        change: Returns the replacement of a form; None leaves it out.
-    """
+    """Return *thing* with its forms changed; *change* returns the replacement of one, or None to leave it out."""
 
     def changed(forms: Iterable[Form]) -> tuple[Form, ...]:
         return tuple(new for one in forms if (new := change(one)) is not None)

@@ -23,12 +23,7 @@ _KEPT: Final = ("@type", "title", "description", "readOnly")
 
 
 def with_forms(description: object, context: str) -> object:
-    """Return a Thing Description for the description of a Web Thing; another description as it is.
-
-    Args:
-        description: The description, as parsed JSON.
-        context: The context of Thing Descriptions.
-    """
+    """Return the description of a Web Thing as a Thing Description of this *context*; another description as it is."""
     fields = as_fields(description)
     named = fields.get("@context")
     if not (isinstance(named, str) and named.rstrip("/") in _CONTEXTS):

@@ -114,11 +114,7 @@ class ThingDirectoryBridge:
         return HealthResponse(counts=Count.each(counts), troubles=self._tokens.problems())
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Serve until cancelled; ``started()`` once it listens.
-
-        Raises:
-            UsageError: The address cannot be listened on.
-        """
+        """Serve until cancelled, ``started()`` once it listens; raise UsageError if it cannot listen."""
         async with self._server.listening():
             facts = (KeyValue(key="td", value=WELL_KNOWN), KeyValue(key="type", value="Directory"))
             addresses, port = self._server.addresses, self._server.port

@@ -26,11 +26,7 @@ ChangeName: TypeAlias = Literal["thing_created", "thing_updated", "thing_deleted
 
 @dataclass(frozen=True, slots=True)
 class ListedDescription:
-    """A description in the list.
-
-    Attributes:
-        etag: Another one for each other text.
-    """
+    """A description in the list, with another ETag for each other text."""
 
     id: str
     text: str
@@ -81,11 +77,7 @@ class ThingCatalog:
         return [self._listed[one] for one in ids[offset : offset + limit]]
 
     def put(self, thing_id: str, fields: Mapping[str, object], now: str) -> None:
-        """List a description, replacing an older one of the same thing; an equal one changes nothing.
-
-        Args:
-            now: The time, as it is written in a description.
-        """
+        """List a description, in place of an older one of the thing, at the time *now*; an equal one is no change."""
         before = self._listed.get(thing_id)
         old: dict[str, object] = {} if before is None else json.loads(before.text)
         registered = old.pop("registration", {})

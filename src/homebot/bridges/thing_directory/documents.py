@@ -55,11 +55,7 @@ _MOST_DIGITS = 9
 
 @dataclass(frozen=True, slots=True)
 class DirectoryAnswer:
-    """An answer.
-
-    Attributes:
-        content_type: Its media type; empty where there is none.
-    """
+    """An answer; without a body it has no content type."""
 
     body: bytes = b""
     content_type: str = ""
@@ -104,14 +100,7 @@ class RequestError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class PageRequest:
-    """A page of the list that is asked for.
-
-    Attributes:
-        offset: Number of descriptions before it.
-        limit: Number of descriptions in it, at most.
-        is_descending: Whether the list is sorted the other way around.
-        is_collection: Whether an object is wanted that has the list in it.
-    """
+    """A page of the list that is asked for: at most *limit* descriptions after *offset*, as a list or a collection."""
 
     offset: int
     limit: int
@@ -126,11 +115,7 @@ class PageRequest:
 
 
 def page_of(query: Mapping[str, str]) -> PageRequest:
-    """Return the page that a *query* asks for.
-
-    Raises:
-        RequestError: It cannot be.
-    """
+    """Return the page that a *query* asks for; raise RequestError if it cannot be."""
     order, form = query.get("sort_order", "asc"), query.get("format", "array")
     if query.get("sort_by", "id") != "id":
         raise RequestError(HTTPStatus.NOT_IMPLEMENTED, "the list is sorted by id alone")

@@ -29,11 +29,7 @@ class ByteStream(Protocol):
     """The way to a client."""
 
     async def send(self, piece: bytes) -> None:
-        """Send a piece.
-
-        Raises:
-            ConnectionError: The client has left, or takes no bytes.
-        """
+        """Send a piece; raise ConnectionError if the client has left, or takes no bytes."""
 
 
 class EventFeed:

@@ -115,11 +115,7 @@ class HttpExchange:
             await self._stream.prepare(self._request)
 
     async def send(self, piece: bytes) -> None:
-        """Send a piece of it.
-
-        Raises:
-            ConnectionError: The client has left, or takes no bytes.
-        """
+        """Send a piece of it; raise ConnectionError if the client has left, or takes no bytes."""
         if self._stream is not None:
             async with self._in_time():
                 await self._stream.write(piece)
@@ -192,11 +188,7 @@ class BoundedServer(web.Server):
 
     @asynccontextmanager
     async def listening(self) -> AsyncIterator[None]:
-        """Serve inside the block; then all connections are closed.
-
-        Raises:
-            UsageError: The address cannot be listened on.
-        """
+        """Serve inside the block, then close all connections; raise UsageError if the address cannot be used."""
         settings = self._settings
         try:
             listener = await asyncio.get_running_loop().create_server(self, settings.host, settings.port)

@@ -36,11 +36,7 @@ _Properties: TypeAlias = "dict[str, ListedProperty]"
 
 @dataclass(frozen=True, slots=True)
 class ListedProperty:
-    """One property of a listed device.
-
-    Attributes:
-        is_writable: Whether it can be set here.
-    """
+    """One property of a listed device, and whether it can be set here."""
 
     handle: Handle
     capability: Capability

@@ -44,11 +44,7 @@ _MOST_NUMBERS = 16
 
 
 class DirectoryRequests:
-    """The answers to requests.
-
-    Args:
-        version: Identifies the catalog of this run.
-    """
+    """The answers to requests; *version* identifies the catalog of this run."""
 
     def __init__(self, description: str, devices: ListedDevices, version: str) -> None:
         self._description = description
@@ -57,11 +53,7 @@ class DirectoryRequests:
         self._version = version
 
     async def answer(self, request: HttpExchange) -> DirectoryAnswer:
-        """Return the answer to *request*.
-
-        Raises:
-            RequestError: It is not carried out; holds the answer.
-        """
+        """Return the answer to *request*; raise RequestError, which holds one, if it is not carried out."""
         if request.method not in _READ and not await request.read(MAX_BODY_BYTES):
             raise RequestError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a body has at most {MAX_BODY_BYTES} bytes")
         match request.path:

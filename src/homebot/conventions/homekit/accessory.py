@@ -70,12 +70,7 @@ class HapCharacteristic:
 
 @dataclass(eq=False, slots=True)
 class HapService:
-    """A service: one function of an accessory.
-
-    Attributes:
-        type: Its short type, such as ``43`` (Light Bulb), or a UUID.
-        characteristics: By their types, of each type the first.
-    """
+    """A service: one function of an accessory, with its characteristics by their short types, of each the first."""
 
     iid: int
     type: str

@@ -32,12 +32,7 @@ _TIMED_MS: Final = 1_000
 
 
 class MatterEndpoint:
-    """An endpoint, with its attributes as the server knows them.
-
-    Attributes:
-        id: Its number; 0 is the root of the node.
-        clusters: Values by cluster and attribute, as in JSON.
-    """
+    """An endpoint (0 is the root of the node), with the server's JSON values by cluster and attribute."""
 
     def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id
@@ -112,13 +107,7 @@ def field_of(struct: Mapping[object, object] | Mapping[str, object], number: int
 
 @dataclass(frozen=True, slots=True)
 class ClusterInvocation:
-    """A command of a cluster.
-
-    Attributes:
-        command: The name of the command: ``MoveToLevel``.
-        is_timed: Whether the specification requires a timed interaction.
-        is_secret: Whether it contains a code.
-    """
+    """A command of a cluster: ``MoveToLevel``; timed where the specification requires that, secret with a code."""
 
     cluster: int
     command: str

@@ -68,11 +68,7 @@ _LONGEST_NAME: Final = 40
 
 
 def parts_of(endpoint: MatterEndpoint, *, covers: bool = False) -> Iterator[tuple[Part, tuple[ClusterRow, ...]]]:
-    """Yield the parts of an endpoint: its main function, and beside that its battery and plain measurements.
-
-    Args:
-        covers: Whether a closure is a blind, or a panel of one.
-    """
+    """Yield the parts of an endpoint, the main one first; a closure that *covers* is a blind, or a panel of one."""
     by_suffix: dict[str, dict[str, tuple[ClusterRow, Capability]]] = {"": {}}
     for row in _ROWS:
         is_spare = row.spare_suffix and row.capability in by_suffix[""]

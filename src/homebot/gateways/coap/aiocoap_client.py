@@ -61,11 +61,7 @@ _METHODS["IPATCH"] = _METHODS["iPATCH"]
 
 @dataclass(frozen=True, slots=True)
 class CoapAnswer:
-    """A successful response.
-
-    Attributes:
-        content_format: The number of its content format; None if it names none.
-    """
+    """A successful response, with the number of its content format; None if it names none."""
 
     payload: bytes
     content_format: int | None

@@ -74,11 +74,7 @@ class DirectoryServer:
 
     @asynccontextmanager
     async def open(self, host: str, port: int) -> AsyncIterator[None]:
-        """Serve on an address inside the block.
-
-        Raises:
-            LinkError: The address cannot be listened on.
-        """
+        """Serve on an address inside the block; raise LinkError if it cannot be listened on."""
         site = resource.Site()
         site.add_resource(
             [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)

@@ -34,11 +34,7 @@ def key_of(server: str, aid: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class AccessoryDevice:
-    """An accessory, with the device and the parts that it is.
-
-    Attributes:
-        aid: Its accessory ID.
-    """
+    """An accessory, with its accessory ID, and the device and the parts that it is."""
 
     aid: int
     device: GatewayDevice
@@ -53,12 +49,7 @@ class AccessoryDevice:
 def describe(
     found: FoundAccessory, accessory: Accessory | None = None, all_of: Iterable[Accessory] = ()
 ) -> AccessoryDevice:
-    """Return an accessory as a device.
-
-    Args:
-        accessory: Its description; None if it is not known, because it is not paired.
-        all_of: All accessories of the server.
-    """
+    """Return an accessory as a device; without a description if it is not paired. *all_of* are those of its server."""
     known = accessory or Accessory(_FIRST)
     key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
     parts = {one.part.id: one for one in parts_of(known)}

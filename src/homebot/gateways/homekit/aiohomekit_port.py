@@ -206,11 +206,7 @@ class _ThreadLink(_PairedLink):
 
 
 class AiohomekitPort(HomekitPort):
-    """Accessories on the local network, by TCP, and over Thread, by CoAP.
-
-    Args:
-        connects_within: Seconds that a TCP connection may take.
-    """
+    """Accessories on the local network, by TCP within *connects_within* seconds, and over Thread, by CoAP."""
 
     def __init__(self, connects_within: float = 10.0) -> None:
         self._connects_within = connects_within

@@ -58,11 +58,7 @@ _NEWEST_OF_EACH: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIE
 
 
 class HomekitGateway(Gateway):
-    """Gateway to HomeKit accessories.
-
-    Args:
-        context: Services of its host; a :class:`HomekitPort` is used in place of the library.
-    """
+    """Gateway to HomeKit accessories; a :class:`HomekitPort` of its host is used in place of the library."""
 
     Settings: ClassVar[type[BaseModel]] = HomekitGatewaySettings
 

@@ -70,11 +70,7 @@ class FoundAccessory:
 
     @classmethod
     def of(cls, sighting: Sighting) -> FoundAccessory | None:
-        """Return the accessory that an mDNS gateway sighted; None for another service.
-
-        Raises:
-            WireError: Its TXT record breaks the rules.
-        """
+        """Return the accessory of an mDNS gateway's sighting, None for another service; raise WireError if invalid."""
         facts = {one.key: one.value for one in sighting.metadata}
         if (service_type := facts.get("dns_sd_type", "")) not in _SERVICE_TYPES:
             return None

@@ -76,12 +76,7 @@ class BridgeLink:
         return as_fields(await parse_long_json(answer.body, MAX_BYTES)).get("data")
 
     async def change(self, what: str, kind: str, rid: str, body: HueBody) -> None:
-        """Change a resource of the type *kind*; return when the bridge has accepted it.
-
-        Raises:
-            LinkError: There is no answer, or the bridge stays too busy.
-            RefusedError: The bridge refuses *what*, the command in words.
-        """
+        """Change a resource; return when the bridge has accepted it, raise LinkError, or RefusedError about *what*."""
         url = f"{self._origin}/clip/v2/resource/{kind}/{rid}"
         limit = self._scenes if kind in _SCENES else self._lights
         _check_answer(what, as_fields(await self._ask(lambda: self._client.send_json("PUT", url, body), limit)))

@@ -75,21 +75,13 @@ class MatterGateway(LinkedGateway):
         check_extra('the gateway "matter"', "matter", "aiohttp")
 
     def connected_link(self) -> MatterServerLink:
-        """Return the connection to the server.
-
-        Raises:
-            LinkError: There is none now.
-        """
+        """Return the connection to the server; raise LinkError without one."""
         if self._link is None:
             raise LinkError(f"the Matter server cannot be reached: {self.problem}")
         return self._link
 
     def node_of(self, key: str) -> tuple[int, str]:
-        """Return the ID of the node that has this key as a device, and its name.
-
-        Raises:
-            UnableError: There is none, or the device is behind a bridge.
-        """
+        """Return ID and name of the node that is the device *key*; raise UnableError if none is, or its bridge."""
         node = self._node_of.get(key)
         if node is None:
             raise UnableError(f"the Matter gateway has no device {key[:100]!r}")

@@ -59,11 +59,7 @@ class NodeDevice:
 
 
 class MatterNode:
-    """A commissioned node.
-
-    Attributes:
-        published: Its devices as the gateway has published them, itself first.
-    """
+    """A commissioned node, with its devices as the gateway has published them, itself first."""
 
     def __init__(self, id: int) -> None:  # noqa: A002 - Matter's word
         self.id = id
@@ -74,11 +70,7 @@ class MatterNode:
 
     @classmethod
     def parse(cls, data: object) -> Self:
-        """Return the node that the server describes.
-
-        Raises:
-            WireError: It is not a node; single invalid attributes are left out.
-        """
+        """Return the node that the server describes, without invalid attributes; raise WireError if it is none."""
         if not isinstance(data, dict):
             raise WireError(f"a node is {shown(data)}, not an object")
         node = cls(node_id_of(data.get("node_id")))
@@ -96,11 +88,7 @@ class MatterNode:
         return node
 
     def set(self, path: tuple[int, int, int], value: object) -> MatterEndpoint:
-        """Set an attribute, and return the endpoint that has it.
-
-        Raises:
-            WireError: The node would have too many attributes.
-        """
+        """Set an attribute, and return the endpoint that has it; raise WireError if these are too many."""
         endpoint_id, cluster, attribute = path
         endpoint = self.endpoints.get(endpoint_id) or MatterEndpoint(endpoint_id)
         if not endpoint.has(cluster, attribute):

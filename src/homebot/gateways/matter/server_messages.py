@@ -68,12 +68,7 @@ class ServerInfo:
 
 @dataclass(frozen=True, slots=True)
 class ServerAnswer:
-    """The answer to a command.
-
-    Attributes:
-        result: The result; None if the command has none.
-        error_code: The error; None for success.
-    """
+    """The answer to a command: a result, or the code and the details of an error."""
 
     message_id: str
     result: object = None
@@ -83,11 +78,7 @@ class ServerAnswer:
 
 @dataclass(frozen=True, slots=True)
 class MatterEvent:
-    """An event, which the server sends by itself.
-
-    Attributes:
-        event: Its name, such as ``attribute_updated``.
-    """
+    """An event, such as ``attribute_updated``, which the server sends by itself."""
 
     event: str
     data: object
@@ -97,11 +88,7 @@ ServerFrame: TypeAlias = ServerInfo | ServerAnswer | MatterEvent
 
 
 def read_frame(fields: object) -> ServerFrame:
-    """Return the message in the JSON value that a server sent.
-
-    Raises:
-        WireError: It is not a message of a Matter server.
-    """
+    """Return the message in the JSON value that a server sent; raise WireError if it is none."""
     if not isinstance(fields, dict):
         raise WireError(f"{shown(fields)} is not an object")
     if "event" in fields:

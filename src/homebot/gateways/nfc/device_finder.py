@@ -34,11 +34,7 @@ _HOSTS: Final = ("host", "ip_address")
 
 @dataclass(frozen=True, slots=True)
 class PointedAt:
-    """The devices that a pointer fits.
-
-    Attributes:
-        devices: The devices; a useful tag or code fits exactly one.
-    """
+    """The devices that a pointer fits; a useful tag or code fits exactly one."""
 
     devices: tuple[Device, ...] = ()
 
@@ -59,11 +55,7 @@ class PointedAt:
 
 
 class DeviceFinder:
-    """Finds devices by pointers.
-
-    Args:
-        node: The gateway's node. Tags that only its own gateway knows are never found.
-    """
+    """Finds devices by pointers, but never tags that only its own gateway knows."""
 
     def __init__(self, node: Node) -> None:
         self._gateway = node.name

@@ -21,11 +21,7 @@ _DENIED = 13
 
 
 class NfcpyReader(TagReader):
-    """One reader.
-
-    Args:
-        path: Its path in nfcpy: ``usb``, ``tty:USB0:pn532``, ``udp:HOST:PORT``.
-    """
+    """The reader at a path of nfcpy: ``usb``, ``tty:USB0:pn532``, ``udp:HOST:PORT``."""
 
     def __init__(self, path: str) -> None:
         self._path = path

@@ -48,11 +48,7 @@ class _Slot:
 
 
 class PcscReader(TagReader):
-    """All readers of the service, or those of certain names.
-
-    Args:
-        wanted: Parts of the names of the readers to use; empty for all.
-    """
+    """All readers of the service, or those with a *wanted* text in their names."""
 
     def __init__(self, wanted: Collection[str]) -> None:
         self._wanted = [one.casefold() for one in wanted]

@@ -44,18 +44,10 @@ class PresentTag(Protocol):
         """Its type, as text."""
 
     def read(self) -> TagContent:
-        """Return its content.
-
-        Raises:
-            TagError: It is not formatted for NDEF, or was taken away.
-        """
+        """Return its content; raise TagError if it is not formatted for NDEF, or was taken away."""
 
     def write(self, message: bytes) -> None:
-        """Replace its content by an NDEF message.
-
-        Raises:
-            TagError: It refuses the message, or was taken away.
-        """
+        """Replace its content by an NDEF message; raise TagError if it refuses that, or was taken away."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,11 +110,7 @@ class WriteOrder:
 
 
 class ReaderDesk:
-    """The place where threads of readers and the gateway meet.
-
-    Args:
-        report: Handles a report of the reader, in the loop; the thread waits for that.
-    """
+    """The place where threads of readers and the gateway meet: a thread waits until *report* has handled its report."""
 
     def __init__(self, report: Callable[[ReaderNews], Coroutine[object, object, None]]) -> None:
         self._report = report
@@ -206,11 +194,7 @@ class TagReader(ABC):
 
     @abstractmethod
     def run(self, desk: ReaderDesk) -> None:
-        """Read tags until the *desk* is stopped, in a thread of its own.
-
-        Raises:
-            LinkError: The reader is not connected, or was lost.
-        """
+        """Read tags until the *desk* is stopped, in a thread of its own; raise LinkError if the reader is not there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -221,11 +205,7 @@ class TagReaders:
 
 
 async def read_tags(reader: TagReader, desk: ReaderDesk) -> None:
-    """Run *reader* until it fails or this is cancelled; then its thread has ended.
-
-    Raises:
-        LinkError: The reader is not connected, or was lost.
-    """
+    """Run *reader* until it fails with a LinkError, or this is cancelled; then its thread has ended."""
 
     async def stop_when_cancelled() -> None:
         try:

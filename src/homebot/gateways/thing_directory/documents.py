@@ -46,11 +46,7 @@ _SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
 
 @dataclass(frozen=True, slots=True)
 class DirectoryEvent:
-    """A change that the directory tells of.
-
-    Attributes:
-        description: The whole description, where the event has it; else empty.
-    """
+    """A change that the directory tells of, with the whole description where the event has it."""
 
     change: DirectoryChange
     id: str
@@ -59,11 +55,7 @@ class DirectoryEvent:
 
 @dataclass(frozen=True, slots=True)
 class ReadPage:
-    """A page as it was when it was read.
-
-    Attributes:
-        following: The address of the next page; empty for none.
-    """
+    """A page as it was when it was read, with the address of the next one; empty for none."""
 
     etag: str
     keys: frozenset[str]
@@ -84,11 +76,7 @@ class DirectoryPage:
 
 
 def members_of(page: object) -> list[object]:
-    """Return the members of a page: an array of descriptions, or a collection that has them as its members.
-
-    Raises:
-        WireError: It is neither.
-    """
+    """Return the members of a page, an array or a collection that has them; raise WireError for another value."""
     members = as_fields(page).get("members") if isinstance(page, dict) else page
     if not isinstance(members, list):
         raise WireError(f"{shown(page)} is no page of a list of things")
@@ -105,11 +93,7 @@ def next_page(page: object, headers: Mapping[str, str]) -> str:
 
 
 def read_event(kind: str, data: str) -> DirectoryEvent | None:
-    """Return the event in a message; None for one of another kind, which directories may have.
-
-    Raises:
-        WireError: It is no object with the id of a thing.
-    """
+    """Return the event in a message, None for one of another kind; raise WireError if it has no id of a thing."""
     if kind not in _CHANGES:
         return None
     fields = parse_object(data)
@@ -118,11 +102,7 @@ def read_event(kind: str, data: str) -> DirectoryEvent | None:
 
 
 def id_of(document: object) -> str:
-    """Return the id of a described thing.
-
-    Raises:
-        WireError: It has none, or one that cannot be a name.
-    """
+    """Return the id of a described thing; raise WireError for none, or one that cannot be a name."""
     found = as_fields(document).get("id")
     if not isinstance(found, str) or not 0 < len(found) <= _LONGEST_ID or not found.isprintable() or " " in found:
         raise WireError(f"a thing has the id {shown(found)}; a URI of at most {_LONGEST_ID} characters is expected")

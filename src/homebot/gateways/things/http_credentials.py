@@ -64,11 +64,7 @@ class ThingLogin:
 
 
 def read_logins(credentials: Sequence[HttpLoginSettings]) -> tuple[ThingLogin, ...]:
-    """Return the credentials, with their passwords.
-
-    Raises:
-        UsageError: A password cannot be read; names the key.
-    """
+    """Return the credentials with their passwords; raise UsageError, with its key, for one that cannot be read."""
     found = []
     for number, one in enumerate(credentials):
         password = one.read_password(f"credentials[{number}].")

@@ -178,11 +178,7 @@ class HttpThingPort:
 
 
 def login_at(where: URL, logins: Sequence[ThingLogin]) -> HttpLogin | None:
-    """Return the credentials for reading descriptions at an address, which only the configuration can name.
-
-    Returns:
-        Those of its host, if the configuration says how they are sent; None otherwise.
-    """
+    """Return the credentials for reading descriptions at an address, if the configuration says how they are sent."""
     known = _known_at(where, logins)
     if known is None or known.scheme in {"", "apikey"}:
         return None

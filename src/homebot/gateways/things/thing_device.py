@@ -35,11 +35,7 @@ __all__ = ["ThingDevice", "ThingPayload", "ThingPort", "describe_thing"]
 
 @dataclass(frozen=True, slots=True)
 class ThingPayload:
-    """A payload that a thing sent.
-
-    Attributes:
-        content_type: Its type as the answer names it; empty if it names none.
-    """
+    """A payload that a thing sent, with the type that its answer names; empty for none."""
 
     data: bytes
     content_type: str = ""
@@ -64,12 +60,7 @@ class ThingPort(Protocol):
         ...
 
     async def write(self, form: Form, payload: bytes) -> None:
-        """Send *payload* to the address of *form*; return when it was accepted.
-
-        Args:
-            form: Says the method and the content type as well.
-            payload: Empty for an action without input.
-        """
+        """Send *payload*, empty for an action without input, as *form* says; return when it was accepted."""
         ...
 
     def observe(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> AsyncIterator[ThingPayload]:
@@ -90,12 +81,7 @@ POLL_EVERY = 30.0
 
 
 def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> GatewayDevice:
-    """Return *thing* as a device.
-
-    Args:
-        binding: The protocol's choice among its forms.
-        others: Its other identities, for example the name of its host.
-    """
+    """Return *thing* as a device, by the forms that a *binding* chooses; *others* are identities such as its host."""
     return GatewayDevice(
         key=key,
         name=clean_text(thing.title) or key,
@@ -125,11 +111,7 @@ class _ThingSource:
 
 
 class ThingDevice:
-    """The values and commands of one thing.
-
-    Args:
-        poll_every: Seconds between two polls of values that are not pushed.
-    """
+    """The values and commands of one thing; values that are not pushed are polled every *poll_every* seconds."""
 
     def __init__(
         self, thing: Thing, device: GatewayDevice, port: ThingPort, host: DriverHost, poll_every: float = POLL_EVERY

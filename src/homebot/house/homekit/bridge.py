@@ -65,11 +65,7 @@ class _Bridge(Bridge):  # type: ignore[misc]
 
 
 class BridgedAccessory(Accessory):  # type: ignore[misc]
-    """An accessory behind the bridge.
-
-    Args:
-        on_write: Gets the values of characteristics that a controller wrote, by their names.
-    """
+    """An accessory behind the bridge; *on_write* gets values that a controller wrote, by names of characteristics."""
 
     def __init__(
         self, driver: AccessoryDriver, device: SimulatedDeviceInfo, on_write: Callable[[Mapping[str, float]], None]

@@ -109,11 +109,7 @@ def bridge_resources(bridge_id: str, name: str) -> list[Resource]:
 
 
 def group_resources(kind: str, name: str, children: Iterable[tuple[str, str]], archetype: str) -> list[Resource]:
-    """Return a room, zone or the whole home, with its grouped light.
-
-    Args:
-        children: Their ids and types.
-    """
+    """Return a room, zone or the whole home with its *children*, ids and types, and its grouped light."""
     rid = resource_uuid(kind, name)
     grouped = resource_uuid(kind, name, "grouped_light")
     group: Resource = {

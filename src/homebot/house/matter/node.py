@@ -85,11 +85,7 @@ class ServedMatterNode(HubDevice, CommissionedNode):
 
 
 class BridgedMatterDevice(HubDevice):
-    """Such a device behind the bridge of the house, which is a node.
-
-    Args:
-        server: The server that has commissioned the bridge.
-    """
+    """Such a device behind the bridge of the house, a node that *server* has commissioned."""
 
     def __init__(
         self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], server: SimulatedMatterServer

@@ -122,12 +122,7 @@ def _selected(uid: bytes, command: bytes) -> bytes:
 
 
 class ServedTag(ServedDevice):
-    """A tag with a text, and its room as its area.
-
-    Args:
-        on_command: Never called: tags take no commands through a reader.
-        field: The field of the reader, which has room for one tag; the last one counts.
-    """
+    """A tag with a text, and its room as its area, for the field of a reader; it takes no commands."""
 
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], field: TagField) -> None:
         super().__init__(device, on_command)

@@ -20,12 +20,7 @@ _UNKNOWN: Final = b"\x6d\x00"
 
 
 class Type4Card:
-    """A tag.
-
-    Args:
-        message: The NDEF message that is on it.
-        capacity: Bytes that one may have.
-    """
+    """A tag with an NDEF message, which may have *capacity* bytes."""
 
     def __init__(self, uid: bytes, message: bytes = b"", *, capacity: int = 888, is_writable: bool = True) -> None:
         self.uid = uid

@@ -136,12 +136,7 @@ _NEVER = ("/.well-known/", "/oic/", "/rd", "/bs")
 
 
 def thing_of_links(links: Iterable[WebLink], resolve: Mapping[str, str], name: str) -> Thing:
-    """Return the thing that has the resources of *links*.
-
-    Args:
-        links: The resources of one device.
-        resolve: The absolute address of each target.
-    """
+    """Return the thing with the resources of *links*, one device's; *resolve* has the absolute addresses by target."""
     given = tuple(links)
     implied = {link: href for one in given for link, href in _implied(one, given, resolve[one.target])}
     resolve = {**resolve, **{link.target: href for link, href in implied.items()}}

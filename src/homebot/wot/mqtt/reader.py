@@ -33,11 +33,7 @@ __all__ = ["MqttBinding", "ThingReader"]
 
 @dataclass(frozen=True, slots=True)
 class MqttBinding:
-    """The forms with topics: each subscriber is sent the values.
-
-    Attributes:
-        formats: The formats of payloads that count; forms with any other are none.
-    """
+    """The forms with topics, of payloads in known *formats*: each subscriber is sent the values."""
 
     formats: PayloadFormats = basic_formats
 
@@ -56,22 +52,14 @@ class MqttBinding:
 
 
 class ThingReader:
-    """Reads Thing Descriptions; keeps nothing between messages.
-
-    Args:
-        prefixes: Where descriptions are looked for.
-    """
+    """Reads Thing Descriptions below *prefixes*; keeps nothing between messages."""
 
     def __init__(self, prefixes: tuple[str, ...]) -> None:
         self.rejected = 0
         self._prefixes = prefixes
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:
-        """Return the device of a description.
-
-        Raises:
-            WireError: It breaks a rule of TD 1.1; names field and value.
-        """
+        """Return the device of a description; raise WireError, with field and value, if it breaks a rule of TD 1.1."""
         del retained
         name = self._name(topic)
         if name is None:
