@@ -93,7 +93,6 @@ def on_the_wire(capability: str, affordance: Affordance, number: float) -> float
 
 
 def _in_own_unit(capability: str, affordance: Affordance, number: float) -> float:
-    """Return *number* in the unit of the thing."""
     if (ends := _ends(capability, affordance)) is not None:
         low, high = ends
         return low + number / _PERCENT * (high - low)

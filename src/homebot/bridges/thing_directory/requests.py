@@ -152,11 +152,7 @@ def _value(one: ListedProperty) -> PlainValue:
 
 
 def _plain_value(one: ListedProperty, body: bytes) -> PlainValue:
-    """Return the value that *body* is.
-
-    Raises:
-        RequestError: It is none of this property.
-    """
+    """Return the value that *body* is; raise RequestError if it is none of this property."""
     kind = CAPABILITIES[one.capability.name].kind if one.capability.name in CAPABILITIES else "text"
     expected = f"the value of {one.capability.name} is {_EXPECTED[kind]}"
     try:
@@ -192,7 +188,6 @@ def _check_method(request: HttpExchange, allowed: frozenset[str]) -> None:
 
 
 def _matches(request: HttpExchange, etag: str) -> bool:
-    """Return whether the client already has the requested version."""
     known = ",".join(request.headers("If-None-Match"))
     return known.strip() == "*" or etag in {one.strip().removeprefix("W/") for one in known.split(",")}
 

@@ -81,7 +81,6 @@ def _write_heater_mode(_at: HapService, command: Command) -> Writes:
 
 
 def _humidity_of(service: HapService) -> str:
-    """Return the characteristic of the humidity to reach in the present mode."""
     dries = service.number(HUMIDIFIER_TARGET) == _DRY and DRY_TO in service.characteristics
     return DRY_TO if dries or WET_TO not in service.characteristics else WET_TO
 

@@ -94,7 +94,6 @@ class DirectoryClient:
                     await self._read(lookup)
 
     async def _find_lookup(self) -> str:
-        """Return the address of the endpoint lookup."""
         answer = await self._client.request("GET", f"{self._uri}/.well-known/core?rt=core.rd*", accept=LINK_FORMAT)
         for link in parse_links(answer.payload):
             if _LOOKUP in link.words("rt"):

@@ -151,11 +151,7 @@ class AccessoryRunner(DeviceRunner):
             self._tasks.start_soon(self._read, link, ids)
 
     async def _connected(self) -> HomekitLink:
-        """Return the connection, once there is one.
-
-        Raises:
-            LinkError: There is none in time.
-        """
+        """Return the connection, once there is one; raise LinkError if there is none in time."""
         if self.link is None:
             self.wake()
             with anyio.move_on_after(AWAKE_WITHIN if self.sleeps else CONNECTED_WITHIN):
@@ -206,7 +202,6 @@ class AccessoryRunner(DeviceRunner):
             await report()
 
     async def _read(self, link: HomekitLink, ids: Collection[CharacteristicId]) -> None:
-        """Read what was written."""
         await self._waiting.put(partial(self._report, await link.read(ids), is_read=True))
 
     async def _read_all(self, link: HomekitLink) -> None:

@@ -61,11 +61,7 @@ _PREPARED: Final = 5000
 
 
 class _PairedLink(HomekitLink):
-    """A connection by a pairing of the library.
-
-    Attributes:
-        answers_within: Seconds.
-    """
+    """A connection by a pairing of the library, which answers within so many seconds."""
 
     answers_within: float
 
@@ -275,7 +271,6 @@ def _service_of(found: FoundAccessory) -> HomeKitService:
 
 
 def _statuses(answer: HomekitValues) -> StatusCodes:
-    """Return the status codes that are not 0."""
     statuses = {key: whole_number(one.get("status")) for key, one in answer.items()}
     return {key: status for key, status in statuses.items() if status}
 

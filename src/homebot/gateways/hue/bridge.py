@@ -253,7 +253,6 @@ class BridgeRunner(DeviceRunner):
                 self._devices.reject(source, compact_json(item).encode(), str(exc))
 
     async def _publish(self, item: Fields) -> None:
-        """Publish a change of a part."""
         key, service = self._places.get(text_of(item.get("id")), ("", None))
         if service is not None:
             self._put(key, self._described[key], "it reported")

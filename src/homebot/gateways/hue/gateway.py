@@ -152,7 +152,6 @@ class HueGateway(Gateway):
         return HuePairing(SecretStr(secret), certificate) if secret and isinstance(certificate, str) else None
 
     def _on_sighting(self, sighting: Sighting) -> None:
-        """Follow the sightings of bridges by the mDNS gateway."""
         facts = {one.key: one.value for one in sighting.metadata}
         address, port = facts.get("ip_address", ""), facts.get("port", "")
         if sighting.kind == "removed" or sighting.service_type != SERVICE_TYPE or not port.isdecimal():
@@ -201,7 +200,6 @@ class HueGateway(Gateway):
                 break
 
     def _publish_state(self, problem: str = "") -> None:
-        """Publish whether the gateway reaches a bridge."""
         if any(one.is_connected for one in self._bridges.values()):
             self.publish_state("active")
         else:

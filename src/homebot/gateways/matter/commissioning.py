@@ -116,7 +116,6 @@ class CommissioningServices:
         return await self._removals.answer("removing it", partial(self._remove, request.key))
 
     async def _add(self, request: CommissionRequest) -> tuple[str, str]:
-        """Have the server commission a device."""
         check_matter_setup_code(request.code)
         link, args = self._gateway.connected_link(), {"code": request.code, "network_only": request.network_only}
         if not (request.network_only or link.has_bluetooth):

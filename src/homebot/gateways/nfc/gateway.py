@@ -129,7 +129,6 @@ class NfcGateway(Gateway):
         return [NfcpyReader(one) for one in self._settings.devices]
 
     async def _follow(self, number: int, reader: TagReader) -> None:
-        """Run one reader; when it fails, run it again after a pause."""
         retries = BackoffCounter(self.node.graph.clock, self.random, STEADY_AFTER)
         while True:
             retries.begin()

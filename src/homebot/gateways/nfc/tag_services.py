@@ -197,7 +197,6 @@ class TagServices:
         return order if order.done.is_set() else None
 
     async def _next_tag(self, reader: str, wait: float) -> TagSeen | None:
-        """Return the tag at a reader, or the next one."""
         wanted = reader.casefold()
         for seen in self._gateway.at_reader.values():
             if wanted in seen.reader.casefold():

@@ -143,7 +143,6 @@ class DirectorySession:
             await self._list(reader)
 
     async def _list(self, reader: DirectoryReader) -> None:
-        """Read the whole list; a thing missing in it was removed."""
         listed: set[str] = set()
         is_whole, number = True, 0
         async for page in reader.pages(self._has_all):

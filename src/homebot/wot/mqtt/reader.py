@@ -100,11 +100,7 @@ def _parts(thing: Thing) -> Iterator[DescribedPart]:
 
 
 def _with_checked_topics(classified: ClassifiedPart) -> ClassifiedPart:
-    """Return the part with the topics that it does use.
-
-    Raises:
-        WireError: A topic to read or write is none.
-    """
+    """Return the part with the topics that it does use; raise WireError if one is none."""
     reads: dict[str, None] = {}
     writes: dict[str, None] = {}
     for one in classified.affordances:
