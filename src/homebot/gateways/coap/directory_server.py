@@ -79,9 +79,9 @@ class DirectoryServer:
         site.add_resource(
             [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)
         )
-        site.add_resource(["rd"], _Registration(lambda request: self.answer(request, "")))
-        site.add_resource([".well-known", "rd"], _Unlisted(self.answer_simple))
-        site.add_resource(["rd"], _Registrations(self._answer_at_path))
+        site.add_resource(["rd"], _Registration(partial(self._answer, self._register)))
+        site.add_resource([".well-known", "rd"], _Unlisted(partial(self._answer, self._register_simply)))
+        site.add_resource(["rd"], _Registrations(partial(self._answer, self._change)))
         site.add_resource(["rd-lookup", "ep"], self._lookups[0])
         site.add_resource(["rd-lookup", "res"], self._lookups[1])
         try:
@@ -105,23 +105,14 @@ class DirectoryServer:
             self._gone(one.endpoint, f"its registration was not renewed for {one.parameters['lt']} s")
             self._notify()
 
-    def answer(self, request: aiocoap.Message, path: str) -> aiocoap.Message:
-        """Register, renew or remove; *path* is that of the registration, empty for a new one."""
-        return self._guarded(request, lambda host: self._answer(request, path, host))
-
-    def _answer_at_path(self, request: aiocoap.Message) -> aiocoap.Message:
-        return self.answer(request, f"/rd/{'/'.join(request.opt.uri_path)}")
-
-    def answer_simple(self, request: aiocoap.Message) -> aiocoap.Message:
-        """Register a device that sends no links: they are asked for where it is; RFC 9176, section 5.1."""
-        return self._guarded(request, lambda host: self._answer_simple(request, host))
-
-    def _guarded(self, request: aiocoap.Message, answer: Callable[[str], aiocoap.Message]) -> aiocoap.Message:
+    def _answer(
+        self, handle: Callable[[aiocoap.Message, str], aiocoap.Message], request: aiocoap.Message
+    ) -> aiocoap.Message:
         host = str(urlsplit(request.remote.uri_base).hostname)
         if not self._admits(host):
             return aiocoap.Message(code=Code.SERVICE_UNAVAILABLE)
         try:
-            return answer(host)
+            return handle(request, host)
         except WireError as exc:
             self._reject(host, request.payload[:200], str(exc))
             return aiocoap.Message(code=Code.BAD_REQUEST, payload=str(exc)[:200].encode())
@@ -133,25 +124,26 @@ class DirectoryServer:
         except KeyError:
             return aiocoap.Message(code=Code.NOT_FOUND)
 
-    def _answer(self, request: aiocoap.Message, path: str, host: str) -> aiocoap.Message:
-        now = self._clock.monotonic()
-        query = _query(request)
-        if not path and request.code == Code.POST:
-            links = parse_links(request.payload)
-            made = self.registry.register(query, links, host, request.remote.uri_base, now)
-            self._found(made.endpoint)
-            self._notify()
-            return aiocoap.Message(code=Code.CREATED, location_path=tuple(made.path.split("/")[1:]))
-        if path and request.code == Code.POST:
-            self._found(self.registry.renew(path, query, host, now).endpoint)
+    def _register(self, request: aiocoap.Message, host: str) -> aiocoap.Message:
+        if request.code != Code.POST:
+            return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
+        path = self._add(_query(request), request.payload, host, request.remote.uri_base)
+        return aiocoap.Message(code=Code.CREATED, location_path=tuple(path.split("/")[1:]))
+
+    def _change(self, request: aiocoap.Message, host: str) -> aiocoap.Message:
+        """Renew or remove a registration."""
+        path = f"/rd/{'/'.join(request.opt.uri_path)}"
+        if request.code == Code.POST:
+            self._found(self.registry.renew(path, _query(request), host, self._clock.monotonic()).endpoint)
             return aiocoap.Message(code=Code.CHANGED)
-        if path and request.code == Code.DELETE:
+        if request.code == Code.DELETE:
             self._gone(self.registry.remove(path, host).endpoint, "it took back its registration")
             self._notify()
             return aiocoap.Message(code=Code.DELETED)
         return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
 
-    def _answer_simple(self, request: aiocoap.Message, host: str) -> aiocoap.Message:
+    def _register_simply(self, request: aiocoap.Message, host: str) -> aiocoap.Message:
+        """Register a device that sends no links: they are asked for where it is; RFC 9176, section 5.1."""
         query, base = _query(request), request.remote.uri_base
         if request.code != Code.POST:
             return aiocoap.Message(code=Code.METHOD_NOT_ALLOWED)
@@ -167,14 +159,17 @@ class DirectoryServer:
     async def _ask_links(self, query: dict[str, str], host: str, base: str) -> None:
         try:
             answer = await self._client.request("GET", f"{base}/.well-known/core", accept=LINK_FORMAT)
-            made = self.registry.register(query, parse_links(answer.payload), host, base, self._clock.monotonic())
+            self._add(query, answer.payload, host, base)
         except (LinkError, PeerError) as exc:
             self._reject(host, b"", f"its simple registration failed: {exc}")
-        else:
-            self._found(made.endpoint)
-            self._notify()
         finally:
             self._asked.discard(host)
+
+    def _add(self, query: dict[str, str], links: bytes, host: str, base: str) -> str:
+        made = self.registry.register(query, parse_links(links), host, base, self._clock.monotonic())
+        self._found(made.endpoint)
+        self._notify()
+        return made.path
 
     def _notify(self) -> None:
         for one in self._lookups:
