@@ -13,7 +13,7 @@ import pytest
 from aiocoap import resource
 from aiocoap.cli.rd import StandaloneResourceDirectory
 from anyio.abc import TaskGroup, TaskStatus
-from tests.gateways.lamp_orders import is_told_on, value_told
+from tests.gateways.lamp_orders import INFO, OrderedLamp, is_told_on
 from tests.ports import reserve_datagram_port
 
 from homebot.devices.value import PlainValue
@@ -21,7 +21,7 @@ from homebot.gateways import Gateway
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Node
 from homebot.house.coap_devices import CoapDevice
-from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 pytestmark = pytest.mark.slow
@@ -68,25 +68,24 @@ class Background:
         self._running.clear()
 
 
-class CoapLamp(Lamp):
+class CoapLamp(OrderedLamp):
     """A simulated lamp that registers itself."""
 
     settings: ClassVar[Mapping[str, PlainValue]] = {"level": 40.0}
+    device: CoapDevice
 
     def __init__(self, directory_port: int, world: Background) -> None:
         self.world = world
         self.directory = f"coap://127.0.0.1:{directory_port}"
         self.directory_port = directory_port
-        self.commands: list[str] = []
-        info = SimulatedDeviceInfo(home="house", kind="lamp", device_id=self.name, service_type="light", room="hall")
-        self.device = CoapDevice(info, self._obey, directory=self.directory)
+        self.device = CoapDevice(INFO, self.obey, directory=self.directory)
         self.device.begin(DeviceState(text="off"), has_power=True)
         super().__init__("Hall", address=self.device.uri)
         self.is_there = False
 
-    def _obey(self, command: str) -> None:
-        self.commands.append(command)
-        is_on = is_told_on(self.commands) is True
+    def obey(self, order: str) -> None:
+        super().obey(order)
+        is_on = is_told_on(self.orders) is True
         self.device.publish(DeviceState(text="on" if is_on else "off", is_on=is_on))
 
     async def announce(self) -> None:
@@ -99,12 +98,6 @@ class CoapLamp(Lamp):
     async def _live(self, *, task_status: TaskStatus[None]) -> None:
         task_status.started()
         await self.device.live()
-
-    async def report(self, *, on: bool) -> None:
-        self.device.publish(DeviceState(text="on" if on else "off", is_on=on))
-
-    def raw(self, *, on: bool) -> bytes:
-        return b"true" if on else b"false"
 
     async def misbehave(self) -> None:
         """Let another endpoint register, and send what is no state as fast as it can."""
@@ -141,12 +134,6 @@ class CoapLamp(Lamp):
 
     async def withdraw(self) -> None:
         await self.device.deregister()
-
-    async def told(self) -> bool | None:
-        return is_told_on(self.commands)
-
-    async def told_value(self, capability: str) -> PlainValue:
-        return value_told(self.commands, capability)
 
     async def lose_link(self) -> None:
         await self.world.end()

@@ -8,17 +8,16 @@ from typing import ClassVar
 
 import anyio
 import pytest
-from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
+from tests.gateways.lamp_orders import INFO, OrderedLamp
 from tests.gateways.mdns.lamp import LOOPBACK, SERVICE_TYPE, Publisher, publisher
 from tests.gateways.test_contract_mdns import Cable, MdnsLamp
 from tests.things.thing import ServedThing
 
-from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.drivers.thing import ThingDriver
 from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInterfaces
 from homebot.graph import Node
-from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 pytestmark = pytest.mark.slow
@@ -30,40 +29,27 @@ class AnnouncedThingDriver(ThingDriver):
     service_types: ClassVar[frozenset[str]] = frozenset({SERVICE_TYPE})
 
 
-class ThingLamp(Lamp):
+class ThingLamp(OrderedLamp):
     """A thing on loopback."""
 
-    settings = SETTINGS
+    device: ServedThing
 
     def __init__(self, computer: Publisher) -> None:
         key = f"Hall.{SERVICE_TYPE}"
         super().__init__(key, address=key)
         self.computer = computer
         self.cable = Cable()
-        self.commands: list[str] = []
-        self.thing = ServedThing(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), self.commands.append)
-        self.thing.begin(DeviceState(text="off"), has_power=True)
+        self.device = ServedThing(INFO, self.obey)
+        self.device.begin(DeviceState(text="off"), has_power=True)
 
     async def announce(self) -> None:
-        await self.computer.announce("Hall", self.thing.server.port, {"td": "/.well-known/wot", "type": "Thing"})
-
-    async def report(self, *, on: bool) -> None:
-        self.thing.publish(DeviceState(text="on" if on else "off", is_on=on))
-
-    def raw(self, *, on: bool) -> bytes:
-        return b"true" if on else b"false"
+        await self.computer.announce("Hall", self.device.server.port, {"td": "/.well-known/wot", "type": "Thing"})
 
     async def misbehave(self) -> None:
         await MdnsLamp.misbehave(self)  # type: ignore[arg-type]  # what a stranger sends is the same
 
     async def withdraw(self) -> None:
         await self.computer.withdraw("Hall")
-
-    async def told(self) -> bool | None:
-        return is_told_on(self.commands)
-
-    async def told_value(self, capability: str) -> PlainValue:
-        return value_told(self.commands, capability)
 
     async def lose_link(self) -> None:
         self.cable.move(is_in=False)
@@ -81,7 +67,7 @@ class TestThings(GatewayContract):
     async def lamp(self) -> AsyncIterator[Lamp]:
         async with publisher() as computer, anyio.create_task_group() as tasks:
             lamp = ThingLamp(computer)
-            await tasks.start(lamp.thing.serve)
+            await tasks.start(lamp.device.serve)
             yield lamp
             tasks.cancel_scope.cancel()
 

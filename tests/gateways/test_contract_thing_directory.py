@@ -7,43 +7,35 @@ from contextlib import asynccontextmanager
 
 import anyio
 import pytest
-from tests.gateways.lamp_orders import SETTINGS, is_told_on, value_told
+from tests.gateways.lamp_orders import INFO, OrderedLamp
 from tests.gateways.test_contract_coap import Background
 from tests.things.directory import ThingDirectoryServer
 from tests.things.thing import ServedThing
 
-from homebot.devices.value import PlainValue
 from homebot.gateways import Gateway
 from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirectorySettings
 from homebot.graph import Node
-from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
 pytestmark = pytest.mark.slow
 
 
-class ListedLamp(Lamp):
+class ListedLamp(OrderedLamp):
     """A thing on loopback, and the directory that lists it."""
 
-    settings = SETTINGS
+    device: ServedThing
 
     def __init__(self, world: Background) -> None:
         self.world = world
         self.directory = ThingDirectoryServer()
-        self.commands: list[str] = []
-        self.thing = ServedThing(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), self.commands.append)
-        self.thing.begin(DeviceState(text="off"), has_power=True)
-        key = str(self.thing.description()["id"])
+        self.device = ServedThing(INFO, self.obey)
+        self.device.begin(DeviceState(text="off"), has_power=True)
+        key = str(self.device.description()["id"])
         super().__init__(key, address=key)
 
     async def announce(self) -> None:
-        self.directory.register(self.thing.description())
-
-    async def report(self, *, on: bool) -> None:
-        self.thing.publish(DeviceState(text="on" if on else "off", is_on=on))
-
-    def raw(self, *, on: bool) -> bytes:
-        return b"true" if on else b"false"
+        self.directory.register(self.device.description())
 
     async def misbehave(self) -> None:
         """Let a stranger register what are no descriptions."""
@@ -54,18 +46,12 @@ class ListedLamp(Lamp):
     async def withdraw(self) -> None:
         self.directory.delete(self.key)
 
-    async def told(self) -> bool | None:
-        return is_told_on(self.commands)
-
-    async def told_value(self, capability: str) -> PlainValue:
-        return value_told(self.commands, capability)
-
     async def lose_link(self) -> None:
         await self.world.end()
 
     async def mend_link(self) -> None:
         await self.world.start(self._serve, self.directory)
-        await self.world.start(self._serve, self.thing)
+        await self.world.start(self._serve, self.device)
 
     async def _serve(self, one: ServedThing | ThingDirectoryServer, *, task_status: anyio.abc.TaskStatus[None]) -> None:
         await one.serve(task_status=task_status)

@@ -94,8 +94,6 @@ async def test_a_client_that_waits_until_it_may_send_the_body_is_told_so(house: 
         ("level", b"true", 400),
         ("level", b"1e999", 400),
         ("level", b"1" * 400, 400),
-        ("level", b"", 400),
-        ("level", b"{", 400),
         ("level", b" " * 70_000, 413),
         ("on_off", b"1", 400),
         ("nothing", b"1", 404),
@@ -287,12 +285,6 @@ async def test_a_client_without_the_token_is_rejected(served_house: OpenHouse) -
         assert any("127.0.0.1" in one for one in health.troubles)
 
 
-async def test_a_page_of_another_site_is_refused(house: ServedHouse) -> None:
-    assert (await house.get("/things", Origin="https://evil.example"))[0] == 403
-    assert (await house.get("/things", Host="evil.example"))[0] == 403
-    assert (await house.get("/things", Origin="http://localhost:3000"))[0] == 200
-
-
 async def test_an_address_for_others_needs_a_token() -> None:
     settings = DirectoryBridgeSettings(host="0.0.0.0")  # noqa: S104 - the case under test
     with pytest.raises(ConfigError, match="needs a token"):
@@ -304,17 +296,6 @@ async def test_a_port_that_is_taken_is_named(house: ServedHouse) -> None:
     other = ThingDirectoryBridge(node, DirectoryBridgeSettings(port=house.bridge.port), "villa", OWNER)
     with pytest.raises(UsageError, match=rf"thing_directory: 127.0.0.1:{house.bridge.port} is in use"):
         await other.run()
-
-
-async def test_more_clients_than_allowed_are_turned_away(served_house: OpenHouse) -> None:
-    async with served_house(max_clients=2) as house:
-        async with (
-            house.client.get(f"{house.url}/events"),
-            house.client.get(f"{house.url}/events"),
-            house.client.get(f"{house.url}/things") as answer,
-        ):
-            assert answer.status == 503
-        await house.things(2)
 
 
 async def test_it_is_announced_while_it_runs(served_house: OpenHouse) -> None:

@@ -50,6 +50,7 @@ async def test_a_preflight_is_answered_with_the_allowed_headers_and_needs_no_tok
 @pytest.mark.parametrize("origin", ["https://evil.example", "null"])
 async def test_a_page_that_is_not_let_in_is_told_nothing(house: ServedHouse, origin: str) -> None:
     assert await headers_of(house, "GET", "/things", origin) == (403, {})
+    assert (await house.get("/things", Host="evil.example"))[0] == 403
     asked = await headers_of(house, "OPTIONS", "/things", origin, Access_Control_Request_Method="PUT")
     assert asked == (403, {})
 

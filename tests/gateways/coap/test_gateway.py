@@ -67,7 +67,7 @@ async def test_a_device_that_is_not_there_yet_is_listed_and_unreachable() -> Non
         found = await watcher.sighting(lambda one: one.key == uri)
         assert (found.parts, found.confirmed) == ((), False)
         await watcher.reported(REACHABLE, False)
-        assert (await watcher.states.receive()).state == "active"
+        assert (await watcher.states().receive()).state == "active"
 
 
 async def test_devices_register_at_homebot_itself_and_leave_by_name_and_reason() -> None:

@@ -5,57 +5,35 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 
-import anyio
-from tests.patience import PATIENCE
+from tests.gateways.watched_gateway import WatchedGateway, reading, receive
 
-from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.value import PlainValue, Value
+from homebot.devices import Sighting
+from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.value import PlainValue
 from homebot.gateways.coap import CoapGateway, CoapGatewaySettings
 from homebot.graph import Graph, Node
 from homebot.testing.gateway_contract import running
-from homebot.testing.gateway_contract.steps import KEPT
 
 __all__ = ["Watcher", "watched_gateway"]
 
 
-class Watcher:
+class Watcher(WatchedGateway):
     """What a gateway publishes, and commands to its devices."""
 
-    def __init__(self, node: Node, gateway: CoapGateway) -> None:
-        self.gateway = gateway
-        self._node = node
-        self.states = node.create_subscription(GatewayState, gateway.names.state, qos_profile=KEPT)
-        self.sightings = node.create_subscription(Sighting, gateway.names.received_topics, qos_profile=KEPT)
-        self.reports = node.create_subscription(Report, gateway.names.readings, qos_profile=KEPT)
+    gateway: CoapGateway
+
+    def __init__(self, watcher: Node, gateway: CoapGateway) -> None:
+        self.watcher, self.gateway = watcher, gateway
+        self._sightings, self._reports = self.sightings(), self.reports()
 
     async def sighting(self, is_it: Callable[[Sighting], bool]) -> Sighting:
-        """Wait for a sighting."""
-        with anyio.fail_after(PATIENCE):
-            while not is_it(sighting := await self.sightings.receive()):
-                pass
-        return sighting
+        return await receive(self._sightings, is_it)
 
-    async def reported(self, capability: str, *values: PlainValue) -> PlainValue:
-        """Wait for a value, one of *values* if there are any."""
-        with anyio.fail_after(PATIENCE):
-            while True:
-                for one in (await self.reports.receive()).readings:
-                    if one.capability == capability and (not values or one.value.plain() in values):
-                        return one.value.plain()
+    async def reported(self, capability: str, value: PlainValue | Callable[[PlainValue], bool]) -> PlainValue:
+        return await reading(self._reports, capability, value)
 
     async def tell(self, key: str, capability: str, value: PlainValue) -> SendCommandResponse:
-        """Send a command."""
-        client = self._node.create_client(SendCommand, self.gateway.names.send_command)
-        return await client.call(
-            Command(key=key, part="", capability=capability, value=Value.of(value)), timeout=PATIENCE
-        )
-
-    async def health(self) -> HealthResponse:
-        """Return what the doctor shows of the gateway."""
-        client = self._node.create_client(GetHealth, self.gateway.names.health)
-        return await client.call(HealthRequest(), timeout=PATIENCE)
+        return await self.command(key, "", capability, value)
 
 
 @asynccontextmanager

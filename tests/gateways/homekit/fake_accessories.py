@@ -74,7 +74,6 @@ class FakeServer:
         answers: Whether it answers requests.
         attempts: How often a connection was attempted.
         service_type: The type of its service.
-        follows: By targets, the states that reach them at once.
     """
 
     def __init__(self, key: str, name: str, *accessories: dict[str, object]) -> None:
@@ -86,7 +85,6 @@ class FakeServer:
         self.is_there = True
         self.away: set[int] = set()
         self.service_type = "_hap._tcp"
-        self.follows: Mapping[tuple[int, int], tuple[int, int]] = {}
         self.knows_homebot = False
         self.answers = anyio.Event()
         self.answers.set()
@@ -137,8 +135,7 @@ class FakeLink(HomekitLink):
             return dict.fromkeys(values, self._server.status)
         for at, value in values.items():
             self._server.written.append((at, value))
-            for one in (at, self._server.follows.get(at, at)):
-                self._server.find(*one)["value"] = value
+            self._server.find(*at)["value"] = value
         return {}
 
     async def subscribe(self, ids: Iterable[tuple[int, int]]) -> None:
