@@ -59,7 +59,6 @@ class CoapGateway(Gateway):
         )
         self._describing = anyio.CapacityLimiter(DESCRIBED_AT_ONCE)
         self._sessions: dict[str, EndpointSession] = {}
-        self._keys_at: dict[str, set[str]] = {}
         self._ways: dict[str, str | None] = {}  # the problem of each; None before the first attempt
         self._all_tried = anyio.Event()
         self._client: CoapClient | None = None
@@ -239,7 +238,8 @@ class CoapGateway(Gateway):
 
         Each address is once. The configuration comes first, then a registered name, then an address that answered.
         """
-        same = [self._sessions[key].endpoint for key in self._keys_at.get(authority_of(endpoint.base), ())]
+        at = authority_of(endpoint.base)
+        same = [one.endpoint for one in self._sessions.values() if one.authority == at]
         if any(one.is_static for one in same) or (same and not endpoint.is_registered):
             return False
         for one in same:
@@ -253,13 +253,9 @@ class CoapGateway(Gateway):
         return False
 
     def _forget(self, session: EndpointSession) -> None:
-        key, authority = session.endpoint.key, authority_of(session.endpoint.base)
-        if self._sessions.get(key) is session:
+        if self._sessions.get(session.key) is session:
             session.stop()
-            del self._sessions[key]
-            self._keys_at[authority].discard(key)
-            if not self._keys_at[authority]:
-                del self._keys_at[authority]
+            del self._sessions[session.key]
 
     def _begin(self, endpoint: CoapEndpoint) -> None:
         assert self._client is not None  # noqa: S101 - found while it serves
@@ -272,7 +268,6 @@ class CoapGateway(Gateway):
             describing=self._describing,
         )
         self._sessions[endpoint.key] = session
-        self._keys_at.setdefault(authority_of(endpoint.base), set()).add(endpoint.key)
         self._tasks.start_soon(run_as, "a CoAP endpoint", partial(self._run, session))
 
     async def _run(self, session: EndpointSession) -> None:

@@ -127,7 +127,7 @@ class EndpointSession(DeviceRunner):
         describing: anyio.CapacityLimiter,
     ) -> None:
         super().__init__(endpoint.key, endpoint.key, devices, DEVICE_BACKOFF)
-        self.endpoint = endpoint
+        self.endpoint, self.authority = endpoint, authority_of(endpoint.base)
         self._client = client
         self._poll_every = poll_every
         self._describing = describing
@@ -258,7 +258,7 @@ class EndpointSession(DeviceRunner):
         """Return the address of a link; empty for one of another host, which this one does not speak for."""
         try:
             uri = resolve_uri(self.endpoint.base + "/", link.target)
-            return uri if authority_of(uri) == authority_of(self.endpoint.base) else ""
+            return uri if authority_of(uri) == self.authority else ""
         except ValueError:
             return ""
 

@@ -8,6 +8,7 @@ from typing import Final, final
 from urllib.parse import urlsplit
 
 from homebot.conventions.nfc.pointer import Pointer
+from homebot.conventions.setup_codes import MatterCode
 from homebot.devices import FIND_DEVICES, Device, FindDevices
 from homebot.devices.identity import identifiers
 from homebot.devices.names import TEACH_PLACE
@@ -127,10 +128,10 @@ def _tests(pointer: Pointer) -> Iterator[Callable[[Device], bool]]:
     if pointer.thing is not None:
         own = frozenset(identifiers_of(read_thing(pointer.thing)))
         yield lambda device: not own.isdisjoint(device.identifiers)
-    if pointer.homekit is not None:
-        yield lambda device: _has_homekit_code(device, pointer)
-    if pointer.matter is not None:
-        yield lambda device: _has_matter_code(device, pointer)
+    if (homekit := pointer.homekit) is not None:
+        yield lambda device: homekit.is_of(*(_facts(device).get(name, "") for name in ("txt_id", "txt_sh")))
+    if (matter := pointer.matter) is not None:
+        yield lambda device: _has_matter_code(device, matter)
     if pointer.address:
         yield lambda device: any(_is_at(pointer.address, one.address) for one in device.endpoints)
     if pointer.urls:
@@ -149,15 +150,10 @@ def _facts(device: Device) -> dict[str, str]:
     return {one.key.casefold(): one.value for one in device.metadata}
 
 
-def _has_homekit_code(device: Device, pointer: Pointer) -> bool:
-    facts = _facts(device)
-    return pointer.homekit is not None and pointer.homekit.is_of(facts.get("txt_id", ""), facts.get("txt_sh", ""))
-
-
-def _has_matter_code(device: Device, pointer: Pointer) -> bool:
+def _has_matter_code(device: Device, code: MatterCode) -> bool:
     """Return whether a device announces the discriminator, vendor and product (``D``, ``VP``) of a Matter code."""
-    facts, code = _facts(device), pointer.matter
-    if code is None or facts.get("txt_d", facts.get("discriminator")) != str(code.discriminator):
+    facts = _facts(device)
+    if facts.get("txt_d", facts.get("discriminator")) != str(code.discriminator):
         return False
     vendor, _, product = facts.get("txt_vp", "").partition("+")
     vendor, product = vendor or facts.get("vendor_id", ""), product or facts.get("product_id", "")

@@ -27,7 +27,7 @@ from homebot.gateways.nfc.reader import ReaderDesk, TagSeen, WriteOrder
 from homebot.wot.parse import read_thing
 
 if TYPE_CHECKING:
-    from homebot.gateways.nfc.device_finder import DeviceFinder
+    from homebot.gateways.nfc.device_finder import DeviceFinder, PointedAt
     from homebot.graph import Node
 
 __all__ = ["TagServices"]
@@ -99,10 +99,9 @@ class TagServices:
         if pointer.problems and not pointer.text:
             return ScanCodeResponse(success=False, message=pointer.problems[0])
         pointed = await self._gateway.finder.find(pointer)
-        device = pointed.device
         return ScanCodeResponse(
             success=True,
-            message=_in_words(pointer, device.name if device else "", pointed.candidates),
+            message=_in_words(pointer, pointed),
             kind=pointer.kind,
             device=pointed.id,
             candidates=pointed.candidates,
@@ -111,32 +110,32 @@ class TagServices:
         )
 
     async def _read(self, request: ReadTagRequest) -> ReadTagResponse:
-        problem = self._why_no_reader(request.reader)
-        if problem:
-            return ReadTagResponse(success=False, message=problem, problem="no_reader")
+        def failed(
+            problem: TagProblem, message: str, tag: str = "", kind: str = "", reader: str = ""
+        ) -> ReadTagResponse:
+            return ReadTagResponse(
+                success=False, message=message, problem=problem, tag=tag, tag_type=kind, reader=reader
+            )
+
+        if no_reader := self._why_no_reader(request.reader):
+            return failed("no_reader", no_reader)
         if self._reading >= _MAX_READING:
-            return ReadTagResponse(success=False, message="too many calls are waiting for a tag", problem="busy")
+            return failed("busy", "too many calls are waiting for a tag")
         self._reading += 1
         try:
             seen = await self._next_tag(request.reader, request.wait)
         finally:
             self._reading -= 1
         if seen is None:
-            return ReadTagResponse(success=False, message=_no_tag(request.wait), problem="no_tag")
+            return failed("no_tag", _no_tag(request.wait))
         if seen.content is None:
-            return ReadTagResponse(
-                success=False,
-                message=f"the tag {seen.uid} cannot be read: {seen.problem}",
-                problem="unreadable",
-                tag=seen.uid,
-                reader=seen.reader,
-                tag_type=seen.tag_type,
-            )
+            message = f"the tag {seen.uid} cannot be read: {seen.problem}"
+            return failed("unreadable", message, seen.uid, seen.tag_type, seen.reader)
         pointer = self._gateway.read(seen)
         pointed = await self._gateway.finder.find(pointer)
         return ReadTagResponse(
             success=True,
-            message=_in_words(pointer, pointed.device.name if pointed.device else "", pointed.candidates),
+            message=_in_words(pointer, pointed),
             tag=seen.uid,
             reader=seen.reader,
             tag_type=seen.tag_type,
@@ -152,8 +151,7 @@ class TagServices:
 
         if not self._gateway.acts:
             return failed("refused", self._gateway.observes_because)
-        no_reader = self._why_no_reader(request.reader)
-        if no_reader:
+        if no_reader := self._why_no_reader(request.reader):
             return failed("no_reader", no_reader)
         pointed = await self._gateway.finder.find(pointer_of_device(request.device))
         if pointed.device is None:
@@ -221,9 +219,9 @@ def _no_tag(wait: float) -> str:
     return f"no tag was held to a reader within {wait:g} s"
 
 
-def _in_words(pointer: Pointer, device: str, candidates: tuple[str, ...]) -> str:
-    if device:
-        return f"it points to {device}"
-    if candidates:
-        return f"it may point to any of {', '.join(candidates)}"
+def _in_words(pointer: Pointer, pointed: PointedAt) -> str:
+    if pointed.device is not None:
+        return f"it points to {pointed.device.name}"
+    if pointed.candidates:
+        return f"it may point to any of {', '.join(pointed.candidates)}"
     return f"it points to {pointer.text}, which is not a known device" if pointer.text else "it points to nothing"
