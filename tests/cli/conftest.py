@@ -14,7 +14,8 @@ from pydantic import SecretStr
 
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
-from homebot.clock import Clock
+from homebot.cli import main
+from homebot.clock import Clock, ManualClock
 from homebot.devices import (
     FIND_DEVICES,
     QUERY_DEVICES,
@@ -39,6 +40,12 @@ from homebot.messages import Int32, SetBool, String, Time
 from homebot.messages.std_srvs import SetBoolRequest, SetBoolResponse
 
 TOKEN = "hunter2"
+NOW = 1_800_000_000
+HomebotWith = Callable[..., "Homebot"]
+"""Runs a homebot with one more node, which the first argument makes of the graph; the second is its clock."""
+
+Run = Callable[..., tuple[int, str]]
+"""Runs a command, and returns its exit code and what it printed."""
 
 
 @dataclass
@@ -78,10 +85,23 @@ def locked_homebot() -> Iterator[Homebot]:
 
 
 @pytest.fixture
-def homebot_with() -> Iterator[Callable[[Callable[[Graph], Node], Clock], Homebot]]:
-    """Runs a homebot with one more node, whose clock is the given one."""
+def homebot_with() -> Iterator[HomebotWith]:
     with ExitStack() as stack:
         yield lambda extra, clock: stack.enter_context(_running(None, extra, clock))
+
+
+@pytest.fixture
+def run_with(homebot_with: HomebotWith, capsys: pytest.CaptureFixture[str]) -> Callable[[Callable[[Graph], Node]], Run]:
+    """Starts a homebot with one more node, whose clock stands still at ``NOW``, for commands."""
+    return lambda extra: run_at(homebot_with(extra, ManualClock(NOW)), capsys)
+
+
+def run_at(homebot: Homebot, capsys: pytest.CaptureFixture[str]) -> Run:
+    def run(*arguments: str) -> tuple[int, str]:
+        code = main(["--door", homebot.door, *arguments])
+        return code, "".join(capsys.readouterr())
+
+    return run
 
 
 @contextmanager

@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from typing import Any
 
 import pytest
-from tests.cli.conftest import Homebot
-from tests.cli.test_places import NOW, sighting
+from tests.cli.conftest import NOW, Run
+from tests.cli.test_places import index_node, sighting
 
-from homebot.cli import main
-from homebot.clock import Clock, ManualClock
 from homebot.control import Control
 from homebot.devices.part import Capability, Part
 from homebot.discovery import DeviceIndex
-from homebot.discovery.persistence import IndexPersistence
-from homebot.discovery.services import DirectoryServices
 from homebot.graph import Graph, Node
 
-Run = Callable[..., tuple[int, str]]
 
-
-def index_node(graph: Graph) -> Node:
+def home(graph: Graph) -> Node:
     """A directory with a lamp, a lock and a double switch, and the control layer's services that are asked here."""
-    node = Node(graph, "discovery")
     index = DeviceIndex(forget_after=1000.0)
     capability = Capability(name="lock", settable=True)
     lock = Part(id="l", service_type="door_lock", capabilities=(capability,), writes=("door/set",))
@@ -35,24 +27,20 @@ def index_node(graph: Graph) -> Node:
         for side in ("left", "right")
     )
     index.observe(sighting(2, "Double switch", "Hall").model_copy(update={"parts": gangs}), NOW)
-    persistence = IndexPersistence(node, index, None)
-    DirectoryServices(node, index, persistence, lambda at_most: len(index.pop_changes(at_most)) >= at_most).register()
-    control = Control(Node(graph, "control"))
-    control.register()
-    return node
+    Control(Node(graph, "control")).register()
+    return index_node(index, graph, ())
 
 
 @pytest.fixture
-def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
+def run(run_with: Callable[..., Run]) -> Run:
     """Runs a command, and returns its exit code and what it printed, each run of spaces as one."""
-    made: Homebot = homebot_with(index_node, ManualClock(NOW))
+    command = run_with(home)
 
-    def homebot(*arguments: str) -> tuple[int, str]:
-        code = main(["--door", made.door, *arguments])
-        out, err = capsys.readouterr()
-        return code, "\n".join(" ".join(line.split()) for line in (out + err).splitlines())
+    def run(*arguments: str) -> tuple[int, str]:
+        code, printed = command(*arguments)
+        return code, "\n".join(" ".join(line.split()) for line in printed.splitlines())
 
-    return homebot
+    return run
 
 
 def approved(text: str) -> dict[str, object]:

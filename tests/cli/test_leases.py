@@ -6,18 +6,15 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any
 
 import pytest
-from tests.cli.conftest import Homebot
-from tests.cli.test_approve import index_node
-from tests.cli.test_places import NOW
+from tests.cli.conftest import NOW, HomebotWith
+from tests.cli.test_approve import home
 from tests.patience import PATIENCE
 from websockets.sync.client import connect
 
 from homebot.cli import main
-from homebot.clock import Clock, ManualClock
-from homebot.graph import Graph, Node
+from homebot.clock import ManualClock
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -36,10 +33,9 @@ HOLD = {
 
 
 @pytest.fixture
-def door(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any]) -> str:
+def door(homebot_with: HomebotWith) -> str:
     """Return the address of a home whose lamp nobody answers for."""
-    made: Homebot = homebot_with(index_node, ManualClock(NOW))
-    return made.door
+    return homebot_with(home, ManualClock(NOW)).door
 
 
 @contextmanager

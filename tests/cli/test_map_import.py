@@ -7,14 +7,12 @@ import tomllib
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import pytest
-from tests.cli.test_places import NOW, index_node
+from tests.cli.conftest import NOW, Run
+from tests.cli.test_places import index_node
 
-from homebot.cli import main
 from homebot.cli.robot_map import RobotMap  # not in two threads: Python 3.11 fails to compile in both at a time
-from homebot.clock import Clock, ManualClock
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.errors import WireError
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile
@@ -33,8 +31,6 @@ YAML = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\nnegate: 0\noccupied_
 ROW = bytes([254] * 60 + [205] * 20)
 """The upper half of the map: the hall is free, and of the kitchen a half is unknown."""
 
-Run = Callable[..., tuple[int, str]]
-
 
 def node(graph: Graph, message: OccupancyGrid | None) -> Node:
     index = DeviceIndex(
@@ -48,19 +44,8 @@ def node(graph: Graph, message: OccupancyGrid | None) -> Node:
 
 
 @pytest.fixture
-def run(
-    homebot_with: Callable[[Callable[[Graph], Node], Clock], Any],
-    capsys: pytest.CaptureFixture[str],
-    request: pytest.FixtureRequest,
-) -> Run:
-    homebot = homebot_with(partial(node, message=getattr(request, "param", None)), ManualClock(NOW))
-
-    def command(*arguments: str) -> tuple[int, str]:
-        code = main(["--door", homebot.door, *arguments])
-        out, err = capsys.readouterr()
-        return code, out + err
-
-    return command
+def run(run_with: Callable[..., Run], request: pytest.FixtureRequest) -> Run:
+    return run_with(partial(node, message=getattr(request, "param", None)))
 
 
 def test_rooms_are_imported_from_a_file_and_a_threshold_that_makes_unknown_cells_free_is_named(

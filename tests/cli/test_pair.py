@@ -3,47 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
-from tests.cli.conftest import Homebot
-from tests.cli.test_places import NOW, sighting
+from tests.cli.conftest import NOW, Run
+from tests.cli.test_places import index_node, sighting
 from tests.gateways.test_pairing import CODE, Bulbs
 
-from homebot.cli import main
-from homebot.clock import Clock, ManualClock
 from homebot.discovery import DeviceIndex
-from homebot.discovery.persistence import IndexPersistence
-from homebot.discovery.services import DirectoryServices
 from homebot.gateways.pairing import PairingServices
 from homebot.graph import Graph, Node
 
-Run = Callable[..., tuple[int, str]]
 
-
-def index_node(graph: Graph) -> Node:
+def home(graph: Graph) -> Node:
     """A directory with a lamp of a gateway that pairs, and one of a gateway that does not."""
-    node = Node(graph, "discovery")
     index = DeviceIndex(forget_after=1000.0)
     bulb = {"gateway": "bulbs", "key": "one", "convention": ""}
     index.observe(sighting(0, "Bulb", "").model_copy(update=bulb), NOW)
     index.observe(sighting(1, "Lamp", ""), NOW)
-    persistence = IndexPersistence(node, index, None)
-    DirectoryServices(node, index, persistence, lambda at_most: len(index.pop_changes(at_most)) >= at_most).register()
     PairingServices(Bulbs(), Node(graph, "bulbs", namespace="/gateway"))
-    return node
+    return index_node(index, graph, ())
 
 
 @pytest.fixture
-def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
-    made: Homebot = homebot_with(index_node, ManualClock(NOW))
-
-    def homebot(*arguments: str) -> tuple[int, str]:
-        code = main(["--door", made.door, *arguments])
-        out, err = capsys.readouterr()
-        return code, out + err
-
-    return homebot
+def run(run_with: Callable[..., Run]) -> Run:
+    return run_with(home)
 
 
 def test_a_device_is_paired_and_unpaired(run: Run) -> None:

@@ -8,14 +8,12 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 from tests.announcements import LAMP, sighting_of
-from tests.cli.conftest import Homebot
+from tests.cli.conftest import NOW, Homebot, HomebotWith, Run, run_at
 
-from homebot.cli import main
-from homebot.clock import Clock, ManualClock
+from homebot.clock import ManualClock
 from homebot.devices import Sighting
 from homebot.discovery import DeviceIndex, OwnerFacts
 from homebot.discovery.persistence import IndexPersistence
@@ -24,7 +22,6 @@ from homebot.graph import Graph, Node
 from homebot.places import read_places
 from homebot.places.plan import door_name
 
-NOW = 1_800_000_000
 TABLE = {
     "rooms": {"Hall": {"floor": "Downstairs", "doors": ["Kitchen"]}, "Kitchen": {"floor": "Downstairs"}},
     "devices": {"desk_lamp": {"tags": ["warm"]}},
@@ -62,24 +59,13 @@ def index_node(index: DeviceIndex, graph: Graph, devices: Sequence[tuple[str, st
 
 
 @pytest.fixture
-def placed(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], index: DeviceIndex) -> Homebot:
-    made: Homebot = homebot_with(partial(index_node, index), ManualClock(NOW))
-    return made
-
-
-Run = Callable[..., tuple[int, str]]
-
-
-def run_command(homebot: Homebot, capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str]:
-    """Run a command, and return its exit code and what it printed."""
-    code = main(["--door", homebot.door, *arguments])
-    out, err = capsys.readouterr()
-    return code, out + err
+def placed(homebot_with: HomebotWith, index: DeviceIndex) -> Homebot:
+    return homebot_with(partial(index_node, index), ManualClock(NOW))
 
 
 @pytest.fixture
 def run(placed: Homebot, capsys: pytest.CaptureFixture[str]) -> Run:
-    return partial(run_command, placed, capsys)
+    return run_at(placed, capsys)
 
 
 def test_a_device_is_placed_and_the_place_is_taken_back(run: Run) -> None:
@@ -215,14 +201,10 @@ def test_who_renames_a_room_is_told_of_the_devices_that_announce_it(run: Run) ->
     assert "Office (home425)" in run("show", "ceiling")[1]
 
 
-def test_a_search_for_a_room_in_a_house_without_rooms_leads_to_homebot_place(
-    homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]
-) -> None:
-    one_lamp = partial(index_node, DeviceIndex(forget_after=1000.0), devices=[("Lamp", "")])
-    door = homebot_with(one_lamp, ManualClock(NOW)).door
-    assert main(["--door", door, "find", "light in kichen"]) == 1
+def test_a_search_for_a_room_in_a_house_without_rooms_leads_to_homebot_place(run_with: Callable[..., Run]) -> None:
+    run = run_with(partial(index_node, DeviceIndex(forget_after=1000.0), devices=[("Lamp", "")]))
     hint = "`homebot place DEVICE ROOM` says which room a device is in"
-    assert capsys.readouterr().out == f"no device is in 'kichen'; {hint}\n"
+    assert run("find", "light in kichen") == (1, f"no device is in 'kichen'; {hint}\n")
 
 
 def test_a_device_gets_names_and_tags(run: Run) -> None:
@@ -384,11 +366,10 @@ GEOMETRY = {
 
 
 @pytest.fixture
-def house(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
+def house(run_with: Callable[..., Run]) -> Run:
     places = read_places(GEOMETRY, "home425", "homebot.toml", "configuration")
     index = DeviceIndex(forget_after=1000.0, owner=OwnerFacts("home425", places, NOW - 60))
-    homebot = homebot_with(partial(index_node, index), ManualClock(NOW))
-    return partial(run_command, homebot, capsys)
+    return run_with(partial(index_node, index))
 
 
 def test_a_device_at_a_position_is_in_the_room_that_is_there(house: Run) -> None:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from threading import Event
-from typing import Any
 
 import pytest
-from tests.cli.conftest import Homebot
-from tests.cli.test_places import NOW, index_node, sighting
+from tests.cli.conftest import NOW, Homebot, HomebotWith, Run
+from tests.cli.test_places import index_node, sighting
 from tests.gateways.nfc.test_gateway import HOUSE
 from tests.gateways.nfc.world import UID, card
 from tests.patience import PATIENCE
 
 from homebot.cli import main
-from homebot.clock import Clock, ManualClock
 from homebot.conventions.nfc.card_tag import CardTag
 from homebot.devices import FIND_DEVICES, QUERY_DEVICES, FindDevices, Found, QueryDevices
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse, QueryDevicesRequest, QueryDevicesResponse
@@ -52,9 +50,7 @@ class DeskReader(TagReader):
 
 
 @pytest.fixture
-def homebot_at(
-    homebot_with: Callable[[Callable[[Graph], Node], Clock | None], Homebot],
-) -> Callable[[Type4Card | None], Homebot]:
+def homebot_at(homebot_with: HomebotWith) -> Callable[[Type4Card | None], Homebot]:
     def start(tag: Type4Card | None) -> Homebot:
         reader = DeskReader(tag)
 
@@ -144,9 +140,6 @@ def test_a_code_is_asked_about(homebot_at: Callable[[Type4Card | None], Homebot]
     assert "it points to Kitchen lamp" in out
 
 
-Run = Callable[..., tuple[int, str]]
-
-
 def home(graph: Graph) -> Node:
     index = DeviceIndex(forget_after=1000.0)
     index.observe(sighting(5, "Shelf lamp", ""), NOW)
@@ -156,15 +149,8 @@ def home(graph: Graph) -> Node:
 
 
 @pytest.fixture
-def run(homebot_with: Callable[[Callable[[Graph], Node], Clock], Any], capsys: pytest.CaptureFixture[str]) -> Run:
-    made: Homebot = homebot_with(home, ManualClock(NOW))
-
-    def homebot(*arguments: str) -> tuple[int, str]:
-        code = main(["--door", made.door, *arguments])
-        out, err = capsys.readouterr()
-        return code, out + err
-
-    return homebot
+def run(run_with: Callable[..., Run]) -> Run:
+    return run_with(home)
 
 
 def test_a_code_says_which_device_is_meant_and_can_teach_its_room(run: Run) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import pytest
-from tests.cli.conftest import Homebot
+from tests.cli.conftest import NOW, Homebot, HomebotWith
 
 from homebot.cli import main
-from homebot.clock import Clock, ManualClock
+from homebot.clock import ManualClock
 from homebot.control.explanations import Explanations
 from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices import (
@@ -79,7 +78,6 @@ from homebot.errors import UsageError
 from homebot.graph import Graph, Node, qos_profile_latched
 from homebot.messages import Time
 
-NOW = 1_800_000_000
 LAMP_KEY = "homeassistant:light/0x00158d0001abcdef/light"
 NATIVE_KEY = "zigbee2mqtt:0x00158d0001abcdef"
 
@@ -410,6 +408,5 @@ def run(still_homebot: Homebot) -> Run:
 
 
 @pytest.fixture
-def still_homebot(still: StillHouse, homebot_with: Callable[[Callable[[Graph], Node], Clock], Any]) -> Homebot:
-    made: Homebot = homebot_with(still.node, ManualClock(NOW))
-    return made
+def still_homebot(still: StillHouse, homebot_with: HomebotWith) -> Homebot:
+    return homebot_with(still.node, ManualClock(NOW))

@@ -11,8 +11,8 @@ import re
 from pathlib import Path
 
 import pytest
-from tests.cli.conftest import Homebot
-from tests.cli.golden.conftest import NOW, Run, StillHouse
+from tests.cli.conftest import NOW, Homebot
+from tests.cli.golden.conftest import Run, StillHouse
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
