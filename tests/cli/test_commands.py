@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.cli.test_graph_commands import split
 
 from homebot.cli import main
 from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched
@@ -23,45 +24,97 @@ def run(homebot: Any, *arguments: str) -> int:
     return main(["--door", homebot.door, *arguments])
 
 
-def test_topics_are_listed_with_types_and_hidden_ones_on_request(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "list") == 0
-    assert capsys.readouterr().out.split() == ["/chatter", "/hello", "/parameter_events", "/raw", "/state", "/ticks"]
+SWITCH = "std_srvs/srv/SetBool"
+PRINTED = {
+    "topic list": (0, "/chatter\n/hello\n/parameter_events\n/raw\n/state\n/ticks\n"),
+    "topic echo --once /state": (0, 'data: "it\'s on: 5 lamps"\n---\n'),
+    "topic echo raw --once": (
+        0,
+        'gateway: mqtt\nkey: k\naddress: a/b\npayload: "on"\nretained: false\n'
+        "received_at:\n  sec: 1700000000\n  nanosec: 250000000\n---\n",
+    ),
+    "topic echo --once --field received_at.sec /raw": (0, "1700000000\n---\n"),
+    "topic echo --once --field received_at.secs /raw": (
+        1,
+        "homebot: the message has no field 'received_at.secs': 'secs' is not there; it has sec, nanosec\n",
+    ),
+    "topic echo --timeout 0.05 /chatter": (1, "homebot: no message on /chatter within 0.05 s\n"),
+    "topic echo --timeout 0.05 /nope": (
+        1,
+        "homebot: no topic /nope yet; waiting, Ctrl-C stops\nhomebot: no message on /nope within 0.05 s\n",
+    ),
+    "topic info hello": (0, "Type: std_msgs/msg/String\nPublisher count: 0\nSubscription count: 1\n"),
+    "service call /switch {data: true}": (0, "success: true\nmessage: done\n"),
+    "service call /swich": (1, "homebot: there is no service /swich; did you mean /switch?\n"),
+    "service call /switch": (  # a field that is missing is false, as in ROS
+        1,
+        "success: false\nmessage: done\nhomebot: /switch reported a failure: done\n",
+    ),
+    "service call /switch {dat: true}": (
+        1,
+        f"homebot: service /switch failed: not a {SWITCH}_Request: field 'dat' is unknown\n",
+    ),
+    "service call /switch true": (
+        1,
+        "homebot: 'true' was taken as a type; write the request as {data: true}\n",
+    ),
+    "service call /switch SetBool {data: true}": (1, f"homebot: service /switch is a {SWITCH}, not a SetBool\n"),
+    "service call /switch std_srvs/Trigger": (1, f"homebot: service /switch is a {SWITCH}, not a std_srvs/Trigger\n"),
+    "node list": (0, "/listener\n/rosapi\n/rosbridge_websocket\n/talker\n"),
+    "node info listener": (
+        0,
+        "/listener\n  Subscribers:\n    /hello: std_msgs/msg/String\n  Publishers:\n"
+        "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n  Service Servers:\n  Service Clients:\n"
+        "  Action Servers:\n  Action Clients:\n",
+    ),
+    "node info /lisener": (1, "homebot: there is no node /lisener; did you mean /listener or /talker?\n"),
+    "devices --type locks": (0, "no device offers locks now\n"),
+    "devices --type lihgts": (
+        2,
+        "homebot: 'lihgts' is not a device type, and no device was announced as one; …\n",
+    ),
+}
+"""Commands with their exit codes, and what they print."""
+
+
+@pytest.mark.parametrize("command", PRINTED)
+def test_a_command_prints_what_it_should(homebot: Any, capsys: Text, command: str) -> None:
+    code = run(homebot, *split(command))
+    assert (code, "".join(capsys.readouterr())) == PRINTED[command]
+
+
+def test_hidden_topics_and_types_are_listed_on_request(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "topic", "list", "-t", "-a") == 0
     out = capsys.readouterr().out
     assert "/_hidden [std_msgs/msg/Int32]\n" in out
     assert "/chatter [std_msgs/msg/String]\n" in out
 
 
-def test_echo_prints_yaml(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "echo", "--once", "/state") == 0
-    assert capsys.readouterr().out == 'data: "it\'s on: 5 lamps"\n---\n'
-
-
-def test_echo_shows_bytes_as_text(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "echo", "raw", "--once") == 0
-    assert capsys.readouterr().out == (
-        'gateway: mqtt\nkey: k\naddress: a/b\npayload: "on"\nretained: false\n'
-        "received_at:\n  sec: 1700000000\n  nanosec: 250000000\n---\n"
-    )
-
-
-def test_echo_prints_one_field_or_json(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "echo", "--once", "--field", "received_at.sec", "/raw") == 0
-    assert capsys.readouterr().out == "1700000000\n---\n"
+def test_echo_prints_json(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "topic", "echo", "--once", "--json", "/raw") == 0
     assert json.loads(capsys.readouterr().out)["payload"] == "b24="
 
 
-def test_echo_of_an_unknown_field_names_the_known_ones(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "echo", "--once", "--field", "received_at.secs", "/raw") == 1
-    assert capsys.readouterr().err == (
-        "homebot: the message has no field 'received_at.secs': 'secs' is not there; it has sec, nanosec\n"
-    )
+def test_the_users_of_a_topic_are_shown_with_their_qos(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "topic", "info", "-v", "/state") == 0
+    out = capsys.readouterr().out
+    assert "Node: /talker\nTopic type: std_msgs/msg/String\nEndpoint type: PUBLISHER\n" in out
+    assert "  History (Depth): KEEP_LAST (1)\n  Durability: TRANSIENT_LOCAL\n" in out
+    assert run(homebot, "topic", "info", "/nothing") == 1
 
 
-def test_echo_gives_up_after_the_timeout(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "echo", "--timeout", "0.05", "/chatter") == 1
-    assert capsys.readouterr().err == "homebot: no message on /chatter within 0.05 s\n"
+def test_a_failure_that_a_response_reports_is_one_of_the_command(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 1
+    out, err = capsys.readouterr()
+    assert json.loads(out) == {"success": False, "message": "done"}
+    assert err == "homebot: switch reported a failure: done\n"
+    assert run(homebot, "service", "call", "/rosapi/get_param", "{name: '/talker:volume'}") == 1
+    assert "/rosapi/get_param reported a failure: " in capsys.readouterr().err
+
+
+def test_a_device_without_a_name_is_asked_for_one(homebot: Any, capsys: Text) -> None:
+    assert run(homebot, "show", "") == 1
+    assert capsys.readouterr().err == "homebot: give the id or the name of a device; `homebot devices` lists all\n"
 
 
 @pytest.mark.parametrize("arguments", [["std_msgs/String", "{data: hi there}"], ['{"data": "hi there"}']])
@@ -93,82 +146,12 @@ def test_pub_that_is_refused_says_why(homebot: Any, capsys: Text, arguments: lis
     assert homebot.heard == []
 
 
-def test_info_tells_who_uses_a_topic(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "info", "hello") == 0
-    assert capsys.readouterr().out == "Type: std_msgs/msg/String\nPublisher count: 0\nSubscription count: 1\n"
-    assert run(homebot, "topic", "info", "-v", "/state") == 0
-    out = capsys.readouterr().out
-    assert "Node: /talker\nTopic type: std_msgs/msg/String\nEndpoint type: PUBLISHER\n" in out
-    assert "  History (Depth): KEEP_LAST (1)\n  Durability: TRANSIENT_LOCAL\n" in out
-    assert run(homebot, "topic", "info", "/nothing") == 1
-
-
-def test_services_are_listed_and_called(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "service", "list", "-t") == 0
-    assert "/switch [std_srvs/srv/SetBool]\n" in capsys.readouterr().out
-    assert run(homebot, "service", "call", "/switch", "{data: true}") == 0
-    assert capsys.readouterr().out == "success: true\nmessage: done\n"
-    assert run(homebot, "service", "call", "--json", "switch", "std_srvs/SetBool", '{"data": false}') == 1
-    out, err = capsys.readouterr()
-    assert json.loads(out) == {"success": False, "message": "done"}
-    assert err == "homebot: switch reported a failure: done\n"
-    assert run(homebot, "service", "call", "/rosapi/get_param", "{name: '/talker:volume'}") == 1
-    assert "/rosapi/get_param reported a failure: " in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "problem"),
-    [
-        (["/swich"], "homebot: there is no service /swich; did you mean /switch?\n"),
-        (["/switch"], "homebot: /switch reported a failure: done\n"),  # a field that is missing is false, as in ROS
-        (
-            ["/switch", "{dat: true}"],
-            "homebot: service /switch failed: not a std_srvs/srv/SetBool_Request: field 'dat' is unknown\n",
-        ),
-        (["/switch", "true"], "homebot: 'true' was taken as a type; write the request as {data: true}\n"),
-        (
-            ["/switch", "SetBool", "{data: true}"],
-            "homebot: service /switch is a std_srvs/srv/SetBool, not a SetBool\n",
-        ),
-        (
-            ["/switch", "std_srvs/Trigger"],
-            "homebot: service /switch is a std_srvs/srv/SetBool, not a std_srvs/Trigger\n",
-        ),
-    ],
-)
-def test_a_call_that_fails_says_why(homebot: Any, capsys: Text, arguments: list[str], problem: str) -> None:
-    assert run(homebot, "service", "call", *arguments) == 1
-    assert capsys.readouterr().err == problem
-
-
-def test_nodes_are_listed_and_told_about(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "node", "list") == 0
-    assert capsys.readouterr().out.split() == ["/listener", "/rosapi", "/rosbridge_websocket", "/talker"]
-    assert run(homebot, "node", "info", "listener") == 0
-    assert capsys.readouterr().out == (
-        "/listener\n  Subscribers:\n    /hello: std_msgs/msg/String\n  Publishers:\n"
-        "    /parameter_events: rcl_interfaces/msg/ParameterEvent\n  Service Servers:\n  Service Clients:\n"
-        "  Action Servers:\n  Action Clients:\n"
-    )
-    assert run(homebot, "node", "info", "/lisener") == 1
-    assert "did you mean /listener" in capsys.readouterr().err
-
-
 def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "devices") == 0
     head, row = capsys.readouterr().out.splitlines()
     assert head.split() == ["DEVICE", "NAME", "TYPE", "GATEWAY", "COMMAND", "TOPIC", "AVAILABILITY", "LAST", "SEEN"]
     assert row.split()[:6] == ["lights/lamp", "Lamp\\x1b[31m", "lights", "mqtt", "home/lights/lamp/in", "fresh"]
     assert row.endswith("d ago")
-    assert run(homebot, "devices", "--type", "locks") == 0
-    assert capsys.readouterr().out == "no device offers locks now\n"
-
-
-def test_a_type_that_is_none_is_a_wrong_command_line(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "devices", "--type", "lihgts") == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert err == "homebot: 'lihgts' is not a device type, and no device was announced as one; …\n"
 
 
 def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
@@ -214,18 +197,6 @@ def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
             "approved": None,
         }
     ]
-
-
-def test_echo_of_a_topic_that_does_not_exist_says_that_it_waits(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "topic", "echo", "--timeout", "0.05", "/nope") == 1
-    assert capsys.readouterr().err == (
-        "homebot: no topic /nope yet; waiting, Ctrl-C stops\nhomebot: no message on /nope within 0.05 s\n"
-    )
-
-
-def test_a_device_without_a_name_is_asked_for_one(homebot: Any, capsys: Text) -> None:
-    assert run(homebot, "show", "") == 1
-    assert capsys.readouterr().err == "homebot: give the id or the name of a device; `homebot devices` lists all\n"
 
 
 def test_nobody_there_is_one_clear_sentence(capsys: Text) -> None:
@@ -321,20 +292,20 @@ def test_a_closed_pipe_ends_quietly(homebot: Any) -> None:
 def test_a_full_disk_is_one_clear_sentence(homebot: Any) -> None:
     command, environment = (
         [sys.executable, "-m", "homebot", "topic", "list"],
-        os.environ | {"HOMEBOT_DOOR": homebot.door},
+        {**os.environ, "HOMEBOT_DOOR": homebot.door},
     )
     with Path("/dev/full").open("w") as full:
-        ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=environment, check=False)
+        ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (1, "homebot: No space left on device\n")
 
 
 def test_output_that_is_closed_is_left_out(homebot: Any) -> None:
     command, environment = (
         [sys.executable, "-m", "homebot", "topic", "list"],
-        os.environ | {"HOMEBOT_DOOR": homebot.door},
+        {**os.environ, "HOMEBOT_DOOR": homebot.door},
     )
     closed = ["sh", "-c", 'exec "$@" >&-', "sh", *command]
-    ended = subprocess.run(closed, stderr=subprocess.PIPE, text=True, env=environment, check=False)
+    ended = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (0, "")
 
 

@@ -117,15 +117,17 @@ def test_the_request_is_what_the_arguments_say(
     assert request.values == tuple(KeyValue(key=name, value=value) for name, value in values.items())
 
 
-def test_a_missing_command_is_all_that_is_asked_for(homebot: Any, capsys: Text) -> None:
+@pytest.mark.parametrize(
+    ("arguments", "problem"),
+    [
+        ((), "error: the following arguments are required: COMMAND\n"),
+        (("on", "--transition", "nan"), "'nan' is not a duration; write it like 90s"),
+    ],
+)
+def test_a_wrong_command_line_says_what_is_wrong(
+    homebot: Any, capsys: Text, arguments: tuple[str, ...], problem: str
+) -> None:
     with pytest.raises(SystemExit) as ended:
-        Service(homebot, answer(CONFIRMED)).run("Lamp 0")
+        Service(homebot, answer(CONFIRMED)).run("Lamp 0", *arguments)
     assert ended.value.code == 2
-    assert capsys.readouterr().err.endswith("error: the following arguments are required: COMMAND\n")
-
-
-def test_seconds_that_are_none_are_refused(homebot: Any, capsys: Text) -> None:
-    with pytest.raises(SystemExit) as ended:
-        Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on", "--transition", "nan")
-    assert ended.value.code == 2
-    assert "'nan' is not a duration; write it like 90s" in capsys.readouterr().err
+    assert problem in capsys.readouterr().err
