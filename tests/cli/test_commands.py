@@ -290,20 +290,14 @@ def test_a_closed_pipe_ends_quietly(homebot: Any) -> None:
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="only Linux has a disk that is always full")
 def test_a_full_disk_is_one_clear_sentence(homebot: Any) -> None:
-    command, environment = (
-        [sys.executable, "-m", "homebot", "topic", "list"],
-        {**os.environ, "HOMEBOT_DOOR": homebot.door},
-    )
+    command = [sys.executable, "-m", "homebot", "topic", "list", "--door", homebot.door]
     with Path("/dev/full").open("w") as full:
         ended = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (1, "homebot: No space left on device\n")
 
 
 def test_output_that_is_closed_is_left_out(homebot: Any) -> None:
-    command, environment = (
-        [sys.executable, "-m", "homebot", "topic", "list"],
-        {**os.environ, "HOMEBOT_DOOR": homebot.door},
-    )
+    command = [sys.executable, "-m", "homebot", "topic", "list", "--door", homebot.door]
     closed = ["sh", "-c", 'exec "$@" >&-', "sh", *command]
     ended = subprocess.run(closed, stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (0, "")
