@@ -14,6 +14,8 @@ import pytest
 from tests.cli.test_graph_commands import split
 
 from homebot.cli import main
+from homebot.cli.commands.topic import rate_text
+from homebot.cli.device_json import json_text, list_text
 from homebot.graph import DurabilityPolicy, QoSProfile, qos_profile_latched
 from homebot.messages import String
 
@@ -339,3 +341,20 @@ def test_help_and_version_import_nothing_heavy() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=120)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+def test_a_steady_topic_has_no_deviation() -> None:
+    assert rate_text([10.0, 10.5, 11.0]) == (
+        "average rate: 2.000\n\tmin: 0.500s max: 0.500s std dev: 0.00000s window: 3"
+    )
+
+
+def test_messages_at_one_instant_have_an_infinite_rate() -> None:
+    assert rate_text([1.0, 1.0]).startswith("average rate: inf\n")
+
+
+def test_json_for_other_programs_is_as_the_standard_library_writes_it() -> None:
+    device = {"id": 'Kü"che\x9b\u2028\x7f', "empty": [], "of": {}, "x": [{"y": [1, 2.5, None, True]}, "客\U0001f4a1"]}
+    assert json_text(device).lower() == json.dumps(device, indent=2).lower()
+    assert list_text([json_text(device)] * 2).lower() == json.dumps([device] * 2, indent=2).lower()
+    assert list_text([]) == "[]"

@@ -83,3 +83,11 @@ def test_a_wrong_address_in_the_environment_is_told_as_such(capsys: Text, monkey
     monkeypatch.setenv("HOMEBOT_DOOR", "nowhere")
     assert main(["devices"]) == 1
     assert capsys.readouterr().err.startswith("homebot: environment: HOMEBOT_DOOR: an address is HOST:PORT")
+
+
+def test_without_the_extra_the_command_that_installs_it_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
+    assert main(["mcp", "--door", "9"]) == 1
+    assert capsys.readouterr().err == 'homebot: homebot mcp needs mcp; install it with: pip install "homebot[mcp]"\n'

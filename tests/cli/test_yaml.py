@@ -1,12 +1,97 @@
-"""Messages as YAML."""
+"""YAML: values as people type them, and as messages are printed."""
 
 from __future__ import annotations
 
+import json
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from homebot.cli.yaml import to_yaml
+from homebot.cli.yaml import message, parse_flow, to_yaml, type_or_message
+from homebot.errors import WireError
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("{data: hi}", {"data": "hi"}),
+        ("{data: hi there}", {"data": "hi there"}),
+        ('{"data": "hi"}', {"data": "hi"}),
+        ("{data: 'it''s on'}", {"data": "it's on"}),
+        ('{data: "a\\nb"}', {"data": "a\nb"}),
+        ("{a: 1, b: -2.5, c: 1e3, d: true, e: null}", {"a": 1, "b": -2.5, "c": 1000.0, "d": True, "e": None}),
+        ("{a: [1, x, {b: 2}], c: {}}", {"a": [1, "x", {"b": 2}], "c": {}}),
+        ("{url: mqtt://host:1883}", {"url": "mqtt://host:1883"}),
+        ("{on: off}", {"on": "off"}),
+        ("{'a b': 1}", {"a b": 1}),
+        ("{}", {}),
+        ("[]", []),
+        ("hello", "hello"),
+        ("{address: home/lights/lamp1/in, payload: off}", {"address": "home/lights/lamp1/in", "payload": "off"}),
+    ],
+)
+def test_a_value_is_read(text: str, value: object) -> None:
+    assert parse_flow(text) == value
+
+
+@pytest.mark.parametrize(
+    ("text", "fields"),
+    [
+        ("data: 5", {"data": 5}),
+        ("data: hi there", {"data": "hi there"}),
+        ("linear: {x: 1.0}, angular: {}", {"linear": {"x": 1.0}, "angular": {}}),
+    ],
+)
+def test_fields_need_no_braces_around_them_as_for_ros2(text: str, fields: object) -> None:
+    assert message(text) == fields
+    assert type_or_message(text) == fields
+
+
+def test_not_a_number_is_a_number() -> None:
+    value = parse_flow("{a: .nan}")
+    assert isinstance(value, dict)
+    assert isinstance(value["a"], float)
+    assert math.isnan(value["a"])
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("", "a value was expected at its end"),
+        ("{data", "a field's name and a colon were expected before 'data'"),
+        ("{data: }", "a value was expected before '}'"),
+        ("{data: 1", "'}' is missing at its end"),
+        ("{a: 1 b: 2}", "',' was expected before ': 2}'"),
+        ("{a: 'b}", "a quotation mark is not closed before"),
+        ("[1, 2", "']' is missing"),
+        ("{a: 1} x", "nothing more was expected before 'x'"),
+        ('{"a": 1, "a": 2}', "the field 'a' occurs twice"),
+        ("{a: 1, a: 2}", "the field 'a' occurs twice"),
+        ("[" * 200, "nested more than 100 deep"),
+    ],
+)
+def test_a_bad_value_says_where_it_went_wrong(text: str, problem: str) -> None:
+    with pytest.raises(WireError) as caught:
+        parse_flow(text)
+    assert problem in str(caught.value)
+
+
+@given(st.recursive(st.none() | st.booleans() | st.integers() | st.text(), st.lists, max_leaves=5))
+def test_json_means_what_it_means_in_json(value: object) -> None:
+    assert parse_flow(json.dumps(value)) == value
+
+
+@given(st.text(alphabet="{}[],:'\" \\ab1.-+~\n"))
+def test_any_text_is_a_value_or_an_error(text: str) -> None:
+    try:
+        parse_flow(text)
+    except WireError as exc:
+        problem = str(exc)
+    else:
+        problem = "cannot read"
+    assert "cannot read" in problem
 
 
 @pytest.mark.parametrize(
