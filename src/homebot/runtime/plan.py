@@ -23,6 +23,7 @@ from homebot.places import NO_PLACES, HousePlan, Places
 from homebot.plugins import check_extra, load_plugin
 from homebot.runtime.door_table import read_access, read_door
 from homebot.runtime.grants import grants_of, scope_of, without_act
+from homebot.runtime.settings_parameters import declare_settings
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ class PlannedComponent(Generic[ComponentT]):
 
     def offer_settings(self, node: Node) -> None:
         """Have the settings declared as parameters of *node* when these are first asked for."""
-        node.parameters.declare_later(partial(_declare_settings, node, self.settings))
+        node.parameters.declare_later(partial(declare_settings, node, self.settings))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -179,12 +180,6 @@ def index_place(config: Config) -> Path:
     for gateway in plan.gateways:
         return index_path(plan.home, gateway.kind.network(gateway.settings) or gateway.name)
     return index_path(plan.home, "none")
-
-
-def _declare_settings(node: Node, settings: BaseModel) -> None:
-    from homebot.runtime.settings_parameters import declare_settings  # noqa: PLC0415 - few runs are asked
-
-    declare_settings(node, settings)
 
 
 def _gateway(name: str, table: Table, config: Config) -> PlannedComponent[Gateway]:

@@ -28,10 +28,10 @@ from homebot.support.production_loop import ProductionLoop
 if TYPE_CHECKING:
     from contextlib import AbstractAsyncContextManager
 
+    from homebot.cli.service_manager import FirstConnection
     from homebot.house import World
     from homebot.recording.recording_file import LineSink
     from homebot.runtime import Runtime
-    from homebot.runtime.first_connection import FirstConnection
 
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
 """Enters a runtime, and shows it or not."""
@@ -369,7 +369,7 @@ async def _run(
 def _first_connection(runtime: Runtime) -> FirstConnection | None:
     if not is_service():
         return None
-    from homebot.runtime.first_connection import FirstConnection  # noqa: PLC0415 - for a service alone
+    from homebot.cli.service_manager import FirstConnection  # noqa: PLC0415 - for a service alone
 
     return FirstConnection(runtime.graph, runtime.config.gateways)
 

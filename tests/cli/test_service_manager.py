@@ -10,10 +10,10 @@ from anyio.abc import TaskStatus
 from structlog.testing import capture_logs
 
 from homebot.cli.commands.run import _run
+from homebot.cli.service_manager import CONNECTS_WITHIN
 from homebot.config import Config, parse_config
 from homebot.gateways.memory import MemoryGateway
 from homebot.runtime import Runtime
-from homebot.runtime.first_connection import CONNECTS_WITHIN
 
 pytestmark = pytest.mark.virtual_time
 
