@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, MutableMapping
+from typing import Any
+
 from homebot.house import World
 from homebot.house.description import parse_world
 
@@ -37,6 +40,16 @@ def flat(*habits: tuple[str, str], by_hand: bool = False, **devices: Table) -> W
         },
         "flat",
     )
+
+
+def hall(*habits: tuple[str, str], by_hand: bool = False, **devices: Table) -> World:
+    """The flat with a lamp and a motion sensor in its hall, and further *devices*."""
+    return flat(*habits, by_hand=by_hand, **{"hall_lamp": lamp("hall"), "hall_motion": motion("hall")} | devices)
+
+
+def warnings(lines: Iterable[MutableMapping[str, Any]]) -> list[str]:
+    """The messages about commands that were not obeyed, of the captured *lines* of a log."""
+    return [one["message"] for one in lines if one["event"] == "control.command" and one["log_level"] == "warning"]
 
 
 def is_on(world: World, device: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from structlog.testing import capture_logs
-from tests.apps.houses import flat, is_on, lamp, motion
+from tests.apps.houses import flat, hall, is_on, lamp, motion, warnings
 
 from homebot.testing import virtual_house_of
 
@@ -12,14 +12,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 
 async def test_the_lamp_goes_on_in_each_room_that_somebody_comes_into() -> None:
-    world = flat(
-        ("06:00", "hall"),
-        ("06:10", "study"),
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-        study_lamp=lamp("study"),
-        study_motion=motion("study"),
-    )
+    world = hall(("06:00", "hall"), ("06:10", "study"), study_lamp=lamp("study"), study_motion=motion("study"))
     async with virtual_house_of("follow_me", world=world) as house:
         await house.run_until("06:05")
         assert (is_on(world, "hall_lamp"), is_on(world, "study_lamp")) == (True, False)
@@ -44,7 +37,7 @@ async def test_a_light_sensor_tells_whether_it_is_dark(at: str, *, goes_on: bool
 
 async def test_where_a_lamp_is_on_the_room_is_left_as_it_is() -> None:
     """Somebody chose that light."""
-    world = flat(("06:00", "hall"), hall_lamp=lamp("hall"), reading_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall(("06:00", "hall"), reading_lamp=lamp("hall"))
     async with virtual_house_of("follow_me", world=world) as house:
         await house.press("reading_lamp", "0.3")
         await house.run_until("06:05")
@@ -57,36 +50,23 @@ async def test_where_a_lamp_is_on_the_room_is_left_as_it_is() -> None:
     [({"rooms": ["Hall"]}, True), ({"rooms": ["study"]}, False), ({"without_light_sensor": False}, False)],
 )
 async def test_the_settings_say_where_it_works(settings: dict[str, object], *, goes_on: bool) -> None:
-    world = flat(("06:00", "hall"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall(("06:00", "hall"))
     async with virtual_house_of(world=world, config={"apps": {"follow_me": settings}}) as house:
         await house.run_until("06:05")
         assert is_on(world, "hall_lamp") is goes_on
 
 
 async def test_a_deaf_lamp_is_told_about_and_the_other_one_goes_on() -> None:
-    world = flat(
-        ("06:00", "hall"),
-        hall_lamp=lamp("hall", faults={"deaf": {}}),
-        other_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-    )
+    world = hall(("06:00", "hall"), hall_lamp=lamp("hall", faults={"deaf": {}}), other_lamp=lamp("hall"))
     with capture_logs() as lines:
         async with virtual_house_of("follow_me", world=world) as house:
             await house.run_until("06:05")
             assert is_on(world, "other_lamp")
-    told = [line["message"] for line in lines if line["event"] == "control.command" and line["log_level"] == "warning"]
-    assert told == ["hall_lamp → on, by app_1: no answer within 10 s"]
+    assert warnings(lines) == ["hall_lamp → on, by app_1: no answer within 10 s"]
 
 
 async def test_together_with_lights_out_the_light_follows_somebody_through_the_flat() -> None:
-    world = flat(
-        ("06:00", "hall"),
-        ("07:00", "study"),
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-        study_lamp=lamp("study"),
-        study_motion=motion("study"),
-    )
+    world = hall(("06:00", "hall"), ("07:00", "study"), study_lamp=lamp("study"), study_motion=motion("study"))
     async with virtual_house_of("follow_me", "lights_out", world=world) as house:
         await house.run_until("06:05")
         assert is_on(world, "hall_lamp")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from structlog.testing import capture_logs
-from tests.apps.houses import flat, is_on, lamp, motion
+from tests.apps.houses import flat, hall, is_on, lamp, motion, warnings
 
 from homebot.devices.names import FORGET_DEVICE
 from homebot.devices.services import ForgetDevice, ForgetDeviceRequest
@@ -16,7 +16,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 async def test_the_lamps_of_a_room_go_off_when_everybody_has_left_it_for_a_while() -> None:
     """21 minutes after the sensor became quiet, which is a minute after Anna left."""
-    world = flat(("08:00", "study"), ("09:00", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall(("08:00", "study"), ("09:00", "outside"))
     async with virtual_house_of("lights_out", world=world) as house:
         await house.run_until("08:00:30")
         await house.press("hall_lamp", "on")
@@ -27,7 +27,7 @@ async def test_the_lamps_of_a_room_go_off_when_everybody_has_left_it_for_a_while
 
 
 async def test_the_time_can_be_set() -> None:
-    world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall()
     config = {"apps": {"lights_out": {"quiet_after": 120}}}
     async with virtual_house_of(world=world, config=config) as house:
         await house.run_for("1h")
@@ -41,13 +41,7 @@ async def test_the_time_can_be_set() -> None:
 async def test_a_lamp_stays_on_while_somebody_moves_and_another_room_goes_dark() -> None:
     """Anna walks to and fro in the hall; the kitchen is empty."""
     to_and_fro = [(f"08:{minute:02}", "hall" if minute % 2 else "outside") for minute in range(1, 40)]
-    world = flat(
-        *to_and_fro,
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-        kitchen_lamp=lamp("kitchen"),
-        kitchen_motion=motion("kitchen"),
-    )
+    world = hall(*to_and_fro, kitchen_lamp=lamp("kitchen"), kitchen_motion=motion("kitchen"))
     async with virtual_house_of("lights_out", world=world) as house:
         await house.run_until("08:01:30")
         await house.press("hall_lamp", "on")
@@ -67,11 +61,7 @@ async def test_nothing_is_turned_off_in_a_room_without_a_motion_sensor() -> None
 
 async def test_nothing_is_turned_off_while_one_of_two_sensors_is_without_power() -> None:
     """What the other one says is not enough; when both tell again, the countdown begins anew."""
-    world = flat(
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-        far_motion=motion("hall", faults={"unplugged": {"since": 3_600.0, "until": 10_800.0}}),
-    )
+    world = hall(far_motion=motion("hall", faults={"unplugged": {"since": 3_600.0, "until": 10_800.0}}))
     async with virtual_house_of("lights_out", world=world) as house:
         await house.run_until("01:05")
         await house.press("hall_lamp", "on")
@@ -83,7 +73,7 @@ async def test_nothing_is_turned_off_while_one_of_two_sensors_is_without_power()
 
 async def test_what_the_guard_refused_is_tried_again_ever_more_seldom() -> None:
     """The sensor is quiet from 08:02 on, and the guard believes so five minutes later."""
-    world = flat(("08:00", "hall"), ("08:01", "outside"), hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall(("08:00", "hall"), ("08:01", "outside"))
     config = {"apps": {"lights_out": {"quiet_after": 60}}, "control": {"presence_guard": {"absent_after": 300}}}
     with capture_logs() as lines:
         async with virtual_house_of(world=world, config=config) as house:
@@ -93,16 +83,14 @@ async def test_what_the_guard_refused_is_tried_again_ever_more_seldom() -> None:
             assert is_on(world, "hall_lamp")
             await house.run_until("08:12")
             assert not is_on(world, "hall_lamp")
-    refusals = [
-        line["message"] for line in lines if line["event"] == "control.command" and line["log_level"] == "warning"
-    ]
+    refusals = warnings(lines)
     assert 1 < len(refusals) < 5
     assert all("refused (presence_guard)" in one for one in refusals)
 
 
 async def test_a_lamp_that_the_guard_never_gives_free_is_tried_once_an_hour() -> None:
     """Nobody ever walked past the sensor, so the guard does not believe it."""
-    world = flat(hall_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall()
     config = {"control": {"presence_guard": True}}
     with capture_logs() as lines:
         async with virtual_house_of("lights_out", world=world, config=config) as house:
@@ -112,62 +100,44 @@ async def test_a_lamp_that_the_guard_never_gives_free_is_tried_once_an_hour() ->
     assert 20 < len(refusals) < 30
 
 
-async def test_the_countdown_goes_on_when_one_of_two_sensors_is_removed() -> None:
-    world = flat(
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-        far_motion=motion("hall", faults={"unplugged": {"since": 3_900.0, "until": 86_400.0}}),
-    )
+@pytest.mark.parametrize(("unplugged", "forgotten", "off"), [("01:05", "01:06", "01:28"), ("01:00", "03:00", "04:30")])
+async def test_the_room_is_looked_at_again_when_a_sensor_was_forgotten_that_is_without_power(
+    unplugged: str, forgotten: str, off: str
+) -> None:
+    """Before the countdown is over, and long after it."""
+    since = 3600.0 + 60 * int(unplugged[3:])
+    world = hall(far_motion=motion("hall", faults={"unplugged": {"since": since, "until": 86_400.0}}))
     async with virtual_house_of("lights_out", world=world) as house, Node(house.runtime.graph, "owner") as owner:
-        await house.run_until("01:00")
+        await house.run_until("01:04")
         await house.press("hall_lamp", "on")
-        await house.run_until("01:06")
-        forget = owner.create_client(ForgetDevice, FORGET_DEVICE)
-        assert (await forget.call(ForgetDeviceRequest(device="far_motion"))).success
-        await house.run_until("01:28")
-        assert not is_on(world, "hall_lamp")
-
-
-async def test_the_room_is_looked_at_again_when_a_sensor_that_is_broken_was_forgotten() -> None:
-    world = flat(
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
-        far_motion=motion("hall", faults={"unplugged": {"since": 3_600.0, "until": 86_400.0}}),
-    )
-    async with virtual_house_of("lights_out", world=world) as house, Node(house.runtime.graph, "owner") as owner:
-        await house.run_until("01:05")
-        await house.press("hall_lamp", "on")
-        await house.run_until("03:00")
+        await house.run_until(forgotten)
         assert is_on(world, "hall_lamp")
         forget = owner.create_client(ForgetDevice, FORGET_DEVICE)
         assert (await forget.call(ForgetDeviceRequest(device="far_motion"))).success
-        await house.run_until("04:30")
+        await house.run_until(off)
         assert not is_on(world, "hall_lamp")
 
 
 async def test_a_deaf_lamp_is_told_about_with_what_became_of_the_command() -> None:
-    world = flat(hall_lamp=lamp("hall", faults={"deaf": {}}), other_lamp=lamp("hall"), hall_motion=motion("hall"))
+    world = hall(hall_lamp=lamp("hall", faults={"deaf": {}}), other_lamp=lamp("hall"))
     with capture_logs() as lines:
         async with virtual_house_of("lights_out", world=world) as house:
             await house.press("hall_lamp", "on")
             await house.press("other_lamp", "on")
             await house.run_for("30m")
             assert not is_on(world, "other_lamp")
-    told = [line["message"] for line in lines if line["event"] == "control.command" and line["log_level"] == "warning"]
-    assert told == ["hall_lamp → off, by app_1: no answer within 10 s"]
+    assert warnings(lines) == ["hall_lamp → off, by app_1: no answer within 10 s"]
 
 
 async def test_a_person_of_habits_sits_in_the_light_in_a_room_where_nothing_tells_of_them() -> None:
     """A day in which they switch their lamps by hand: in the hall a sensor sees them, in the kitchen none."""
-    world = flat(
+    world = hall(
         ("07:00", "kitchen"),
         ("07:40", "outside"),
         ("17:00", "hall"),
         ("17:05", "kitchen"),
         ("17:30", "outside"),
         by_hand=True,
-        hall_lamp=lamp("hall"),
-        hall_motion=motion("hall"),
         kitchen_lamp=lamp("kitchen"),
     )
     async with virtual_house_of("lights_out", world=world) as house:
