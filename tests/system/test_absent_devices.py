@@ -37,6 +37,7 @@ class AbsentDevice:
     """A lamp and a button with a session of their own on the broker, which are there only now and then."""
 
     def __init__(self, url: str) -> None:
+        self.url = url
         options = MqttOptions.from_url(url, client_id="porch", protocol="3.1.1", session_expiry=3600)
         self._connection = MqttConnection(options, NativeClient, status_topic=None)
 
@@ -66,33 +67,36 @@ class AbsentDevice:
 
 
 @asynccontextmanager
-async def home(url: str, protocol: MqttProtocol) -> AsyncIterator[Devices]:
+async def announced() -> AsyncIterator[tuple[MosquittoBroker, AbsentDevice]]:
+    async with MosquittoBroker(credentials=CREDENTIALS, policy=None) as broker:
+        device = AbsentDevice(f"mqtt://anna:right@{broker.host}:{broker.port}")
+        await device.announce()
+        yield broker, device
+
+
+@asynccontextmanager
+async def home(device: AbsentDevice, protocol: MqttProtocol) -> AsyncIterator[tuple[Light, Handle]]:
+    """Yield the lamp and the bell, once another process has announced them."""
     tables = {
-        "gateways": {"mqtt": {"url": url, "act": True, "protocol": protocol}},
+        "gateways": {"mqtt": {"url": device.url, "act": True, "protocol": protocol}},
         "discovery": {"persist": False},
         "control": {"timeout": TIMEOUT},
     }
     async with Runtime(parse_config(tables, "test"), with_door=False) as runtime, Node(runtime.graph, "app") as node:
-        yield Devices(node)
-
-
-async def until_found(devices: Devices) -> tuple[Light, Handle]:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            lamps = await devices.find(Light)
-            buttons = [one for one in await devices.find(Handle) if one.can("push")]
-            if lamps and buttons:
-                return lamps[0], buttons[0]
-            await anyio.sleep(0.05)  # another process announces them
+        devices = Devices(node)
+        with anyio.fail_after(PATIENCE):
+            while True:
+                lamps = await devices.find(Light)
+                buttons = [one for one in await devices.find(Handle) if one.can("push")]
+                if lamps and buttons:
+                    break
+                await anyio.sleep(0.05)
+        yield lamps[0], buttons[0]
 
 
 async def test_a_device_that_was_away_obeys_no_repetition_over_mqtt_3_1_1() -> None:
-    async with MosquittoBroker(credentials=CREDENTIALS, policy=None) as broker:
-        url = f"mqtt://anna:right@{broker.host}:{broker.port}"
-        device = AbsentDevice(url)
-        await device.announce()
-        async with home(url, "3.1.1") as devices:
-            lamp, _ = await until_found(devices)
+    async with announced() as (_, device):
+        async with home(device, "3.1.1") as (lamp, _):
             outcome = await lamp.turn_on()
         assert isinstance(outcome, NoAnswer)
         assert outcome.waited >= TIMEOUT  # so it was sent three times
@@ -100,24 +104,16 @@ async def test_a_device_that_was_away_obeys_no_repetition_over_mqtt_3_1_1() -> N
 
 
 async def test_nothing_is_left_of_what_was_sent_to_a_device_that_was_away_for_longer_over_mqtt_5() -> None:
-    async with MosquittoBroker(credentials=CREDENTIALS, policy=None) as broker:
-        url = f"mqtt://anna:right@{broker.host}:{broker.port}"
-        device = AbsentDevice(url)
-        await device.announce()
-        async with home(url, "5") as devices:
-            lamp, _ = await until_found(devices)
+    async with announced() as (_, device):
+        async with home(device, "5") as (lamp, _):
             await lamp.turn_on()
             await anyio.sleep(TIMEOUT)  # the time of Mosquitto
         assert await device.missed() == {}
 
 
 async def test_a_press_for_a_device_that_is_away_was_accepted_by_its_network_and_not_confirmed() -> None:
-    async with MosquittoBroker(credentials=CREDENTIALS, policy=None) as broker:
-        url = f"mqtt://anna:right@{broker.host}:{broker.port}"
-        device = AbsentDevice(url)
-        await device.announce()
-        async with home(url, "3.1.1") as devices:
-            _, bell = await until_found(devices)
+    async with announced() as (_, device):
+        async with home(device, "3.1.1") as (_, bell):
             outcome = await bell.command("push", value=True)
         assert isinstance(outcome, Confirmed)
         assert outcome.evidence is Evidence.ACKNOWLEDGED
@@ -127,12 +123,8 @@ async def test_a_press_for_a_device_that_is_away_was_accepted_by_its_network_and
 
 async def test_a_command_to_a_frozen_broker_has_no_answer_and_arrives_once() -> None:
     """It left this process, so that nobody may say that it was not sent."""
-    async with MosquittoBroker(credentials=CREDENTIALS, policy=None) as broker:
-        url = f"mqtt://anna:right@{broker.host}:{broker.port}"
-        device = AbsentDevice(url)
-        await device.announce()
-        async with home(url, "5") as devices:
-            lamp, bell = await until_found(devices)
+    async with announced() as (broker, device):
+        async with home(device, "5") as (lamp, bell):
             with broker.frozen():
                 outcomes = [await lamp.turn_on(), await bell.command("push", value=True)]
             for outcome in outcomes:
