@@ -140,7 +140,6 @@ _ZONE_OF_COMPUTER: Final = Path("/etc/localtime")
 _ZONES: Final = "/zoneinfo/"
 
 
-@lru_cache(maxsize=16)
 def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     """Read the time zone with the IANA name *name*, such as ``Europe/Berlin``; the computer's if it is empty.
 
@@ -150,6 +149,11 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     Raises:
         UsageError: There is none.
     """
+    return _read_zone(name, computer)
+
+
+@lru_cache(maxsize=16)
+def _read_zone(name: str, computer: Path) -> tzinfo:
     for one in (name,) if name else _names_of_computer(computer):
         try:
             return zoneinfo.ZoneInfo(one)
