@@ -17,7 +17,7 @@ pytest_plugins = ["pytester"]
 for name in (
     *("apps.jobs", "apps.light_service", "apps.reactions", "bridges.rosapi", "control.control_layer", "control.learnt"),
     *("conventions.secrets", "devices.commander", "devices.hold", "devices.outcomes", "devices.text_sender"),
-    *("mqtt.client.aiomqtt_adapter", "testing.event_log", "testing.house_of_test", "testing.mqtt"),
+    *("mqtt.client.aiomqtt_adapter", "testing.event_log", "testing.house_marks", "testing.mqtt"),
 ):
     import_module(f"homebot.{name}")
 for convention in entry_points(group="homebot.mqtt_conventions"):

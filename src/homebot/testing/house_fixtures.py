@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from asyncio import AbstractEventLoop
 from collections.abc import Callable, Generator, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -12,7 +13,6 @@ from homebot.testing.pytest_loops import anyio_loop, own_loop, virtual_time
 
 if TYPE_CHECKING:
     from homebot.testing.house import TestHouse
-    from homebot.testing.house_of_test import HouseOfTest
     from homebot.testing.virtual_house import VirtualHouse
 
 __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virtual_time"]
@@ -34,21 +34,13 @@ def house(request: pytest.FixtureRequest, _homebot_virtual_time: None) -> Iterat
             pytest.fail(
                 f"`house` has its own time and broker, `{other}` runs in real time: use only one of them", pytrace=False
             )
-    test = _house_of_test(request, "house")
-    made = test.virtual_house()
-    with test.shown(loops.virtual_loop_of(request, "house"), made) as shown:
-        yield shown
-        test.check_crashes(shown, has_failed=request.node.stash.get(_FAILED, False))
+    yield from _house_of_test(request, "house", loops.virtual_loop_of)
 
 
 @pytest.fixture
 def homebot(request: pytest.FixtureRequest, homebot_config: object) -> Iterator[TestHouse]:
     """A running homebot with its own broker; ``@pytest.mark.homebot`` names its apps."""
-    test = _house_of_test(request, "homebot")
-    made = test.homebot(homebot_config)
-    with test.shown(loops.loop_of(request, "homebot"), made) as shown:
-        yield shown
-        test.check_crashes(shown, has_failed=request.node.stash.get(_FAILED, False))
+    yield from _house_of_test(request, "homebot", loops.loop_of, homebot_config)
 
 
 @pytest.fixture
@@ -120,7 +112,19 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
     return report
 
 
-def _house_of_test(request: pytest.FixtureRequest, fixture: str) -> HouseOfTest:
-    from homebot.testing.house_of_test import HouseOfTest  # noqa: PLC0415 - on first use
+def _house_of_test(
+    request: pytest.FixtureRequest, fixture: str, loop_of: Callable[..., AbstractEventLoop], *config: object
+) -> Iterator[Any]:
+    """Give the house of the marks to a test, whose report shows what happened where it or an app failed."""
+    from homebot.testing.event_log import house_report  # noqa: PLC0415 - on first use
+    from homebot.testing.house_marks import allows_crashes, open_house  # noqa: PLC0415 - as above
 
-    return HouseOfTest(request.node, fixture, request.node.stash.setdefault(_REPORTS, []))
+    test = request.node
+    reports = test.stash.setdefault(_REPORTS, [])
+    with open_house(test, loop_of(request, fixture), *config) as house:
+        reports.append(lambda: (f"what happened in `{fixture}`", house_report(house)))
+        yield house
+        if house.crashed and not allows_crashes(test, fixture) and not test.stash.get(_FAILED, False):
+            mark = f"@pytest.mark.{fixture}(allow_crashes=True)"  # it was started again: the test may not notice
+            pytest.fail(f"{', '.join(house.crashed)} crashed; where that is meant, {mark}", pytrace=False)
+    reports.clear()

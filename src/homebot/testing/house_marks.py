@@ -1,9 +1,10 @@
-"""Arguments of the marks ``house`` and ``homebot``; an error names the argument."""
+"""Arguments of the marks ``house`` and ``homebot``, and the house that they describe; an error names the argument."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from contextlib import AbstractAsyncContextManager
+from asyncio import AbstractEventLoop
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager
 from copy import deepcopy
 from pathlib import Path
 from typing import Any, Final, TypeVar, cast
@@ -14,11 +15,13 @@ from homebot.config import Config, load_config, parse_config
 from homebot.errors import UsageError
 from homebot.house import World, thesis_world
 from homebot.house.description import load_world
+from homebot.testing.contexts import hold_open
+from homebot.testing.event_log import EventLog
 from homebot.testing.house import TestHouse, house_of
 from homebot.testing.virtual_house import VirtualHouse, parse_time, virtual_house_of
 from homebot.units import parse_duration
 
-__all__ = ["allows_crashes", "config_of", "homebot_of", "house_by_mark"]
+__all__ = ["allows_crashes", "config_of", "open_house"]
 
 ALLOW_CRASHES: Final = "allow_crashes"
 HOUSE: Final = frozenset({"world", "config", "root", "start", "seed", "heartbeat", ALLOW_CRASHES})
@@ -27,14 +30,27 @@ HOMEBOT: Final = frozenset({"config", "root", ALLOW_CRASHES})
 ValueT = TypeVar("ValueT")
 
 
-def house_by_mark(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse]:
-    """Return the virtual house that the marks of *test* describe; without any, the thesis's house without apps.
+@contextmanager
+def open_house(test: pytest.Item, loop: AbstractEventLoop, *config: object) -> Iterator[TestHouse]:
+    """Run on *loop*, with a log of it, the homebot with *config* that the marks of *test* describe, or its house.
 
     Of the marks of function, class and module the nearest counts most; apps are those of the nearest that has any.
-
-    Raises:
-        UsageError: The mark is invalid; names the argument.
+    Where a mark is invalid, the test fails with a message that names the argument, without our code in the traceback.
     """
+    try:
+        with hold_open(loop, _with_log(_homebot(test, *config) if config else _virtual_house(test))) as house:
+            yield house
+    except UsageError as exc:
+        pytest.fail(str(exc), pytrace=False)
+
+
+@asynccontextmanager
+async def _with_log(made: AbstractAsyncContextManager[TestHouse]) -> AsyncIterator[TestHouse]:
+    async with made as house, EventLog.of(house):
+        yield house
+
+
+def _virtual_house(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse]:
     apps, arguments = _read(test, "house", HOUSE)
     seed = arguments.get("seed")
     world = _checked("house", "world", arguments.get("world", thesis_world), lambda value: _world(value, test, seed))
@@ -42,12 +58,7 @@ def house_by_mark(test: pytest.Item) -> AbstractAsyncContextManager[VirtualHouse
     return virtual_house_of(*apps, **(arguments | {"world": world, "config": config}))
 
 
-def homebot_of(test: pytest.Item, config: object) -> AbstractAsyncContextManager[TestHouse]:
-    """Return the homebot with *config* that the marks of *test* describe, as :func:`house_by_mark`.
-
-    Raises:
-        UsageError: The mark or the configuration is invalid; names the argument or the key.
-    """
+def _homebot(test: pytest.Item, config: object) -> AbstractAsyncContextManager[TestHouse]:
     apps, arguments = _read(test, "homebot", HOMEBOT)
     given = _checked("homebot", "config", config, lambda value: _config(value, test))
     return house_of(*apps, **(arguments | {"config": given}))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TypeVar, final
 
 import anyio
@@ -14,7 +13,7 @@ from homebot.mqtt.topics import validate_filter
 from homebot.testing.mqtt.core import BrokerCore, ClientView
 from homebot.testing.mqtt.fault_control import BlockingFaults, Faults
 from homebot.testing.mqtt.journal import Payload, RecordedMessage, Wanted
-from homebot.testing.mqtt.packet_log import PacketLog, ProtocolViolation
+from homebot.testing.mqtt.packet_log import ProtocolViolation
 from homebot.testing.mqtt.settings import BrokerSettings, TestTls
 from homebot.testing.mqtt.thread import BrokerThread
 
@@ -22,48 +21,29 @@ __all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_broker"]
 
 
 class BrokerView:
-    """The base of both kinds of brokers that fixtures give."""
+    """The base of both kinds of brokers that fixtures give.
+
+    Attributes:
+        host: The loopback address it listens on.
+        port: The TCP port; stays the same over :meth:`restart`.
+        url: Such as ``mqtt://127.0.0.1:34567``; ``mqtts`` with TLS.
+        ca_file: PEM file of the authority that clients are to trust; None without TLS.
+        settings: Settings that the test asked for.
+        packet_log: The newest packets, which pytest prints when the test fails.
+    """
 
     __test__ = False  # not a test class in spite of its name
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
+        self.host, self.port, self.url = core.broker.host, core.broker.port, core.broker.url
+        self.ca_file, self.settings, self.packet_log = core.ca_file, core.settings, core.log
         self._core = core
         self._thread = thread
-
-    @property
-    def host(self) -> str:
-        """The loopback address it listens on."""
-        return self._core.broker.host
-
-    @property
-    def port(self) -> int:
-        """The TCP port; stays the same over :meth:`restart`."""
-        return self._core.broker.port
-
-    @property
-    def url(self) -> str:
-        """Such as ``mqtt://127.0.0.1:34567``; ``mqtts`` with TLS."""
-        return self._core.broker.url
-
-    @property
-    def ca_file(self) -> Path | None:
-        """PEM file of the authority that clients are to trust; None without TLS."""
-        return self._core.ca_file
-
-    @property
-    def settings(self) -> BrokerSettings:
-        """Settings that the test asked for."""
-        return self._core.settings
 
     @property
     def clients(self) -> Mapping[str, ClientView]:
         """The clients the broker knows now by their ids; those away too, while their session is kept."""
         return self._core.clients
-
-    @property
-    def packet_log(self) -> PacketLog:
-        """The newest packets, which pytest prints when the test fails."""
-        return self._core.log
 
     @property
     def protocol_errors(self) -> tuple[ProtocolViolation, ...]:

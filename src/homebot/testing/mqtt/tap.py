@@ -9,6 +9,7 @@ from typing import Literal, final
 
 from homebot.mqtt.broker import BrokerState, Peer, Transport
 from homebot.mqtt.packets import Connect, Packet, PacketError, PacketReader, PacketType, ProtocolVersion, ReasonCode
+from homebot.mqtt.packets.primitives import Cursor
 from homebot.testing.mqtt.faults import Fault, FaultKind, FaultRules
 
 __all__ = ["Tap", "TapDuties"]
@@ -218,16 +219,9 @@ def _read_own(piece: bytes, version: ProtocolVersion) -> Packet | str:
 
 def _split(data: bytes) -> Iterator[bytes]:
     """Return the packets in *data*, which holds whole ones only."""
-    start = 0
-    while start < len(data):
-        size = shift = 0
-        position = start + 1
-        while True:
-            byte = data[position]
-            position += 1
-            size |= (byte & 0x7F) << shift
-            shift += 7
-            if byte < 0x80:
-                break
-        yield data[start : position + size]
-        start = position + size
+    cursor = Cursor(data)
+    while (start := cursor.position) < len(data):
+        cursor.position += 1
+        size = cursor.varint()
+        cursor.position += size
+        yield data[start : cursor.position]
