@@ -29,6 +29,7 @@ class SimulatedLamp(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "lamp"
+    by_hand = ("on", "off", "0 to 1", f"{KELVIN[0]:g} K to {KELVIN[1]:g} K")
     is_on: bool = False
     brightness: float = 1.0
     kelvin: float = 2700.0
@@ -51,16 +52,6 @@ class SimulatedLamp(SimulatedDevice):
     def restore(self) -> str:
         """Return ``on`` or ``off``."""
         return self.state()
-
-    def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows."""
-        return ("on", "off", "0 to 1", f"{KELVIN[0]:g} K to {KELVIN[1]:g} K")
-
-    def knows(self, command: str) -> bool:
-        """Return whether it knows *command*."""
-        if command.endswith(" K"):
-            return number(command.removesuffix(" K"), *KELVIN) is not None
-        return command in {"on", "off"} or number(command, 0.0, 1.0) is not None
 
     def _obey(self, command: str) -> tuple[str, ...]:
         if command in {"on", "off"}:
@@ -93,6 +84,7 @@ class WindowMotor(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "window"
+    by_hand = ("open", "close", "stop", "0 to 1")
     is_open: bool = False
     travel_time: float = 3.0
     service_type: str = field(default="windows", kw_only=True)
@@ -131,14 +123,6 @@ class WindowMotor(SimulatedDevice):
     def next_event(self) -> float | None:
         """Return when it arrives."""
         return self._started_at + abs(self._target - self._start) * self.travel_time if self._moves else None
-
-    def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows."""
-        return ("open", "close", "stop", "0 to 1")
-
-    def knows(self, command: str) -> bool:
-        """Return whether it knows *command*."""
-        return command in {"open", "close", "stop"} or number(command, 0.0, 1.0) is not None
 
     def _obey(self, command: str) -> tuple[str, ...]:
         position = self.position
@@ -191,6 +175,7 @@ class SimulatedDoorLock(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "lock"
+    by_hand = ("lock", "unlock")
     is_locked: bool = True
     travel_time: float = 2.0
     jams: float = 0.0
@@ -213,10 +198,6 @@ class SimulatedDoorLock(SimulatedDevice):
     def next_event(self) -> float | None:
         """Return when the bolt arrives."""
         return self._arrives_at
-
-    def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows."""
-        return ("lock", "unlock")
 
     def _obey(self, command: str) -> tuple[str, ...]:
         if command not in {"lock", "unlock"}:
@@ -265,6 +246,7 @@ class SimulatedThermostat(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "thermostat"
+    by_hand = (f"{LEAST:g} to {MOST:g}",)
     senses = ("temperature", float)
     celsius: float = 20.0
     target: float = 20.0
@@ -312,14 +294,6 @@ class SimulatedThermostat(SimulatedDevice):
     def next_event(self) -> float | None:
         """Return when it looks at the thermometer."""
         return self._looks_at
-
-    def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows."""
-        return (f"{LEAST:g} to {MOST:g}",)
-
-    def knows(self, command: str) -> bool:
-        """Return whether it knows *command*."""
-        return number(command, LEAST, MOST) is not None
 
     def _obey(self, command: str) -> tuple[str, ...]:
         target = number(command, LEAST, MOST)

@@ -20,6 +20,7 @@ class SimulatedContactSensor(SimulatedDevice):
     """A contact on a door or window: senses 1 for open and 0 for closed."""
 
     kind: ClassVar[str] = "contact"
+    by_hand = ("open", "close")  # the world carries them out, because the door or window stays so
     senses = ("is_open", bool)
     is_open: bool = False
     service_type: str = field(default="contacts", kw_only=True)
@@ -40,10 +41,6 @@ class SimulatedContactSensor(SimulatedDevice):
         """Return ``open`` or ``close``."""
         return "open" if value else "close"
 
-    def commands(self) -> tuple[str, ...]:
-        """Return the manual commands; the world carries them out, because the door or window stays so."""
-        return ("open", "close")
-
 
 @dataclass(eq=False)
 class MotionSensor(SimulatedDevice):
@@ -56,6 +53,7 @@ class MotionSensor(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "motion"
+    by_hand = ("motion",)
     senses = ("occupied", bool)
     hold: float = 60.0
     service_type: str = field(default="motions", kw_only=True)
@@ -95,10 +93,6 @@ class MotionSensor(SimulatedDevice):
         """Return the command for somebody who stays in front of it, or for nobody there any more."""
         return _STAYS if value else _LEFT
 
-    def commands(self) -> tuple[str, ...]:
-        """Return the manual commands."""
-        return ("motion",)
-
     def next_event(self) -> float | None:
         """Return when it is clear."""
         return self._clear_at
@@ -111,6 +105,8 @@ class MotionSensor(SimulatedDevice):
 @dataclass(eq=False)
 class _MeasuringSensor(SimulatedDevice):
     """A sensor of a number; a number by hand replaces its measurements until ``measure`` by hand."""
+
+    by_hand = ("a number", _MEASURE)
 
     def __post_init__(self) -> None:
         self._measured = 0.0
@@ -128,10 +124,6 @@ class _MeasuringSensor(SimulatedDevice):
         if self.knows(command):
             self._by_hand = to_number(command)
         return self._report(self._measured if self._by_hand is None else self._by_hand)
-
-    def commands(self) -> tuple[str, ...]:
-        """Return the manual commands."""
-        return ("a number", _MEASURE)
 
     def knows(self, command: str) -> bool:
         """Return whether *command* is a manual command."""

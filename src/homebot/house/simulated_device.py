@@ -31,10 +31,12 @@ class SimulatedDevice(ABC):
         now: The time it was last advanced to.
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
+        by_hand: The manual commands that every device of its kind knows, see :meth:`commands`.
     """
 
     kind: ClassVar[str]
     senses: ClassVar[tuple[str, type[bool | float]] | None] = None
+    by_hand: ClassVar[tuple[str, ...]] = ()
     device_id: str
     service_type: str = field(default="", kw_only=True)
     now: float = field(default=0.0, init=False)
@@ -95,11 +97,11 @@ class SimulatedDevice(ABC):
 
     def commands(self) -> tuple[str, ...]:
         """Return the manual commands, for people: each one, or a text for a range, such as ``0 to 1``."""
-        return ()
+        return self.by_hand
 
     def knows(self, command: str) -> bool:
         """Return whether *command* is a manual command of it."""
-        return command in self.commands()
+        return any(_is_one(command, one) for one in self.commands())
 
     def watts(self) -> float:
         """Return the power it draws, in watts."""
@@ -149,6 +151,14 @@ class ScheduledCommand(NamedTuple):
     at: float
     device_id: str
     command: str
+
+
+def _is_one(command: str, known: str) -> bool:
+    low, to, high = known.partition(" to ")
+    if not to:
+        return command == known
+    (least, _, unit), (value, _, of) = low.partition(" "), command.partition(" ")
+    return unit == of and number(value, float(least), float(high.removesuffix(f" {unit}"))) is not None
 
 
 def number(text: str, low: float, high: float) -> float | None:

@@ -23,6 +23,7 @@ class SimulatedTag(SimulatedDevice):
     """
 
     kind: ClassVar[str] = "tag"
+    by_hand = ("tap",)
     text: str = ""
     hold: float = 2.0
     every: float = 0.0
@@ -42,10 +43,6 @@ class SimulatedTag(SimulatedDevice):
         if self._leaves_at is not None:
             return self._leaves_at
         return self._tapped_at + max(self.every, self.hold) if self.every else None
-
-    def commands(self) -> tuple[str, ...]:
-        """Return the commands that it knows."""
-        return ("tap",)
 
     def _obey(self, command: str) -> tuple[str, ...]:
         return self._tap() if command == "tap" else ()
