@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+from tests.testing.conftest import ANYIO_ON_ASYNCIO, Tried
 
 pytest_plugins = ["pytester"]
 
@@ -29,44 +30,27 @@ def test_a_test_without_a_loop_has_a_broker_too(mqtt_broker_thread):
 """
 
 
-def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
-    """Run the tests that were made, in this process."""
-    scope = () if "no:asyncio" in options else ("-o", "asyncio_default_fixture_loop_scope=function")
-    return pytester.runpytest_inprocess("-p", "no:cacheprovider", "--strict-markers", *scope, *options)
+@pytest.mark.parametrize(
+    ("mark", "options", "conftest"),
+    [
+        ("@pytest.mark.asyncio\n", "-p no:anyio", ""),
+        ("", "--asyncio-mode=auto", ""),
+        ("@pytest.mark.anyio\n", "-p no:asyncio", ANYIO_ON_ASYNCIO),
+        ("", "-p no:asyncio -p no:anyio", ""),
+        ("", "", ""),
+    ],
+    ids=["pytest-asyncio, strict", "pytest-asyncio, auto", "anyio", "neither", "pytest-asyncio leaves it alone"],
+)
+def test_it_works_with_any_plugin_for_async_tests(tried: Tried, mark: str, options: str, conftest: str) -> None:
+    tried(USE.format(mark=mark, payload="37", text="7", timeout=5), options, conftest=conftest, passed=2)
 
 
-def use(pytester: pytest.Pytester, mark: str, *options: str) -> pytest.RunResult:
-    pytester.makepyfile(test_use=USE.format(mark=mark, payload="37", text="7", timeout=5))
-    return run(pytester, *options)
-
-
-def test_it_works_with_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
-    use(pytester, "@pytest.mark.asyncio\n", "-p", "no:anyio").assert_outcomes(passed=2)
-
-
-def test_it_works_with_pytest_asyncio_in_auto_mode(pytester: pytest.Pytester) -> None:
-    use(pytester, "", "--asyncio-mode=auto").assert_outcomes(passed=2)
-
-
-def test_it_works_with_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
-    pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
-    use(pytester, "@pytest.mark.anyio\n", "-p", "no:asyncio").assert_outcomes(passed=2)
-
-
-def test_it_works_without_any_of_them(pytester: pytest.Pytester) -> None:
-    use(pytester, "", "-p", "no:asyncio", "-p", "no:anyio").assert_outcomes(passed=2)
-
-
-def test_it_works_where_pytest_asyncio_leaves_a_test_alone(pytester: pytest.Pytester) -> None:
-    use(pytester, "").assert_outcomes(passed=2)
-
-
-def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(test_use=USE.format(mark="@pytest.mark.asyncio\n", payload="38", text="9", timeout=0.5))
-    result = run(pytester)
-    result.assert_outcomes(passed=1, failed=1)
-    result.stdout.fnmatch_lines(
-        [
+def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(tried: Tried) -> None:
+    result = tried(
+        USE.format(mark="@pytest.mark.asyncio\n", payload="38", text="9", timeout=0.5),
+        passed=1,
+        failed=1,
+        lines=[
             "E *no client published '69' on t within 0.5 s",
             "E *received with another payload:",
             "E *t '68' (QoS 0, from a)",
@@ -74,7 +58,7 @@ def test_a_failed_test_shows_the_packets_of_each_broker_that_had_any(pytester: p
             "*→  CONNECT 'a' MQTT 3.1.1, clean start, keep-alive 60 s",
             "* a  *→  PUBLISH t '68' QoS 0",
             "* a  *←  CONNACK success",
-        ]
+        ],
     )
     assert result.stdout.str().count("MQTT packets of") == 1
 
@@ -122,44 +106,51 @@ async def test_after_what_was_allowed(mqtt_broker_session):
 """
 
 
-def test_a_test_whose_client_breaks_the_protocol_fails_unless_it_is_allowed(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(test_breach=BREACH)
-    result = run(pytester)
-    result.assert_outcomes(passed=5, errors=2)
-    result.stdout.fnmatch_lines(
-        [
+def test_a_test_whose_client_breaks_the_protocol_fails_unless_it_is_allowed(tried: Tried) -> None:
+    tried(
+        BREACH,
+        passed=5,
+        errors=2,
+        lines=[
             "*ERROR at teardown of test_a_fresh_broker*",
             "mqtt_broker: client 'a' broke the protocol: a client must not send Pingresp (0x82, protocol error)",
             "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)",
             "*MQTT packets of mqtt_broker*",
             "*ERROR at teardown of test_a_shared_broker*",
             "mqtt_broker_session: client 'a' broke the protocol: *",
-        ]
+        ],
     )
 
 
-def test_a_mark_that_cannot_be_used_says_why(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        test_marks="import pytest\n\n"
-        "@pytest.mark.mqtt_broker(keepalive=5)\ndef test_a_typo(mqtt_broker): pass\n\n"
-        "@pytest.mark.mqtt_broker(5)\ndef test_a_bare_value(mqtt_broker): pass\n\n"
-        "@pytest.mark.mqtt_broker(tls=1)\ndef test_a_wrong_type(mqtt_broker_thread): pass\n"
-    )
-    result = run(pytester)
-    result.assert_outcomes(errors=3)
-    result.stdout.fnmatch_lines(
-        [
-            "@pytest.mark.mqtt_broker: there is no argument 'keepalive'; did you mean keep_alive?",
-            "@pytest.mark.mqtt_broker: name the arguments, as in keep_alive=5",
-            "@pytest.mark.mqtt_broker: tls is True or False, not 1",
-        ]
-    )
+def test_a_mark_that_cannot_be_used_says_why(tried: Tried) -> None:
+    tests = """
+import pytest
+
+@pytest.mark.mqtt_broker(keepalive=5)
+def test_a_typo(mqtt_broker): pass
+
+@pytest.mark.mqtt_broker(5)
+def test_a_bare_value(mqtt_broker): pass
+
+@pytest.mark.mqtt_broker(tls=1)
+def test_a_wrong_type(mqtt_broker_thread): pass
+"""
+    lines = [
+        "@pytest.mark.mqtt_broker: there is no argument 'keepalive'; did you mean keep_alive?",
+        "@pytest.mark.mqtt_broker: name the arguments, as in keep_alive=5",
+        "@pytest.mark.mqtt_broker: tls is True or False, not 1",
+    ]
+    tried(tests, errors=3, lines=lines)
 
 
-def test_the_mark_nearest_to_a_test_counts_most(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        test_marks="import pytest\n\npytestmark = pytest.mark.mqtt_broker(keep_alive=5, tls=True)\n\n"
-        "@pytest.mark.mqtt_broker(tls=False)\ndef test_both(mqtt_broker):\n"
-        "    assert (mqtt_broker.settings.keep_alive, mqtt_broker.settings.tls) == (5, False)\n"
-    )
-    run(pytester).assert_outcomes(passed=1)
+def test_the_mark_nearest_to_a_test_counts_most(tried: Tried) -> None:
+    tests = """
+import pytest
+
+pytestmark = pytest.mark.mqtt_broker(keep_alive=5, tls=True)
+
+@pytest.mark.mqtt_broker(tls=False)
+def test_both(mqtt_broker):
+    assert (mqtt_broker.settings.keep_alive, mqtt_broker.settings.tls) == (5, False)
+"""
+    tried(tests, passed=1)

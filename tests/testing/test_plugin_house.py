@@ -8,6 +8,7 @@ from importlib.metadata import entry_points
 from inspect import iscoroutinefunction
 
 import pytest
+from tests.testing.conftest import ANYIO_ON_ASYNCIO, Tried
 
 from homebot.testing import plugin
 
@@ -85,23 +86,16 @@ ALL = 7
 PYTEST_ASYNCIO = "import pytest_asyncio\n\n@pytest_asyncio.fixture"
 
 
-def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
-    scope = () if "no:asyncio" in options else ("-o", "asyncio_default_fixture_loop_scope=function")
-    return pytester.runpytest_inprocess("-p", "no:cacheprovider", "--strict-markers", *scope, *options)
-
-
 @pytest.mark.no_cover
-def test_pytest_asyncio_in_strict_mode(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.asyncio", fixture=PYTEST_ASYNCIO))
-    run(pytester, "-p", "no:anyio").assert_outcomes(passed=ALL)
+def test_pytest_asyncio_in_strict_mode(tried: Tried) -> None:
+    tried(USE.format(mark="pytestmark = pytest.mark.asyncio", fixture=PYTEST_ASYNCIO), "-p no:anyio", passed=ALL)
 
 
-def test_pytest_asyncio_in_auto_mode(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(USE.format(mark="", fixture="@pytest.fixture"))
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=ALL)
+def test_pytest_asyncio_in_auto_mode(tried: Tried) -> None:
+    tried(USE.format(mark="", fixture="@pytest.fixture"), "--asyncio-mode=auto", passed=ALL)
 
 
-def test_pytest_asyncio_with_one_loop_for_all_tests(pytester: pytest.Pytester) -> None:
+def test_pytest_asyncio_with_one_loop_for_all_tests(tried: Tried) -> None:
     """A test in virtual time gets its own nevertheless, and what lives on the wide loop stays there."""
     wide = """
 UP = []
@@ -115,24 +109,25 @@ async def test_before(database): pass
 async def test_between(house): assert loop() == "VirtualTimeLoop"
 async def test_after(database, homebot): assert UP == [loop()]
 """
-    pytester.makepyfile(START + wide)
-    wide_scope = ("-o", "asyncio_default_fixture_loop_scope=session", "-o", "asyncio_default_test_loop_scope=session")
-    run(pytester, "--asyncio-mode=auto", *wide_scope).assert_outcomes(passed=3)
+    scopes = "-o asyncio_default_fixture_loop_scope=session -o asyncio_default_test_loop_scope=session"
+    tried(START + wide, f"--asyncio-mode=auto {scopes}", passed=3)
 
 
 @pytest.mark.no_cover
-def test_the_plugin_of_anyio(pytester: pytest.Pytester) -> None:
-    pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
-    pytester.makepyfile(USE.format(mark="pytestmark = pytest.mark.anyio", fixture="@pytest.fixture"))
-    run(pytester, "-p", "no:asyncio").assert_outcomes(passed=ALL)
+def test_the_plugin_of_anyio(tried: Tried) -> None:
+    tried(
+        USE.format(mark="pytestmark = pytest.mark.anyio", fixture="@pytest.fixture"),
+        "-p no:asyncio",
+        conftest=ANYIO_ON_ASYNCIO,
+        passed=ALL,
+    )
 
 
 @pytest.mark.no_cover
-def test_no_plugin_at_all(pytester: pytest.Pytester) -> None:
+def test_no_plugin_at_all(tried: Tried) -> None:
     """Then homebot runs the tests that use its fixtures, and those alone."""
-    pytester.makepyfile(USE.format(mark="", fixture="@pytest.fixture"))
-    chosen = "not fixture_of_my_own and not other_tests"
-    run(pytester, "-p", "no:asyncio", "-p", "no:anyio", "-k", chosen).assert_outcomes(passed=ALL - 2, deselected=2)
+    options = "-p no:asyncio -p no:anyio -k 'not fixture_of_my_own and not other_tests'"
+    tried(USE.format(mark="", fixture="@pytest.fixture"), options, passed=ALL - 2, deselected=2)
 
 
 def test_xdist(pytester: pytest.Pytester) -> None:
@@ -143,10 +138,8 @@ def test_xdist(pytester: pytest.Pytester) -> None:
     pytester.runpytest_subprocess("-p", "no:cacheprovider", "-p", "no:asyncio", "-n", "1").assert_outcomes(passed=3)
 
 
-def test_without_a_mark_the_house_is_that_of_the_thesis_and_tests_do_not_share_it(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        START
-        + """
+def test_without_a_mark_the_house_is_that_of_the_thesis_and_tests_do_not_share_it(tried: Tried) -> None:
+    tests = """
 SHARED = World.of(SimulatedLamp("desk"))
 
 @pytest.mark.parametrize("again", [1, 2])
@@ -158,11 +151,10 @@ async def test_each_has_its_own(house, again):
 async def test_the_thesis(house):
     assert "firstlevel1" in house.world.devices
 """
-    )
-    run(pytester).assert_outcomes(passed=3)
+    tried(START + tests, passed=3)
 
 
-def test_a_file_lies_beside_the_test(pytester: pytest.Pytester) -> None:
+def test_a_file_lies_beside_the_test(pytester: pytest.Pytester, tried: Tried) -> None:
     """Whatever the working directory is."""
     folder = pytester.mkdir("below")
     (folder / "house.toml").write_text("[rooms.hall]\n[devices.desk]\nkind = 'lamp'\nroom = 'hall'\n")
@@ -186,13 +178,11 @@ async def test_a_homebot(homebot):
     assert await homebot.hears("villa/lights/desk/in") == "off"
 """
     )
-    run(pytester).assert_outcomes(passed=3)
+    tried("", passed=3)
 
 
-def test_the_nearest_mark_counts_most(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        START
-        + """
+def test_the_nearest_mark_counts_most(tried: Tried) -> None:
+    tests = """
 from homebot.apps import App
 
 class Mine(App):
@@ -207,14 +197,11 @@ async def test_the_nearest(house):
     await house.run_for(1)
     assert "villa/lights/desk/out on" in str(house.log) and "/in off" not in str(house.log)
 """
-    )
-    run(pytester).assert_outcomes(passed=1)
+    tried(START + tests, passed=1)
 
 
-def test_a_homebot_on_the_broker_of_the_test(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        START
-        + """
+def test_a_homebot_on_the_broker_of_the_test(tried: Tried) -> None:
+    tests = """
 @pytest.fixture
 def homebot_config(mqtt_broker):
     return {"gateways": {"mqtt": {"url": mqtt_broker.url, "act": True}}}
@@ -225,8 +212,7 @@ async def test_it(homebot, mqtt_broker):
     await mqtt_broker.publish("home425/lights/desk/out", "on")
     await mqtt_broker.expect("home425/lights/desk/in", "off")
 """
-    )
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1)
+    tried(START + tests, "--asyncio-mode=auto", passed=1)
 
 
 MISTAKES = {
@@ -245,21 +231,16 @@ MISTAKES = {
 }
 
 
-def test_a_mistake_in_a_mark_is_told_with_the_argument(pytester: pytest.Pytester) -> None:
+def test_a_mistake_in_a_mark_is_told_with_the_argument(tried: Tried) -> None:
     tests = [
         f"{mark}\nasync def test_{number}({'homebot' if 'homebot' in mark else 'house'}): pass\n"
         for number, mark in enumerate(MISTAKES)
     ]
-    pytester.makepyfile("import pytest\n" + "\n".join(tests))
-    result = run(pytester)
-    result.assert_outcomes(errors=len(MISTAKES))
-    result.stdout.fnmatch_lines(list(MISTAKES.values()))
+    tried("import pytest\n" + "\n".join(tests), errors=len(MISTAKES), lines=list(MISTAKES.values()))
 
 
-def test_what_cannot_be_is_told_with_the_way_out(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        START
-        + """
+def test_what_cannot_be_is_told_with_the_way_out(pytester: pytest.Pytester, tried: Tried) -> None:
+    tests = """
 def test_plain(house): pass
 
 async def test_two_times(house, mqtt_broker_thread): pass
@@ -273,34 +254,35 @@ async def test_a_wide_fixture(wide): pass
 @pytest.mark.anyio
 async def test_on_its_loop(house): pass
 """
-    )
     pytester.makeconftest(
         "import pytest\n\n@pytest.fixture(scope='session')\ndef anyio_backend():\n    return 'asyncio'\n"
     )
-    result = run(pytester, "-p", "no:asyncio")
-    result.assert_outcomes(passed=1, errors=3)
-    result.stdout.fnmatch_lines(
-        [
+    tried(
+        START + tests,
+        "-p no:asyncio",
+        passed=1,
+        errors=3,
+        lines=[
             "`house` needs an async test: write `async def test_plain(*):`",
             "`house` has its own time and broker, `mqtt_broker` runs in real time: use only one of them",
             "`house` needs a loop of virtual time, and this test runs on a *Loop, which could not be replaced. *",
-        ]
+        ],
     )
 
 
-def test_a_test_that_two_plug_ins_want_is_told_so(pytester: pytest.Pytester) -> None:
-    pytester.makeconftest("import pytest\n\n@pytest.fixture\ndef anyio_backend():\n    return 'asyncio'\n")
-    pytester.makepyfile(START + "\n@pytest.mark.anyio\nasync def test_it(house): pass\n")
-    result = run(pytester, "--asyncio-mode=auto")
-    result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines(["`house` has one loop, but two plug-ins claim this test: pytest-asyncio*"])
+def test_a_test_that_two_plug_ins_want_is_told_so(tried: Tried) -> None:
+    tried(
+        START + "\n@pytest.mark.anyio\nasync def test_it(house): pass\n",
+        "--asyncio-mode=auto",
+        conftest=ANYIO_ON_ASYNCIO,
+        errors=1,
+        lines=["`house` has one loop, but two plug-ins claim this test: pytest-asyncio*"],
+    )
 
 
-def test_a_class_alone_is_marked_with_args(pytester: pytest.Pytester) -> None:
+def test_a_class_alone_is_marked_with_args(tried: Tried) -> None:
     """What ``mark(Class)`` means to pytest is that the class is marked."""
-    pytester.makepyfile(
-        START
-        + """
+    tests = """
 from homebot.apps import App
 
 ran = []
@@ -312,14 +294,11 @@ class Mine(App):
 async def test_it(house):
     assert len(ran) == 1
 """
-    )
-    run(pytester).assert_outcomes(passed=1)
+    tried(START + tests, passed=1)
 
 
-def test_a_failed_test_shows_what_happened(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        START
-        + """
+def test_a_failed_test_shows_what_happened(tried: Tried) -> None:
+    tests = """
 from homebot.apps import App
 
 class Broken(App):
@@ -330,23 +309,20 @@ async def test_it(house):
     await house.says("home425/lights/desk/out", "on")
     await house.hears("home425/lights/desk/in", within=60)
 """
-    )
-    result = run(pytester)
-    result.assert_outcomes(failed=1)
-    result.stdout.fnmatch_lines(
-        [
+    tried(
+        START + tests,
+        failed=1,
+        lines=[
             "*what happened in `house`*",
             "it is 2026-01-01 00:01:00 UTC in the house; crashed: app_1",
             "00:00:00.000  desk                on",
-        ]
+        ],
     )
 
 
-def test_an_app_that_crashed_fails_its_test_unless_that_is_meant(pytester: pytest.Pytester) -> None:
+def test_an_app_that_crashed_fails_its_test_unless_that_is_meant(tried: Tried) -> None:
     """It was started again, so that the test itself may see nothing of it."""
-    pytester.makepyfile(
-        START
-        + """
+    tests = """
 from homebot.apps import App
 
 class Broken(App):
@@ -361,16 +337,17 @@ async def test_that_it_crashes(house):
     await house.run_for("1m")
     assert house.crashed == ("app_1",)
 """
+    tried(
+        START + tests,
+        passed=2,
+        errors=1,
+        lines=["app_1 crashed; where that is meant, @pytest.mark.house(allow_crashes=True)"],
     )
-    result = run(pytester)
-    result.assert_outcomes(passed=2, errors=1)
-    result.stdout.fnmatch_lines(["app_1 crashed; where that is meant, @pytest.mark.house(allow_crashes=True)"])
 
 
-def test_a_house_of_ones_own_is_left_alone(pytester: pytest.Pytester) -> None:
+def test_a_house_of_ones_own_is_left_alone(pytester: pytest.Pytester, tried: Tried) -> None:
     """Others may have fixtures of these names, in tests without any loop."""
-    pytester.makepyfile(
-        """
+    tests = """
 import pytest
 
 @pytest.fixture
@@ -381,7 +358,6 @@ def homebot(): return "tin"
 
 def test_it(house, homebot): assert (house, homebot) == ("brick", "tin")
 """
-    )
     pytester.makepyfile(
         test_beside_ours="""
 import pytest
@@ -392,10 +368,10 @@ def mqtt_broker(): return "mine"
 async def test_it(mqtt_broker, house): assert mqtt_broker == "mine"
 """
     )
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=2)
+    tried(tests, "--asyncio-mode=auto", passed=2)
 
 
-def test_loops_that_others_choose_stay_theirs(pytester: pytest.Pytester) -> None:
+def test_loops_that_others_choose_stay_theirs(pytester: pytest.Pytester, tried: Tried) -> None:
     """With the hook of pytest-asyncio."""
     pytester.makeconftest(
         """
@@ -407,31 +383,28 @@ def pytest_asyncio_loop_factories(config, item):
     return {"chosen": Chosen}
 """
     )
-    pytester.makepyfile(
-        START
-        + """
+    tests = """
 async def test_mine(): assert loop() == "Chosen"
 async def test_virtual(house): assert loop() == "VirtualTimeLoop"
 async def test_real(homebot): assert loop() == "Chosen"
 """
-    )
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=3)
+    tried(START + tests, "--asyncio-mode=auto", passed=3)
 
 
-def test_another_library_than_asyncio_is_refused(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        START
-        + """
+def test_another_library_than_asyncio_is_refused(tried: Tried) -> None:
+    tests = """
 @pytest.fixture
 def anyio_backend(): return "trio"
 
 @pytest.mark.anyio
 async def test_it(homebot): pass
 """
+    tried(
+        START + tests,
+        "-p no:asyncio",
+        errors=1,
+        lines=["`homebot` runs on asyncio, this test on trio: write a fixture *"],
     )
-    result = run(pytester, "-p", "no:asyncio")
-    result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines(["`homebot` runs on asyncio, this test on trio: write a fixture *"])
 
 
 def test_a_run_without_our_fixtures_loads_nothing_for_them(pytester: pytest.Pytester) -> None:
@@ -448,9 +421,8 @@ def test_it():
     pytester.runpytest_subprocess("-p", "no:cacheprovider").assert_outcomes(passed=1)
 
 
-def test_a_command_that_nobody_awaits_fails_its_test(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        """
+def test_a_command_that_nobody_awaits_fails_its_test(tried: Tried) -> None:
+    tests = """
         import gc
         from homebot.devices.handles import Light
 
@@ -465,13 +437,11 @@ def test_a_command_that_nobody_awaits_fails_its_test(pytester: pytest.Pytester) 
         async def test_that_is_well():
             pass
         """
-    )
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=2)
+    tried(tests, "--asyncio-mode=auto", passed=1, failed=2)
 
 
-def test_a_hold_that_nobody_enters_fails_its_test(pytester: pytest.Pytester) -> None:
-    pytester.makepyfile(
-        """
+def test_a_hold_that_nobody_enters_fails_its_test(tried: Tried) -> None:
+    tests = """
         import gc
         from homebot.devices.hold import hold_part
 
@@ -482,8 +452,7 @@ def test_a_hold_that_nobody_enters_fails_its_test(pytester: pytest.Pytester) -> 
         async def test_that_is_well():
             pass
         """
-    )
-    run(pytester, "--asyncio-mode=auto").assert_outcomes(passed=1, failed=1)
+    tried(tests, "--asyncio-mode=auto", passed=1, failed=1)
 
 
 def test_every_command_of_every_kind_is_among_those() -> None:
@@ -502,11 +471,9 @@ def test_every_command_of_every_kind_is_among_those() -> None:
     assert [one for one in commands if not re.match(pattern, f"coroutine '{one}' was never awaited")] == []
 
 
-def test_a_failed_test_shows_commands_and_changes_and_no_raw_messages(pytester: pytest.Pytester) -> None:
+def test_a_failed_test_shows_commands_and_changes_and_no_raw_messages(tried: Tried) -> None:
     """Under 40 lines of at most 120 columns, the newest last."""
-    pytester.makepyfile(
-        START
-        + """
+    tests = """
 from homebot.house import SimulatedLamp
 
 @pytest.mark.house("light_service", world=lambda: World.of(SimulatedLamp("hall")))
@@ -516,9 +483,7 @@ async def test_it(house):
         await house.press("hall", "on")
     await house.becomes("hall", on=True, within="5m")
 """
-    )
-    result = run(pytester)
-    result.assert_outcomes(failed=1)
+    result = tried(START + tests, failed=1)
     lines = result.stdout.lines
     begin = next(number for number, line in enumerate(lines) if "what happened in `house`" in line)
     end = next(number for number, line in enumerate(lines[begin + 1 :], begin + 1) if line.startswith(("---", "===")))
