@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import anyio
 from anyio.abc import SocketAttribute, SocketStream
 from tests.patience import PATIENCE
 
 from homebot.mqtt.client import MqttClient
-from homebot.mqtt.packets import Connack, Connect, Disconnect, Packet, PacketReader, Pingreq, Properties, encode
+from homebot.mqtt.packets import (
+    Connack,
+    Connect,
+    Disconnect,
+    Packet,
+    PacketReader,
+    Pingreq,
+    Properties,
+    Puback,
+    Publish,
+    encode,
+)
 
-__all__ = ["MakeClient", "Peer", "broker", "idle"]
+__all__ = ["MakeClient", "Peer", "broker", "idle", "linked"]
 
 P = TypeVar("P", bound=Packet)
 
@@ -48,11 +59,16 @@ class Peer:
         await self._stream.send(data)
 
     async def login(self, *, session_present: bool = False, **properties: int) -> Connect:
-        connect = await self.expect(Connect)
+        self.connect = connect = await self.expect(Connect)
         self._reader.version = connect.version
         granted = Properties(**properties)  # type: ignore[arg-type] # whole numbers only
         await self.send(Connack(session_present=session_present, properties=granted))
         return connect
+
+    async def acknowledge(self, count: int) -> None:
+        """Answer the next *count* messages at QoS 1."""
+        for _ in range(count):
+            await self.send(Puback((await self.expect(Publish)).packet_id or 0))
 
     async def closed(self) -> None:
         """Wait until the client has closed the connection."""
@@ -86,6 +102,30 @@ async def broker(*scripts: Script) -> AsyncIterator[int]:
             yield listener.extra(SocketAttribute.local_port)  # noqa: S610 - no database
             await done.wait()
             tasks.cancel_scope.cancel()
+
+
+@asynccontextmanager
+async def linked(
+    make: MakeClient, script: Script | None = None, *, granted: Mapping[str, Any] | None = None, **settings: Any
+) -> AsyncIterator[tuple[MqttClient, Peer]]:
+    """A client that is logged in, and its broker, which plays the script; at the end the client says good-bye."""
+    met: list[Peer] = []
+    begun, left = anyio.Event(), anyio.Event()
+
+    async def play(peer: Peer) -> None:
+        await peer.login(**granted or {})
+        met.append(peer)
+        begun.set()
+        if script is not None:
+            await script(peer)
+        await left.wait()
+        await peer.expect(Disconnect)
+
+    async with broker(play) as port:
+        async with (client := make(port, **settings)).connected():
+            await begun.wait()
+            yield client, met[0]
+        left.set()
 
 
 async def idle(peer: Peer) -> None:

@@ -14,7 +14,7 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 from tests.mqtt.client.conftest import ClientKind
-from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
+from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle, linked
 
 from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt import packets as mqtt
@@ -416,7 +416,7 @@ async def test_the_brokers_good_bye_tells_why(make: MakeClient, code: mqtt.Reaso
 
 
 async def test_a_client_has_one_link_at_a_time(make: MakeClient) -> None:
-    async with broker(idle) as port, (client := make(port)).connected():
+    async with linked(make) as (client, _):
         with pytest.raises(UsageError, match="already connected"):
             async with client.connected():
                 pass

@@ -8,7 +8,7 @@ from typing import Any
 
 import anyio
 import pytest
-from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, idle
+from tests.mqtt.client.scripted_broker import MakeClient, Peer, broker, linked
 from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, RefusedError, UsageError
@@ -21,50 +21,33 @@ from homebot.mqtt.options import MqttProtocol
 
 async def test_a_message_is_acknowledged_only_when_it_was_handed_over(make: MakeClient) -> None:
     """The library does it on arrival; a crash then loses the message."""
-
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async with linked(make) as (client, peer):
         await peer.send(mqtt.Publish("t", b"x", 1, packet_id=7))
-        assert (await peer.expect(mqtt.Publish)).topic == "marker"
-        assert (await peer.expect(mqtt.Puback)).packet_id == 7
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port)).connected():
         batch = await client.receive()
         await client.publish("marker")
         client.ack(batch)
+        assert (await peer.expect(mqtt.Publish)).topic == "marker"
+        assert (await peer.expect(mqtt.Puback)).packet_id == 7
 
 
 async def test_qos_2_is_handed_over_once_and_only_then_recorded(make: MakeClient) -> None:
-    released = anyio.Event()
-
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async with linked(make) as (client, peer):
         await peer.send(mqtt.Publish("t", b"x", 2, packet_id=7), mqtt.Publish("t", b"x", 2, dup=True, packet_id=7))
         await peer.send(mqtt.Publish("t", b"last"))
-        assert (await peer.expect(mqtt.Publish)).topic == "marker"
-        await peer.expect(mqtt.Pubrec)
-        await peer.send(mqtt.Pubrel(7))
-        assert (await peer.expect(mqtt.Pubcomp)).packet_id == 7
-        released.set()
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port)).connected():
         batch = await receive(client, 2)
         assert [message.payload for message in batch] == [b"x", b"last"]
         await client.publish("marker")
         client.ack(batch)
-        await released.wait()
+        assert (await peer.expect(mqtt.Publish)).topic == "marker"
+        await peer.expect(mqtt.Pubrec)
+        await peer.send(mqtt.Pubrel(7))
+        assert (await peer.expect(mqtt.Pubcomp)).packet_id == 7
 
 
 async def test_unread_messages_of_qos_0_are_dropped_oldest_first_and_counted(make: MakeClient) -> None:
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async with linked(make, inbox_messages=10) as (client, peer), anyio.create_task_group() as tasks:
         await peer.send(*(mqtt.Publish("t", b"%d" % n) for n in range(100)), mqtt.Publish("t", b"end", 1, packet_id=1))
-        await peer.send(mqtt.Puback((await peer.expect(mqtt.Publish)).packet_id or 0))
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port, inbox_messages=10)).connected():
+        tasks.start_soon(peer.acknowledge, 1)
         await client.publish("marker", qos=1)  # its answer comes behind the messages
         batch = await client.receive()
     assert [message.payload for message in batch] == [b"%d" % n for n in range(90, 100)] + [b"end"]
@@ -72,19 +55,11 @@ async def test_unread_messages_of_qos_0_are_dropped_oldest_first_and_counted(mak
 
 
 async def test_the_window_for_unacknowledged_messages_and_the_size_limit_are_announced(make: MakeClient) -> None:
-    async def script(peer: Peer) -> None:
-        properties = (await peer.login()).properties
-        assert properties.receive_maximum == 17
-        assert properties.maximum_packet_size == 2000
-        assert properties.session_expiry_interval == 60
-        assert properties.topic_alias_maximum is None, "the library cannot resolve topic aliases"
-        await peer.expect(mqtt.Disconnect)
-
-    async with (
-        broker(script) as port,
-        make(port, receive_maximum=17, maximum_packet_size=2000, session_expiry=60).connected(),
-    ):
-        pass
+    async with linked(make, receive_maximum=17, maximum_packet_size=2000, session_expiry=60) as (_, peer):
+        # no topic aliases: the library cannot resolve them
+        assert peer.connect.properties == mqtt.Properties(
+            receive_maximum=17, maximum_packet_size=2000, session_expiry_interval=60
+        )
 
 
 @pytest.mark.parametrize("version", ["5", "3.1.1"])
@@ -99,30 +74,22 @@ async def test_a_bad_message_costs_no_more_than_itself(make: MakeClient, version
     if version == "5":
         bodies.append(b"\x00\x01a\x00\x04\x02\x7f\x00")  # an unknown property
 
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async with linked(make, protocol=version) as (client, peer):
         for body in bodies:
             await peer.send_raw(bytes([0x32, len(body)]) + body)
         await peer.send(mqtt.Publish("good", b"", 1, packet_id=9))
-        assert [(await peer.expect(mqtt.Puback)).packet_id for _ in bodies] == list(range(1, len(bodies) + 1))
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port, protocol=version)).connected():
         (message,) = await client.receive()
         assert message.topic == "good"
+        assert [(await peer.expect(mqtt.Puback)).packet_id for _ in bodies] == list(range(1, len(bodies) + 1))
     assert client.counters.dropped_malformed == len(bodies)
 
 
 async def test_a_message_over_the_limit_is_dropped_acknowledged_and_counted(make: MakeClient) -> None:
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async with linked(make, protocol="3.1.1") as (client, peer):
         await peer.send(mqtt.Publish("big", bytes(300_000), 1, packet_id=1), mqtt.Publish("small", b""))
-        assert (await peer.expect(mqtt.Puback)).packet_id == 1
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port, protocol="3.1.1")).connected():
         (message,) = await client.receive()
         assert message.topic == "small"
+        assert (await peer.expect(mqtt.Puback)).packet_id == 1
     assert client.counters.dropped_oversize == 1
 
 
@@ -152,12 +119,10 @@ async def test_a_link_that_ends_as_soon_as_it_stands_was_made_and_lost(make: Mak
 
 
 async def test_a_refused_publish_of_qos_2_is_an_error(make_native: MakeClient) -> None:
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async def refuse(peer: Peer) -> None:
         await peer.send(mqtt.Pubrec((await peer.expect(mqtt.Publish)).packet_id or 0, mqtt.ReasonCode.QUOTA_EXCEEDED))
-        await peer.expect(mqtt.Disconnect)
 
-    async with broker(script) as port, (client := make_native(port)).connected():
+    async with linked(make_native, refuse) as (client, _):
         with pytest.raises(RefusedError, match="quota exceeded"):
             await client.publish("t", qos=2)
 
@@ -200,14 +165,12 @@ async def test_a_subscription_in_flight_fails_at_once_when_the_link_drops(make: 
 
 async def test_a_silent_broker_is_a_link_error(make: MakeClient, pass_time: Callable[[float], None]) -> None:
     async def script(peer: Peer) -> None:
-        await peer.login()
         await peer.expect(mqtt.Publish)
         pass_time(8)
         await peer.expect(mqtt.Subscribe)
         pass_time(8)
-        await peer.expect(mqtt.Disconnect)
 
-    async with broker(script) as port, (client := make(port, timeout=8)).connected():
+    async with linked(make, script, timeout=8) as (client, _):
         with pytest.raises(LinkError, match=r"no answer to a publish within 8 s"):
             await client.publish("t", qos=1)
         with pytest.raises(LinkError, match="no answer to a subscribe"):
@@ -216,50 +179,34 @@ async def test_a_silent_broker_is_a_link_error(make: MakeClient, pass_time: Call
 
 async def test_the_window_of_the_broker_is_respected(make: MakeClient) -> None:
     """The library ignores Receive Maximum; a broker then closes the link and all is lost."""
-    at_rest = anyio.Event()
-
-    async def script(peer: Peer) -> None:
-        await peer.login(receive_maximum=3)
+    async with (
+        linked(make, granted={"receive_maximum": 3}) as (client, peer),
+        anyio.create_task_group() as tasks,
+    ):
+        for _ in range(10):
+            tasks.start_soon(lambda: client.publish("t", qos=1))
         first = [await peer.expect(mqtt.Publish) for _ in range(3)]
-        at_rest.set()
+        await client.publish("marker")
         assert (await peer.expect(mqtt.Publish)).topic == "marker"
         for publish in first:
             await peer.send(mqtt.Puback(publish.packet_id or 0))
-        for _ in range(7):
-            await peer.send(mqtt.Puback((await peer.expect(mqtt.Publish)).packet_id or 0))
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port)).connected(), anyio.create_task_group() as tasks:
-        for _ in range(10):
-            tasks.start_soon(lambda: client.publish("t", qos=1))
-        await at_rest.wait()
-        await client.publish("marker")
+        await peer.acknowledge(7)
 
 
 async def test_many_publishes_at_once_make_no_noise(make: MakeClient, caplog: pytest.LogCaptureFixture) -> None:
     """The library warns from ten on, each time."""
-
-    async def script(peer: Peer) -> None:
-        await peer.login()
-        for _ in range(200):
-            await peer.send(mqtt.Puback((await peer.expect(mqtt.Publish)).packet_id or 0))
-        await peer.expect(mqtt.Disconnect)
-
     with caplog.at_level(logging.DEBUG):
-        async with broker(script) as port, (client := make(port)).connected(), anyio.create_task_group() as tasks:
+        async with linked(make) as (client, peer), anyio.create_task_group() as tasks:
             for _ in range(200):
                 tasks.start_soon(lambda: client.publish("t", qos=1))
+            await peer.acknowledge(200)
     assert [record for record in caplog.records if record.name != "asyncio"] == []
 
 
 async def test_what_the_broker_cannot_take_is_refused_here(make: MakeClient) -> None:
     """Sent all the same, it would cost the link."""
-
-    async def script(peer: Peer) -> None:
-        await peer.login(maximum_qos=0, retain_available=0, maximum_packet_size=100)
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port)).connected():
+    limits = {"maximum_qos": 0, "retain_available": 0, "maximum_packet_size": 100}
+    async with linked(make, granted=limits) as (client, _):
         with pytest.raises(RefusedError, match="qos not supported"):
             await client.publish("t", qos=1)
         with pytest.raises(RefusedError, match="retain not supported"):
@@ -271,7 +218,7 @@ async def test_what_the_broker_cannot_take_is_refused_here(make: MakeClient) -> 
 
 
 async def test_a_publish_that_is_none_is_a_usage_error(make: MakeClient) -> None:
-    async with broker(idle) as port, (client := make(port)).connected():
+    async with linked(make) as (client, _):
         with pytest.raises(UsageError):
             await client.publish("a/+")
         with pytest.raises(UsageError):
@@ -311,20 +258,12 @@ async def test_publishes_of_qos_0_wait_for_a_slow_broker(make: MakeClient) -> No
 
 
 async def test_publishes_of_qos_0_go_on_when_a_slow_broker_reads_again(make: MakeClient) -> None:
-    stuffed = anyio.Event()
-
-    async def script(peer: Peer) -> None:
-        await peer.login()
-        await stuffed.wait()
-        for _ in range(1200):
-            await peer.expect(mqtt.Publish)
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(script) as port, (client := make(port)).connected(), anyio.create_task_group() as tasks:
+    async with linked(make) as (client, peer), anyio.create_task_group() as tasks:
         for _ in range(3):
             tasks.start_soon(flood, client, 400)
         await anyio.wait_all_tasks_blocked()
-        stuffed.set()
+        for _ in range(1200):
+            await peer.expect(mqtt.Publish)
 
 
 # -- subscribing ----------------------------------------------------------------------------------------------
@@ -340,37 +279,27 @@ async def test_publishes_of_qos_0_go_on_when_a_slow_broker_reads_again(make: Mak
 async def test_a_refused_subscription_is_an_error_that_names_the_filter(
     make: MakeClient, version: MqttProtocol, code: mqtt.ReasonCode, words: str
 ) -> None:
-    async def script(peer: Peer) -> None:
-        await peer.login()
+    async def refuse(peer: Peer) -> None:
         subscribe = await peer.expect(mqtt.Subscribe)
         await peer.send(mqtt.Suback(subscribe.packet_id, (mqtt.ReasonCode.GRANTED_QOS_1, code)))
-        await peer.expect(mqtt.Disconnect)
 
-    async with broker(script) as port, (client := make(port, protocol=version)).connected():
+    async with linked(make, refuse, protocol=version) as (client, _):
         with pytest.raises(RefusedError, match=f"subscription to 'secret/#' was refused: {words}") as caught:
             await client.subscribe(MqttSubscription("a", 1), MqttSubscription("secret/#", 1))
         assert caught.value.code == code
 
 
 async def test_subscription_options_reach_the_broker(make: MakeClient) -> None:
+    wish = MqttSubscription("a/#", 2, no_local=True, retain_as_published=True, retain_handling=2)
+
     async def script(peer: Peer) -> None:
-        await peer.login()
         subscribe = await peer.expect(mqtt.Subscribe)
-        (wish,) = subscribe.filters
-        assert (wish.filter, wish.qos, wish.no_local, wish.retain_as_published, wish.retain_handling) == (
-            "a/#",
-            2,
-            True,
-            True,
-            2,
-        )
+        assert subscribe.filters == (wish,)
         await peer.send(mqtt.Suback(subscribe.packet_id, (mqtt.ReasonCode.GRANTED_QOS_1,)))
         unsubscribe = await peer.expect(mqtt.Unsubscribe)
         await peer.send(mqtt.Unsuback(unsubscribe.packet_id, (mqtt.ReasonCode.SUCCESS,)))
-        await peer.expect(mqtt.Disconnect)
 
-    async with broker(script) as port, (client := make(port)).connected():
-        wish = MqttSubscription("a/#", 2, no_local=True, retain_as_published=True, retain_handling=2)
+    async with linked(make, script) as (client, _):
         assert await client.subscribe(wish) == (1,)
         await client.unsubscribe("a/#")
 
