@@ -212,7 +212,7 @@ def stranger(state: BrokerState) -> Stranger:
 
 @pytest.fixture
 def join(state: BrokerState) -> Join:
-    """Log a client in; its ``connack`` is checked and taken."""
+    """Log a client in, and subscribe *to* a filter; the answers are checked and taken."""
 
     def make(
         client_id: str = "a",
@@ -223,6 +223,7 @@ def join(state: BrokerState) -> Join:
         keep_alive: int = 0,
         will: mqtt.Will | None = None,
         present: bool = False,
+        to: str = "",
         **properties: object,
     ) -> MemoryClient:
         client = MemoryClient(at or state, version)
@@ -232,6 +233,8 @@ def join(state: BrokerState) -> Join:
         assert isinstance(first, mqtt.Connack)
         assert (first.reason, first.session_present) == (mqtt.ReasonCode.SUCCESS, present)
         client.link.written += b"".join(mqtt.encode(packet, version) for packet in rest)
+        if to:
+            client.subscribe(to)
         return client
 
     return make

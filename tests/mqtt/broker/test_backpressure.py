@@ -49,8 +49,7 @@ def drain(client: MemoryClient) -> list[bytes]:
 
 
 def test_no_acknowledged_message_is_lost_however_slow_the_subscriber(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small)
     assert pour(publisher, 15) == 7
     assert small.stats.queued_messages == 6
     assert drain(slow) == [str(number).encode() for number in range(1, 16)]
@@ -60,8 +59,7 @@ def test_no_acknowledged_message_is_lost_however_slow_the_subscriber(small: Brok
 
 
 def test_a_held_publisher_may_still_ping_and_acknowledge(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("t")
+    _, publisher = join("s", at=small, to="t"), join("p", at=small)
     publisher.subscribe("mine")
     pour(publisher, 9)
     join("o", at=small).publish("mine", b"1", 1, 1)
@@ -71,8 +69,7 @@ def test_a_held_publisher_may_still_ping_and_acknowledge(small: BrokerState, joi
 
 
 def test_a_client_that_floods_itself_does_not_block_itself(small: BrokerState, join: Join) -> None:
-    client = join("both", at=small)
-    client.subscribe("t")
+    client = join("both", at=small, to="t")
     acknowledged = 0
     for number in range(1, 31):
         client.publish("t", b"x", 1, number)
@@ -85,8 +82,7 @@ def test_a_client_that_floods_itself_does_not_block_itself(small: BrokerState, j
 
 
 def test_when_too_much_waits_the_socket_is_not_read(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small, version=V311)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small, version=V311)
     pour(publisher, 7 + 19)
     assert publisher.link.reading
     publisher.publish("t", b"27", 1, 27)
@@ -99,8 +95,7 @@ def test_when_too_much_waits_the_socket_is_not_read(small: BrokerState, join: Jo
 def test_the_keep_alive_of_a_publisher_that_is_not_read_does_not_run_out(
     small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small, keep_alive=4)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small, keep_alive=4)
     pour(publisher, 40)
     later(6)
     assert not publisher.link.closed
@@ -112,8 +107,7 @@ def test_the_keep_alive_of_a_publisher_that_is_not_read_does_not_run_out(
 def test_after_its_time_a_slow_subscriber_gets_only_what_it_has_room_for(
     small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small)
     pour(publisher, 12)
     later(10)
     reasons = [ack.reason for ack in publisher.take_only(mqtt.Puback)]
@@ -125,8 +119,7 @@ def test_after_its_time_a_slow_subscriber_gets_only_what_it_has_room_for(
 
 
 def test_a_slow_subscriber_that_goes_lets_the_publisher_go_on(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small, session_expiry_interval=60), join("p", at=small)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, session_expiry_interval=60, to="t"), join("p", at=small)
     pour(publisher, 20)
     slow.lose()
     small.deadlines.run(small.clock.monotonic())
@@ -134,8 +127,7 @@ def test_a_slow_subscriber_that_goes_lets_the_publisher_go_on(small: BrokerState
 
 
 def test_what_a_publisher_sent_before_it_left_is_not_lost(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small, will=mqtt.Will("t", b"will", 1))
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small, will=mqtt.Will("t", b"will", 1))
     pour(publisher, 8)
     publisher.send(mqtt.Disconnect())
     assert not publisher.link.closed
@@ -145,8 +137,7 @@ def test_what_a_publisher_sent_before_it_left_is_not_lost(small: BrokerState, jo
 
 
 def test_what_a_lost_publisher_had_sent_is_forwarded_without_waiting(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small)
     pour(publisher, 8)
     publisher.lose()
     assert len(drain(slow)) == 8
@@ -165,8 +156,7 @@ def test_many_retained_messages_take_no_room_of_their_new_subscriber(small: Brok
 
 
 def test_a_share_whose_only_member_is_slow_holds_its_publishers_too(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("$share/g/t")
+    slow, publisher = join("s", at=small, to="$share/g/t"), join("p", at=small)
     assert pour(publisher, 12) == 7
     assert len(drain(slow)) == 12
 
@@ -187,8 +177,7 @@ def test_an_overrun_client_without_room_gets_no_retained_messages(
 
 
 def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small)
     pour(publisher, 8)
     publisher.send(mqtt.Connack())
     assert not publisher.link.closed
@@ -197,8 +186,7 @@ def test_a_packet_that_must_not_come_ends_the_connection_also_after_it_waited(sm
 
 
 def test_a_bad_message_among_those_a_lost_publisher_left_ends_them(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small), join("p", at=small)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, to="t"), join("p", at=small)
     pour(publisher, 8)
     publisher.publish("", b"no such alias", properties=mqtt.Properties(topic_alias=5))
     publisher.publish("t", b"behind", 1, 99)
@@ -251,8 +239,7 @@ def test_a_subscriber_that_stays_stuck_is_cut_off_and_keeps_its_session(
     small: BrokerState, join: Join, later: Callable[[float], None], full: tuple[MemoryClient, MemoryClient]
 ) -> None:
     slow, publisher = full
-    watcher = join("w", at=small)
-    watcher.subscribe("will")
+    watcher = join("w", at=small, to="will")
     pour(publisher, 2, start=10)
     later(10)
     assert slow.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.QUOTA_EXCEEDED
@@ -310,14 +297,12 @@ def test_a_message_at_qos_2_without_room_is_taken_when_its_publisher_repeats_it(
 def test_a_group_without_room_holds_its_publishers_and_one_with_room_does_not(
     small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
-    slow, publisher = join("s", at=small), join("o", at=small, version=V311)
-    slow.subscribe("$share/g/t")
+    _, publisher = join("s", at=small, to="$share/g/t"), join("o", at=small, version=V311)
     pour(publisher, 9)
     later(10)
     publisher.take()
     assert pour(publisher, 1, start=10) == 0
-    quick, other = join("q", at=small), join("p", at=small, version=V311)
-    quick.subscribe("$share/g/t")
+    quick, other = join("q", at=small, to="$share/g/t"), join("p", at=small, version=V311)
     assert pour(other, 1) == 1
     assert len(quick.messages()) == 1
 
@@ -325,8 +310,7 @@ def test_a_group_without_room_holds_its_publishers_and_one_with_room_does_not(
 def test_a_client_that_is_not_read_from_may_flood_itself_to_its_bound_alone(
     small: BrokerState, join: Join, later: Callable[[float], None]
 ) -> None:
-    client = join("both", at=small, version=V311)
-    client.subscribe("t")
+    client = join("both", at=small, version=V311, to="t")
     for number in range(1, 31):
         client.publish("t", b"x", 1, number)
     later(10)
@@ -337,8 +321,7 @@ def test_a_client_that_is_not_read_from_may_flood_itself_to_its_bound_alone(
 
 
 def test_a_client_that_comes_back_to_a_full_queue_holds_publishers_too(small: BrokerState, join: Join) -> None:
-    slow, publisher = join("s", at=small, session_expiry_interval=60), join("o", at=small, version=V311)
-    slow.subscribe("t")
+    slow, publisher = join("s", at=small, session_expiry_interval=60, to="t"), join("o", at=small, version=V311)
     slow.lose()
     assert pour(publisher, 10) == 10
     assert not small.exchange.crowded

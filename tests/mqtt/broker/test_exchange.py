@@ -84,8 +84,7 @@ def test_everything_a_publisher_adds_reaches_an_mqtt_5_client_and_nothing_of_it_
         correlation_data=b"7",
         user_properties=(("k", "v"), ("k", "w")),
     )
-    client, older = join("a"), join("b", version=mqtt.ProtocolVersion.V311)
-    client.subscribe("t")
+    client, older = join("a", to="t"), join("b", version=mqtt.ProtocolVersion.V311)
     older.subscribe("t")
     packet_id = 1 if qos else None
     client.publish("t", b"x", qos, packet_id, properties=properties)
@@ -107,8 +106,7 @@ def test_each_message_of_a_shared_subscription_goes_to_one_of_the_group(join: Jo
 
 
 def test_a_member_of_a_group_gets_the_retain_flag_as_it_asked_for_it(join: Join) -> None:
-    plain, exact = join("plain"), join("exact")
-    plain.subscribe("$share/plain/t")
+    plain, exact = join("plain", to="$share/plain/t"), join("exact")
     exact.subscribe(mqtt.MqttSubscription("$share/exact/t", 0, retain_as_published=True))
     for retain in (True, False):
         plain.publish("t", b"1", retain=retain)
@@ -135,13 +133,11 @@ def test_a_shared_subscription_prefers_those_who_are_there_and_not_slow(join: Jo
 
 
 def test_what_a_member_did_not_acknowledge_goes_to_another_when_its_session_ends(join: Join) -> None:
-    first = join("first", receive_maximum=1)
-    first.subscribe("$share/g/t")
+    first = join("first", receive_maximum=1, to="$share/g/t")
     publisher = join("p")
     publisher.publish("t", b"in flight", 1, packet_id=1)
     publisher.publish("t", b"queued", 1, packet_id=2)
-    second = join("second")
-    second.subscribe("$share/g/t")
+    second = join("second", to="$share/g/t")
     first.lose()
     assert [message.payload for message in second.messages()] == [b"in flight", b"queued"]
 

@@ -48,8 +48,7 @@ def test_the_sessions_for_which_most_waits_lose_their_oldest(small: BrokerState,
 
 def test_a_message_that_waits_for_many_counts_once(small: BrokerState, join: Join) -> None:
     for number in range(15):
-        client = join(f"s{number}", at=small, session_expiry_interval=FOREVER)
-        client.subscribe("all")
+        client = join(f"s{number}", at=small, session_expiry_interval=FOREVER, to="all")
         client.lose()
     publisher = join("p", at=small)
     for _ in range(8):

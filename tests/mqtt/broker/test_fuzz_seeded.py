@@ -42,8 +42,7 @@ def test_a_damaged_stream_costs_its_own_connection_only(
         outcomes = []
         for pieces in ([stream], cut(rng, stream)):
             state = new_state(max_queued_messages=20, max_retained_messages=5, max_inflight=4, max_held_packets=8)
-            witness = join("witness", at=state)
-            witness.subscribe("$witness")
+            witness = join("witness", at=state, to="$witness")
             client = stranger(version, at=state)
             if logged_in:
                 client = join("wild", at=state, version=version, will=mqtt.Will("w"))

@@ -17,8 +17,7 @@ def alias(number: int) -> mqtt.Properties:
 
 
 def test_a_qos_2_message_is_forwarded_once_even_over_a_lost_connection(join: Join) -> None:
-    watcher = join("w")
-    watcher.subscribe("t")
+    watcher = join("w", to="t")
     client = join(session_expiry_interval=60)
     client.publish("t", qos=2, packet_id=5)
     client.lose()

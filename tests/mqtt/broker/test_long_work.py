@@ -160,8 +160,7 @@ def test_a_message_that_replaces_a_retained_one_comes_once(state: BrokerState, j
 
 def test_a_subscription_that_was_taken_back_is_owed_nothing(state: BrokerState, join: Join, clock: WorkClock) -> None:
     retain(state, join, [f"a/{number}" for number in range(5000)])
-    client = join("client")
-    client.subscribe("#")
+    client = join("client", to="#")
     got = len(client.messages())
     client.send(mqtt.Unsubscribe(2, ("#",)))
     finish(client, clock)
@@ -174,8 +173,7 @@ def test_a_replay_goes_on_when_its_client_comes_back(state: BrokerState, join: J
     keeper = join("keeper")
     for number in range(3000):
         keeper.publish(f"a/{number}", b"x", number % 2, number % 2 or None, retain=True)
-    client = join("client", session_expiry_interval=1000, receive_maximum=10)
-    client.subscribe("#")
+    client = join("client", session_expiry_interval=1000, receive_maximum=10, to="#")
     client.lose()
     client = join("client", clean=False, present=True, session_expiry_interval=1000)
     received = set()

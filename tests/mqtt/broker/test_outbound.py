@@ -38,8 +38,7 @@ def test_a_message_sent_again_on_a_new_connection_has_its_topic(join: Join) -> N
 
 
 def test_a_message_too_large_for_the_client_is_left_out_counted_and_told(join: Join) -> None:
-    client, other = join(maximum_packet_size=64, topic_alias_maximum=1, receive_maximum=1), join("b")
-    client.subscribe("t")
+    client, other = join(maximum_packet_size=64, topic_alias_maximum=1, receive_maximum=1, to="t"), join("b")
     with capture_logs() as lines:
         for size in (64, 57, 30):
             other.publish("t", bytes(size), 1, 1)
@@ -53,8 +52,7 @@ def test_a_message_too_large_for_the_client_is_left_out_counted_and_told(join: J
 
 
 def test_the_largest_message_that_fits_is_sent(join: Join) -> None:
-    client = join(maximum_packet_size=64)
-    client.subscribe("t")
+    client = join(maximum_packet_size=64, to="t")
     client.publish("t", bytes(58))
     client.publish("t", bytes(59))
     assert [len(message.payload) for message in client.messages()] == [58]

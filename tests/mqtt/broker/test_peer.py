@@ -190,8 +190,7 @@ def test_a_policy_refuses_publishes_subscriptions_and_wills(
 @pytest.mark.parametrize("version", [V311, V5])
 def test_clients_publish_nothing_for_the_broker(join: Join, version: mqtt.ProtocolVersion) -> None:
     """Else one could pass for it: a version, an uptime, a load."""
-    listener, client = join("listener"), join("client", version=version)
-    listener.subscribe("$SYS/#")
+    listener, client = join("listener", to="$SYS/#"), join("client", version=version)
     for qos in (0, 1, 2):
         client.publish("$SYS/broker/version", b"fake", qos=qos, packet_id=qos or None)
     reason = mqtt.ReasonCode.NOT_AUTHORIZED if version is V5 else mqtt.ReasonCode.SUCCESS

@@ -18,8 +18,7 @@ def payloads(client: MemoryClient) -> list[bytes]:
 
 
 def test_qos_2_takes_four_steps_and_then_is_over(join: Join) -> None:
-    client = join()
-    client.subscribe("t")
+    client = join(to="t")
     client.publish("t", qos=2, packet_id=3)
     assert client.take() == [mqtt.Publish("t", b"x", 2, packet_id=1), mqtt.Pubrec(3)]
     client.send(mqtt.Pubrel(3), mqtt.Pubrec(1))
@@ -30,8 +29,7 @@ def test_qos_2_takes_four_steps_and_then_is_over(join: Join) -> None:
 
 
 def test_what_was_not_acknowledged_comes_again_in_order_when_the_client_returns(join: Join) -> None:
-    client = join("s", session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join("s", session_expiry_interval=FOREVER, to="t")
     other = join("p")
     for number, qos in enumerate((1, 2, 2, 1)):
         other.publish("t", str(number).encode(), qos, packet_id=number + 1)
@@ -51,8 +49,7 @@ def test_what_was_not_acknowledged_comes_again_in_order_when_the_client_returns(
 
 def test_what_acknowledgements_make_room_for_is_sent_before_the_answer_to_a_later_packet(join: Join) -> None:
     """Acknowledgements that come together are one occasion to send, other packets between them part it."""
-    client = join("s", receive_maximum=2)
-    client.subscribe("t")
+    client = join("s", receive_maximum=2, to="t")
     other = join("p")
     for number in range(5):
         other.publish("t", str(number).encode(), 1, packet_id=number + 1)
@@ -67,8 +64,7 @@ def test_what_acknowledgements_make_room_for_is_sent_before_the_answer_to_a_late
 
 
 def test_a_receive_maximum_lowered_on_return_is_kept(join: Join) -> None:
-    client = join("s", session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join("s", session_expiry_interval=FOREVER, to="t")
     other = join("p")
     for number in range(3):
         other.publish("t", str(number).encode(), 1, packet_id=number + 1)
@@ -81,8 +77,7 @@ def test_a_receive_maximum_lowered_on_return_is_kept(join: Join) -> None:
 
 
 def test_a_qos_2_message_counts_until_pubcomp(join: Join) -> None:
-    client = join("s", receive_maximum=1)
-    client.subscribe("t")
+    client = join("s", receive_maximum=1, to="t")
     client.publish("t", b"one", 2, packet_id=1)
     client.publish("t", b"two", 2, packet_id=2)
     assert payloads(client) == [b"one"]
@@ -93,8 +88,7 @@ def test_a_qos_2_message_counts_until_pubcomp(join: Join) -> None:
 
 
 def test_a_message_the_client_refuses_is_over(join: Join) -> None:
-    client = join("s", receive_maximum=1)
-    client.subscribe("t")
+    client = join("s", receive_maximum=1, to="t")
     client.publish("t", b"one", 2, packet_id=1)
     client.publish("t", b"two", 2, packet_id=2)
     client.send(mqtt.Pubrec(1, mqtt.ReasonCode.QUOTA_EXCEEDED))
@@ -103,8 +97,7 @@ def test_a_message_the_client_refuses_is_over(join: Join) -> None:
 
 def test_an_acknowledgement_of_the_wrong_kind_ends_the_connection(join: Join) -> None:
     for answer, qos in ((mqtt.Puback(1), 2), (mqtt.Pubrec(1), 1)):
-        client = join("s")
-        client.subscribe("t")
+        client = join("s", to="t")
         client.publish("t", qos=qos, packet_id=5)
         client.send(answer)
         (goodbye,) = client.take_only(mqtt.Disconnect)
@@ -120,8 +113,7 @@ def test_an_acknowledgement_nobody_waits_for_is_ignored(join: Join) -> None:
 
 def test_the_queue_of_an_absent_client_drops_its_oldest_and_counts(new_state: NewState, join: Join) -> None:
     state = new_state(max_queued_messages=3)
-    client = join("s", at=state, session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join("s", at=state, session_expiry_interval=FOREVER, to="t")
     client.lose()
     other = join("p", at=state)
     for number in range(5):
@@ -136,8 +128,7 @@ def test_the_queue_of_an_absent_client_drops_its_oldest_and_counts(new_state: Ne
 
 def test_the_queue_of_an_absent_client_is_bounded_in_bytes(new_state: NewState, join: Join) -> None:
     state = new_state(max_queued_bytes=1000)
-    client = join("s", at=state, session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join("s", at=state, session_expiry_interval=FOREVER, to="t")
     client.lose()
     other = join("p", at=state)
     for number in range(4):
@@ -147,8 +138,7 @@ def test_the_queue_of_an_absent_client_is_bounded_in_bytes(new_state: NewState, 
 
 
 def test_qos_0_for_a_full_socket_is_dropped_and_counted_and_qos_1_waits(join: Join) -> None:
-    client, other = join("s"), join("p")
-    client.subscribe("t")
+    client, other = join("s", to="t"), join("p")
     client.link.write_blocked = True
     other.publish("t", b"lost", 0)
     other.publish("t", b"kept", 1, packet_id=1)
@@ -172,8 +162,7 @@ def test_retained_messages_wait_for_a_full_socket_even_at_qos_0(join: Join) -> N
 
 
 def test_packet_ids_start_anew_after_the_last_and_pass_over_those_in_use(join: Join) -> None:
-    client = join("s")
-    client.subscribe("t")
+    client = join("s", to="t")
     client.publish("t", b"open", 1, packet_id=1)
     client.state.sessions._sessions["s"].in_flight._last_id = 65_534
     client.publish("t", b"last", 1, packet_id=1)
@@ -192,8 +181,7 @@ def test_qos_0_messages_that_waited_are_dropped_when_the_client_goes(join: Join)
 
 
 def test_a_message_that_became_too_large_is_not_sent_again(join: Join) -> None:
-    client = join("s", session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join("s", session_expiry_interval=FOREVER, to="t")
     client.publish("t", bytes(100), 1, 1)
     client.publish("t", b"small", 1, 2)
     client.lose()
@@ -202,8 +190,7 @@ def test_a_message_that_became_too_large_is_not_sent_again(join: Join) -> None:
 
 
 def test_an_acknowledgement_before_the_second_sending_stops_it(join: Join) -> None:
-    client = join("s", session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join("s", session_expiry_interval=FOREVER, to="t")
     for number in (1, 2):
         client.publish("t", str(number).encode(), 1, number)
     client.lose()

@@ -29,8 +29,7 @@ def test_a_session_that_never_expires_is_still_there_after_years(join: Join, pas
 
 
 def test_clean_start_forgets_the_session(join: Join) -> None:
-    client = join(session_expiry_interval=FOREVER)
-    client.subscribe("t")
+    client = join(session_expiry_interval=FOREVER, to="t")
     client.lose()
     client = join(clean=True, session_expiry_interval=FOREVER)
     client.publish("t")
@@ -38,8 +37,7 @@ def test_clean_start_forgets_the_session(join: Join) -> None:
 
 
 def test_before_mqtt_5_a_session_that_is_not_clean_is_kept_for_ever(join: Join, pass_time: PassTime) -> None:
-    client = join(version=V311, clean=False)
-    client.subscribe("t")
+    client = join(version=V311, clean=False, to="t")
     client.leave()
     pass_time(1e6)
     client = join(version=V311, clean=False, present=True)
@@ -55,8 +53,7 @@ def test_disconnect_must_not_prolong_a_session_that_was_to_end(join: Join) -> No
 
 
 def test_a_second_connection_takes_the_session_over(join: Join) -> None:
-    first = join(session_expiry_interval=9)
-    first.subscribe("t")
+    first = join(session_expiry_interval=9, to="t")
     second = join(clean=False, present=True)
     assert first.take() == [Disconnect(ReasonCode.SESSION_TAKEN_OVER)]
     assert first.link.closed
@@ -78,8 +75,7 @@ def test_the_session_left_longest_ago_makes_room(new_state: NewState, join: Join
 
 @pytest.mark.parametrize("leave", [True, False])
 def test_a_will_is_published_when_the_client_is_lost_but_not_when_it_leaves(join: Join, *, leave: bool) -> None:
-    watcher, client = join("w"), join("c", will=will())
-    watcher.subscribe("will")
+    watcher, client = join("w", to="will"), join("c", will=will())
     if leave:
         client.leave()
     else:
@@ -88,22 +84,19 @@ def test_a_will_is_published_when_the_client_is_lost_but_not_when_it_leaves(join
 
 
 def test_a_client_may_leave_and_have_its_will_published(join: Join) -> None:
-    watcher, client = join("w"), join("c", will=will())
-    watcher.subscribe("will")
+    watcher, client = join("w", to="will"), join("c", will=will())
     client.leave(ReasonCode.DISCONNECT_WITH_WILL)
     assert len(watcher.messages()) == 1
 
 
 def test_a_retained_will_stays(join: Join) -> None:
     join("c", will=will(retain=True)).lose()
-    late = join("l")
-    late.subscribe("will")
+    late = join("l", to="will")
     assert late.messages() == [Publish("will", b"gone", 1, retain=True, packet_id=1)]
 
 
 def test_a_client_that_returns_in_time_cancels_its_will(join: Join, pass_time: PassTime) -> None:
-    watcher = join("w")
-    watcher.subscribe("will")
+    watcher = join("w", to="will")
     join("c", will=will(3), session_expiry_interval=9).lose()
     pass_time(2)
     join("c", clean=False, present=True)
@@ -112,8 +105,7 @@ def test_a_client_that_returns_in_time_cancels_its_will(join: Join, pass_time: P
 
 
 def test_a_clean_start_publishes_the_will_that_waited(join: Join, pass_time: PassTime) -> None:
-    watcher = join("w")
-    watcher.subscribe("will")
+    watcher = join("w", to="will")
     join("c", will=will(3), session_expiry_interval=9).lose()
     join("c", clean=True)
     assert len(watcher.messages()) == 1
@@ -122,16 +114,14 @@ def test_a_clean_start_publishes_the_will_that_waited(join: Join, pass_time: Pas
 
 
 def test_a_take_over_publishes_a_will_without_delay(join: Join) -> None:
-    watcher = join("w")
-    watcher.subscribe("will")
+    watcher = join("w", to="will")
     join("c", will=will(), session_expiry_interval=9)
     join("c", clean=False, present=True)
     assert len(watcher.messages()) == 1
 
 
 def test_a_will_expires_like_any_message(join: Join, pass_time: PassTime) -> None:
-    watcher = join("w", session_expiry_interval=FOREVER)
-    watcher.subscribe("will")
+    watcher = join("w", session_expiry_interval=FOREVER, to="will")
     watcher.lose()
     join("c", will=will(expiry=5)).lose()
     pass_time(6)
@@ -143,6 +133,5 @@ def test_to_forget_publishes_no_will(join: Join) -> None:
     client.lose()
     client.state.forget()
     assert client.state.stats.sessions == 0
-    watcher = join("w")
-    watcher.subscribe("#")
+    watcher = join("w", to="#")
     assert watcher.messages() == []

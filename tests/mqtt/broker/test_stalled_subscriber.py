@@ -40,8 +40,7 @@ def drain(client: MemoryClient) -> list[int]:
 
 @pytest.mark.parametrize("version", [V5, V311])
 def test_all_are_taken_at_once_and_wait(state: BrokerState, join: Join, version: ProtocolVersion) -> None:
-    stalled, publisher = join("s", version=version), join("p", version=V311)
-    stalled.subscribe("t")
+    stalled, publisher = join("s", version=version, to="t"), join("p", version=V311)
     pour(publisher)
     assert taken(publisher) == list(range(1, COUNT + 1))
     assert state.stats.queued_messages == COUNT - state.limits.max_inflight
@@ -54,8 +53,7 @@ def test_with_less_room_those_that_were_taken_arrive_and_the_others_are_refused(
 ) -> None:
     """The publisher is held back, and told no once the stall has lasted too long."""
     state = new_state(max_queued_messages=500, receive_maximum=COUNT)
-    stalled, publisher = join("s", at=state, session_expiry_interval=FOREVER), join("p", at=state)
-    stalled.subscribe("t")
+    stalled, publisher = join("s", at=state, session_expiry_interval=FOREVER, to="t"), join("p", at=state)
     pour(publisher)
     acknowledged = taken(publisher)
     assert len(acknowledged) == 64 + 375
@@ -77,8 +75,7 @@ def test_memory_stays_within_the_bounds_in_bytes(new_state: NewState, join: Join
     """40 MB are sent; one MiB may wait in the queue and one at the publisher, whose socket is then left alone."""
     mib = 1024 * 1024
     state = new_state(max_inflight=4, max_queued_bytes=mib, max_held_bytes=mib)
-    stalled, publisher = join("s", at=state), join("p", at=state, version=V311)
-    stalled.subscribe("t")
+    stalled, publisher = join("s", at=state, to="t"), join("p", at=state, version=V311)
     tracemalloc.start()
     try:
         before = tracemalloc.get_traced_memory()[0]
