@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 from homebot.clock import ManualClock
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 V311 = mqtt.ProtocolVersion.V311
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import Join, NewState
 
 from homebot.mqtt import packets as mqtt
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewState
 
 FOREVER = 0xFFFF_FFFF
 QUOTA = mqtt.ReasonCode.QUOTA_EXCEEDED

@@ -8,14 +8,11 @@ from __future__ import annotations
 import os
 import random
 import re
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 from homebot.mqtt import packets as mqtt
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "1000"))

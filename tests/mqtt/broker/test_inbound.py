@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
+from tests.mqtt.broker.conftest import Join, NewState
 
 from homebot.mqtt import packets as mqtt
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewState
 
 
 def alias(number: int) -> mqtt.Properties:

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from structlog.testing import capture_logs
+from tests.mqtt.broker.conftest import Dial, Join, NewState, Stranger
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits
 from homebot.mqtt.packets import Connect, Pingreq
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Dial, Join, NewState, Stranger
 
 
 def test_a_client_that_is_cut_off_is_named_with_its_mistake(stranger: Stranger, join: Join) -> None:

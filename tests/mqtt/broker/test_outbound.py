@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from structlog.testing import capture_logs
+from tests.mqtt.broker.conftest import Join
 
 from homebot.mqtt.packets import Properties, Publish
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join
 
 
 def test_a_client_that_wants_aliases_gets_them(join: Join) -> None:

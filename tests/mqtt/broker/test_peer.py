@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
 from homebot.mqtt import packets as mqtt
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewState, Stranger
 
 V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 PassTime = Callable[[float], None]

@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 import socket
 import ssl
-from typing import TYPE_CHECKING
 
 import anyio
 import pytest
 import trustme
 from structlog.testing import capture_logs
+from tests.mqtt.broker.conftest import Dial, WireClient
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
 
@@ -18,9 +18,6 @@ from homebot.clock import ManualClock
 from homebot.errors import LinkError, UsageError
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import Broker, BrokerLimits, PortTakenError
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Dial, WireClient
 
 V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 FOREVER = mqtt.Properties(session_expiry_interval=0xFFFF_FFFF)

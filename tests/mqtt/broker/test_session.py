@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 from homebot.mqtt import packets as mqtt
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 FOREVER = 0xFFFF_FFFF

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import Join, NewState
 
 from homebot.mqtt.packets import Disconnect, Properties, ProtocolVersion, Publish, ReasonCode, Will
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Join, NewState
 
 V311 = ProtocolVersion.V311
 FOREVER = 0xFFFF_FFFF

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import tracemalloc
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import Dial, Join, MemoryClient, NewState
 
 from homebot.clock import ManualClock
 from homebot.mqtt.broker import Broker, BrokerLimits, BrokerState
 from homebot.mqtt.packets import MqttSubscription, ProtocolVersion, Puback, Publish, ReasonCode, Subscribe
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import Dial, Join, MemoryClient, NewState
 
 COUNT = 2000
 FOREVER = 2**32 - 1

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conftest import MemoryClient, NewState, Stranger
 
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState, RefusedFilters
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conftest import MemoryClient, NewState, Stranger
 
 
 class Talker:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conformance.conftest import Meet
 
 from homebot.mqtt.packets import ProtocolVersion, ReasonCode
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conformance.conftest import Meet
 
 
 @pytest.fixture(params=[ProtocolVersion.V31, ProtocolVersion.V311], ids=["3.1", "3.1.1"])

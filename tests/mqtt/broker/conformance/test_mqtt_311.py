@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
 
 import pytest
-from tests.mqtt.broker.conformance.conftest import Talker
+from tests.mqtt.broker.conformance.conftest import Meet, Talker
+from tests.mqtt.broker.conftest import Stranger
 
 from homebot.mqtt.packets import (
     NO_PROPERTIES,
@@ -15,10 +15,6 @@ from homebot.mqtt.packets import (
     ProtocolVersion,
     ReasonCode,
 )
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conformance.conftest import Meet
-    from tests.mqtt.broker.conftest import Stranger
 
 V31, V311, V5 = ProtocolVersion.V31, ProtocolVersion.V311, ProtocolVersion.V5
 

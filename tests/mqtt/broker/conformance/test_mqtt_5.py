@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import pytest
+from tests.mqtt.broker.conformance.conftest import Meet
+from tests.mqtt.broker.conftest import Dial
 
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import Broker
 
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conformance.conftest import Meet
-    from tests.mqtt.broker.conftest import Dial
-
-    PassTime = Callable[[float], None]
+PassTime = Callable[[float], None]
 
 PAIRS = (("a", "2"), ("c", "3"))
 

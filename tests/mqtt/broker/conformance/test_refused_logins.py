@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import pytest
+from tests.mqtt.broker.conformance.conftest import Meet
 
 from homebot.mqtt.packets import ProtocolVersion, ReasonCode, encode
-
-if TYPE_CHECKING:
-    from tests.mqtt.broker.conformance.conftest import Meet
 
 
 def test_authentication_data_without_a_method_is_a_protocol_error(meet: Meet) -> None:
