@@ -56,6 +56,7 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "virtual_time: runs on an event loop whose time jumps; no sockets, no threads")
+    config.addinivalue_line("markers", "real_time: runs on the usual event loop, among tests of virtual time")
     # A shell lets its background jobs ignore SIGINT, nohup SIGHUP, and programs hand that on to those that they start:
     # ours would not hear the signals of a test.
     for number, handler in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, lambda *_: None)):
@@ -81,7 +82,7 @@ def pytest_asyncio_loop_factories(
     config: pytest.Config, item: pytest.Item
 ) -> Mapping[str, Callable[[], asyncio.AbstractEventLoop]]:
     """Run tests marked ``virtual_time`` on a loop whose time jumps, the others on the real one."""
-    if item.get_closest_marker("virtual_time"):
+    if item.get_closest_marker("virtual_time") and not item.get_closest_marker("real_time"):
         return {"virtual": VirtualTimeLoop}
     return {"real": asyncio.SelectorEventLoop}
 

@@ -39,6 +39,8 @@ from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.packets import ReasonCode
 from homebot.testing import VirtualTimeLoop
 
+pytestmark = pytest.mark.virtual_time
+
 FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
 
 
@@ -140,7 +142,6 @@ def unplugged(device: SimulatedDevice, since: float, until: float) -> Unplugged:
     return Unplugged(device, dice(), since=since, until=until)
 
 
-@pytest.mark.virtual_time
 async def test_devices_say_how_they_are_and_obey() -> None:
     """A lamp at once; what it does not know it ignores."""
     async with street(World.of(SimulatedLamp("lamp", is_on=True))) as there:
@@ -151,7 +152,6 @@ async def test_devices_say_how_they_are_and_obey() -> None:
         assert (there.house.counters.commands, there.house.counters.published) == (2, 2)
 
 
-@pytest.mark.virtual_time
 async def test_a_motor_takes_its_time_and_a_heartbeat_repeats_the_last_word_also_on_the_way() -> None:
     """A window that is opening is not open yet."""
     async with street(World.of(WindowMotor("motor", travel_time=15.0)), heartbeat=10.0) as there:
@@ -165,7 +165,6 @@ async def test_a_motor_takes_its_time_and_a_heartbeat_repeats_the_last_word_also
         ]
 
 
-@pytest.mark.virtual_time
 async def test_the_world_goes_on_by_itself_and_hands_reach_it() -> None:
     """Timers of the house, and those who live there."""
     errands = [ScheduledCommand(7.0, "lamp", "on")]
@@ -177,7 +176,6 @@ async def test_the_world_goes_on_by_itself_and_hands_reach_it() -> None:
         assert await there.heard_until(10.0) == ["7.999 lights/lamp/out off"]
 
 
-@pytest.mark.virtual_time
 async def test_a_house_begins_at_the_time_of_day_without_earlier_reports() -> None:
     """Its devices are as the morning left them."""
     errands = [ScheduledCommand(6 * 3600.0, "lamp", "on"), ScheduledCommand(8 * 3600.0, "lamp", "off")]
@@ -187,7 +185,6 @@ async def test_a_house_begins_at_the_time_of_day_without_earlier_reports() -> No
         assert world.now > 8 * 3600.0
 
 
-@pytest.mark.virtual_time
 async def test_a_world_that_has_lived_goes_on_with_its_next_day() -> None:
     """Time does not go back."""
     world = World.of(SimulatedLamp("lamp"))
@@ -196,7 +193,6 @@ async def test_a_world_that_has_lived_goes_on_with_its_next_day() -> None:
         assert world.now == 3 * DAY + 3.0
 
 
-@pytest.mark.virtual_time
 async def test_a_world_catches_up_after_its_clock_is_set_forward() -> None:
     """An hour at a time; a command that comes meanwhile does not wait for that. Set back, the world waits."""
     errands = [ScheduledCommand(6 * 3600.0, "lamp", "on"), ScheduledCommand(8 * 3600.0, "lamp", "off")]
@@ -217,7 +213,6 @@ async def test_a_world_catches_up_after_its_clock_is_set_forward() -> None:
         tasks.cancel_scope.cancel()
 
 
-@pytest.mark.virtual_time
 async def test_devices_come_back_with_the_broker_and_say_how_they_are() -> None:
     """What they could not say meanwhile is counted; the world did not wait."""
     async with street(World.of(WindowMotor("motor", travel_time=5.0), SimulatedLamp("lamp"))) as there:
@@ -233,7 +228,6 @@ async def test_devices_come_back_with_the_broker_and_say_how_they_are() -> None:
         assert there.house.counters.unsaid == 2
 
 
-@pytest.mark.virtual_time
 async def test_a_device_without_power_is_gone_from_the_broker_until_it_has_some() -> None:
     """It hears nothing, and its first word is how it is. Others live on."""
     async with street(
@@ -249,14 +243,12 @@ async def test_a_device_without_power_is_gone_from_the_broker_until_it_has_some(
         assert await there.heard_until(49.5) == ["48.999 lights/lamp/out off"]
 
 
-@pytest.mark.virtual_time
 async def test_a_device_may_have_no_power_from_the_beginning() -> None:
     """Then it is not there at all."""
     async with street(World.of(unplugged(SimulatedLamp("lamp"), 0.0, 40.0))) as there:
         assert await there.heard_until(50.0) == ["40 lights/lamp/out off"]
 
 
-@pytest.mark.virtual_time
 async def test_an_unplugged_device_stops_no_other_and_keeps_its_newest_report() -> None:
     """The older ones go, and are counted."""
     box = Chatterbox(SimulatedLamp("box"), dice(), times=500, every=0.01)
@@ -272,7 +264,6 @@ async def test_an_unplugged_device_stops_no_other_and_keeps_its_newest_report() 
         assert len(await there.heard_until(8.0)) == QUEUED + 1
 
 
-@pytest.mark.virtual_time
 async def test_refusals_of_the_broker_are_counted_and_logged_with_a_limit() -> None:
     """The device goes on."""
 
@@ -312,7 +303,6 @@ class Loud(ThesisDialect):
         return tuple(payload.decode().split(","))
 
 
-@pytest.mark.virtual_time
 async def test_a_dialect_defines_the_messages_on_the_wire() -> None:
     """Several topics, a birth before the state, a will, and commands out of any payload."""
     world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("lamp"), "hall", dialect="loud")])
@@ -328,7 +318,6 @@ async def test_a_dialect_defines_the_messages_on_the_wire() -> None:
         assert (await there.heard_until(20.0))[:2] == ["9.999 lamp/status gone", "9.999 lamp/status lamp in hall"]
 
 
-@pytest.mark.virtual_time
 async def test_a_power_failure_leaves_the_will() -> None:
     """Nobody says good-bye; with the power the device announces itself again."""
     lamp = Placed(unplugged(SimulatedLamp("lamp"), 10.0, 20.0), "hall", dialect="loud")
@@ -337,7 +326,6 @@ async def test_a_power_failure_leaves_the_will() -> None:
         assert (await there.heard_until(25.0))[0] == "20 lamp/status lamp in hall"
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize(
     ("world", "heartbeat", "words"),
     [
@@ -363,6 +351,7 @@ async def test_an_invalid_device_of_a_house_is_refused(world: World, heartbeat: 
         SimulatedHouse("mqtt://127.0.0.1", "villa", world, LoopClock(), heartbeat=heartbeat)
 
 
+@pytest.mark.real_time
 async def test_the_family_home_lives_on_sockets() -> None:
     """All of its devices appear, at the time of day that it is, and a lamp obeys."""
     world = parse_world(FAMILY, "family.toml")

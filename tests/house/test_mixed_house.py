@@ -18,7 +18,7 @@ from homebot.house.rooms import OUTSIDE, Room, Rooms
 from homebot.house.simulated_device import Placed
 from homebot.testing import EventLog, virtual_house_of
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.virtual_time]
 
 MIXED = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "mixed.toml").read_text("utf-8"))
 
@@ -27,7 +27,6 @@ def hall(*lamps: Placed) -> World:
     return World(Rooms({OUTSIDE: Room(window=1.0), "hall": Room()}, []), lamps)
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize("dialect", DIALECTS)
 async def test_the_light_service_switches_lamps_of_every_family(dialect: str) -> None:
     """One that is lit by hand, and one that shone before anybody looked."""
@@ -46,7 +45,6 @@ async def test_the_light_service_switches_lamps_of_every_family(dialect: str) ->
 
 
 @pytest.mark.no_cover
-@pytest.mark.virtual_time
 async def test_a_day_of_a_mixed_house_loses_nothing() -> None:
     """Each lamp that was lit is dark again soon, by a command that came over the wire; nothing is lost."""
     world = parse_world(MIXED, "mixed.toml", seed=3)
@@ -63,7 +61,6 @@ async def test_a_day_of_a_mixed_house_loses_nothing() -> None:
     assert (counters.unsaid, counters.overflowed, counters.refused) == (0, 0, 0)
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize("dialect", DIALECTS)
 async def test_a_device_is_in_its_room_and_has_its_name_whatever_it_speaks(dialect: str) -> None:
     """Most makers' protocols carry no room, and some no name: the owner states them."""

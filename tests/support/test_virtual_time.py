@@ -18,8 +18,9 @@ from homebot.errors import UsageError
 from homebot.support.virtual_time import LoopLimits
 from homebot.testing import VirtualTimeLoop
 
+pytestmark = pytest.mark.virtual_time
 
-@pytest.mark.virtual_time
+
 async def test_a_year_passes_at_once_and_every_timer_fires_at_its_own_time() -> None:
     loop = asyncio.get_running_loop()
     fired: list[float] = []
@@ -34,7 +35,6 @@ async def test_a_year_passes_at_once_and_every_timer_fires_at_its_own_time() -> 
     assert fired == [0.001, 60.0, pytest.approx(31_536_000.0)]
 
 
-@pytest.mark.virtual_time
 async def test_what_is_ready_runs_before_time_passes() -> None:
     loop = asyncio.get_running_loop()
     for _ in range(1_000):
@@ -42,7 +42,6 @@ async def test_what_is_ready_runs_before_time_passes() -> None:
     assert loop.time() == 0.0
 
 
-@pytest.mark.virtual_time
 async def test_settled_comes_after_all_that_is_due_now_and_before_time_passes() -> None:
     loop = asyncio.get_running_loop()
     assert isinstance(loop, VirtualTimeLoop)
@@ -64,7 +63,6 @@ async def test_settled_comes_after_all_that_is_due_now_and_before_time_passes() 
         assert (done, loop.time()) == (["now", "then"], 5.0)
 
 
-@pytest.mark.virtual_time
 async def test_several_may_wait_until_all_is_settled_and_one_may_give_up() -> None:
     loop = asyncio.get_running_loop()
     assert isinstance(loop, VirtualTimeLoop)
@@ -76,7 +74,6 @@ async def test_several_may_wait_until_all_is_settled_and_one_may_give_up() -> No
         await loop.settled()
 
 
-@pytest.mark.virtual_time
 async def test_a_time_limit_is_virtual_too() -> None:
     with pytest.raises(TimeoutError):
         with anyio.fail_after(3_600):
@@ -84,7 +81,6 @@ async def test_a_time_limit_is_virtual_too() -> None:
     assert asyncio.get_running_loop().time() == 3_600
 
 
-@pytest.mark.virtual_time
 async def test_the_shortest_sleep_ends_even_where_a_float_is_coarse() -> None:
     await asyncio.sleep(2.0**25)
     await asyncio.sleep(1e-9)
@@ -92,7 +88,6 @@ async def test_the_shortest_sleep_ends_even_where_a_float_is_coarse() -> None:
     assert asyncio.get_running_loop().time() == pytest.approx(2.0**25)
 
 
-@pytest.mark.virtual_time
 async def test_what_a_socket_brings_comes_before_the_next_timer() -> None:
     reading, writing = socket.socketpair()
     with reading, writing:
@@ -102,7 +97,6 @@ async def test_what_a_socket_brings_comes_before_the_next_timer() -> None:
             assert await asyncio.get_running_loop().sock_recv(reading, 1) == b"x"
 
 
-@pytest.mark.virtual_time
 async def test_another_thread_can_wake_a_loop_without_timers() -> None:
     done = asyncio.Event()
     thread = threading.Thread(target=asyncio.get_running_loop().call_soon_threadsafe, args=(done.set,))
@@ -111,7 +105,6 @@ async def test_another_thread_can_wake_a_loop_without_timers() -> None:
     thread.join()
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize("run", [anyio.to_thread.run_sync, asyncio.to_thread])
 async def test_no_time_passes_while_a_worker_thread_works(run: Callable[[Callable[[], bool]], Awaitable[bool]]) -> None:
     loop = asyncio.get_running_loop()
@@ -129,7 +122,6 @@ async def test_no_time_passes_while_a_worker_thread_works(run: Callable[[Callabl
     assert seen == [0.0]
 
 
-@pytest.mark.virtual_time
 async def test_settled_comes_after_what_a_worker_thread_does() -> None:
     loop = asyncio.get_running_loop()
     assert isinstance(loop, VirtualTimeLoop)
@@ -144,7 +136,6 @@ async def test_settled_comes_after_what_a_worker_thread_does() -> None:
         assert done == [False]
 
 
-@pytest.mark.virtual_time
 async def test_a_thread_with_a_limiter_of_its_own_holds_no_time_up() -> None:
     has_passed = threading.Event()
     async with anyio.create_task_group() as tasks:

@@ -17,6 +17,8 @@ from homebot.testing.day_event import read_time
 from homebot.testing.strategies import days, houses
 from homebot.testing.virtual_house import parse_time
 
+pytestmark = pytest.mark.virtual_time
+
 LONG = float(size(600, 1800))
 WITH_POWER = houses(faults=set(FAULTS) - {"unplugged"}, max_devices=3)
 HOUSE = Day.parse('rooms.hall.doors = ["outside"]\ndevices.lamp = { kind = "lamp", room = "hall" }').house
@@ -71,7 +73,6 @@ def test_an_app_acts_on_what_happens() -> None:
     assert world.now == pytest.approx(at("09:00"), abs=0.001)
 
 
-@pytest.mark.virtual_time
 async def test_what_is_told_while_the_broker_is_away_is_lost() -> None:
     """And is named afterwards; when the broker is back, commands come through."""
     lost = DayEvent(at("08:10"), "tell", "lamp", "on")
@@ -82,7 +83,6 @@ async def test_what_is_told_while_the_broker_is_away_is_lost() -> None:
     assert await lived(day) == ((lost, cut, pulled), "0 08:40:00.000 lamp told 0.5\n0 08:40:00.000 lamp says 0.5\n")
 
 
-@pytest.mark.virtual_time
 async def test_what_is_told_over_a_pulled_cable_comes_when_it_is_plugged_in() -> None:
     """Also where two pull the same cable: the later one counts."""
     day = a_day(
@@ -93,14 +93,12 @@ async def test_what_is_told_over_a_pulled_cable_comes_when_it_is_plugged_in() ->
     assert await lived(day) == ((), "0 08:16:00.000 lamp told on\n0 08:16:00.000 lamp says on\n")
 
 
-@pytest.mark.virtual_time
 async def test_a_device_whose_link_is_cut_dials_again() -> None:
     """Within seconds."""
     day = a_day(DayEvent(at("08:10"), "cut", "lamp"), DayEvent(at("08:11"), "tell", "lamp", "on"))
     assert await lived(day) == ((), "0 08:11:00.000 lamp told on\n0 08:11:00.000 lamp says on\n")
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize("forget", [False, True])
 async def test_a_broker_forgets_where_the_day_says_so(forget: bool) -> None:  # noqa: FBT001
     """Outages that overlap are one, and end with the later."""
@@ -123,7 +121,6 @@ async def retain(house: VirtualHouse) -> None:
         await client.publish("note", b"milk", qos=1, retain=True)
 
 
-@pytest.mark.virtual_time
 async def test_what_outlasts_the_day_ends_with_it() -> None:
     """The broker is back, the cable is in."""
     day = a_day(DayEvent(at("08:50"), "restart", lasts=86_400.0))
@@ -134,7 +131,6 @@ async def test_what_outlasts_the_day_ends_with_it() -> None:
         assert house.broker.running
 
 
-@pytest.mark.virtual_time
 async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
     """It says when it begins, and what time it is."""
     day = a_day()
@@ -143,7 +139,6 @@ async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
             await day.live(house)
 
 
-@pytest.mark.virtual_time
 async def test_a_day_cannot_be_lived_in_another_house() -> None:
     """Whose devices are not there."""
     day = a_day(DayEvent(at("08:10"), "cut", "lamp"))

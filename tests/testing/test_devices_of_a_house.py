@@ -11,6 +11,8 @@ from homebot.house.dialects import DIALECTS
 from homebot.house.sensors import MotionSensor
 from homebot.testing import virtual_house_of
 
+pytestmark = pytest.mark.virtual_time
+
 SENSED: dict[str, tuple[dict[str, bool | float], ...]] = {
     "motion": ({"occupied": True}, {"occupied": False}),
     "contact": ({"is_open": True}, {"is_open": False}),
@@ -22,7 +24,6 @@ NAMELESS = {("tasmota", "motion"), ("tasmota", "contact")}
 """A switch of Tasmota does not say what it is on, so that its part is of no type with a handle."""
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize("dialect", DIALECTS)
 async def test_what_a_sensor_senses_arrives_whatever_it_speaks(dialect: str) -> None:
     kinds = sorted(DIALECTS[dialect].kinds & SENSED.keys())
@@ -36,7 +37,6 @@ async def test_what_a_sensor_senses_arrives_whatever_it_speaks(dialect: str) -> 
                     await house.becomes(f"hall_{kind}", within="2s", **value)
 
 
-@pytest.mark.virtual_time
 @pytest.mark.parametrize("dialect", DIALECTS)
 async def test_a_hand_on_a_switch_arrives_whatever_it_speaks(dialect: str) -> None:
     devices = {"lamp": {"kind": "lamp", "room": "hall", "dialect": dialect}}
@@ -47,7 +47,6 @@ async def test_a_hand_on_a_switch_arrives_whatever_it_speaks(dialect: str) -> No
             await house.becomes("lamp", on=word == "on", within="2s")
 
 
-@pytest.mark.virtual_time
 async def test_somebody_stays_until_nobody_is_there() -> None:
     async with virtual_house_of(world=World.of(MotionSensor("motion"), SimulatedLamp("lamp"))) as house:
         await house.sense("motion", occupied=True)
@@ -58,7 +57,6 @@ async def test_somebody_stays_until_nobody_is_there() -> None:
         assert house.world.device("motion").state() == "clear"
 
 
-@pytest.mark.virtual_time
 async def test_a_mistake_in_a_test_names_the_word() -> None:
     async with virtual_house_of(world=World.of(MotionSensor("motion"), SimulatedLamp("lamp"))) as house:
         for name, value, problem in (
@@ -79,7 +77,6 @@ async def test_a_mistake_in_a_test_names_the_word() -> None:
         assert house.now.minute == 15
 
 
-@pytest.mark.virtual_time
 async def test_a_lamp_is_waited_for_in_the_time_of_the_house() -> None:
     async with virtual_house_of(world=World.of(SimulatedLamp("hall"))) as house:
         house.simulated.press("hall", "on")

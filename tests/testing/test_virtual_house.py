@@ -25,6 +25,8 @@ from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS, house_report
 
+pytestmark = pytest.mark.virtual_time
+
 A_DAY = Path(__file__).with_name("a_day.py")
 
 
@@ -33,7 +35,6 @@ def said(log: EventLog, topic: str) -> list[str]:
 
 
 @pytest.mark.no_cover
-@pytest.mark.virtual_time
 async def test_time_moves_when_told() -> None:
     async with virtual_house_of() as house:
         assert house.now == datetime(2026, 1, 1, tzinfo=UTC)
@@ -49,7 +50,6 @@ async def test_time_moves_when_told() -> None:
             await house.run_until("2026-01-01")
 
 
-@pytest.mark.virtual_time
 async def test_an_app_hears_devices_and_is_heard_without_a_second_passing() -> None:
     async with virtual_house_of("light_service", root="villa") as house:
         await house.says("villa/lights/a/out", "on")
@@ -64,13 +64,11 @@ class Chatty(App):
         self.log.info("the first line")
 
 
-@pytest.mark.virtual_time
 async def test_the_log_has_the_lines_of_an_app_from_its_start() -> None:
     async with virtual_house_of(f"{__name__}:Chatty") as house, EventLog.of(house) as log:
         assert [json.loads(text)["msg"] for text in said(log, "/rosout")].count("the first line") == 1
 
 
-@pytest.mark.virtual_time
 async def test_the_report_has_the_cause_of_the_first_change_as_well() -> None:
     """The journal, and with it its topic, begins with that."""
     async with virtual_house_of(world=World.of(SimulatedLamp("hall"))) as house, EventLog.of(house):
@@ -79,7 +77,6 @@ async def test_the_report_has_the_cause_of_the_first_change_as_well() -> None:
         assert house_report(house).split()[-4:] == ["lights/hall", "on", "by", "hand"]
 
 
-@pytest.mark.virtual_time
 async def test_what_is_due_at_the_end_has_happened() -> None:
     """A window takes three seconds, and is open after three seconds."""
     async with virtual_house_of(world=World.of(WindowMotor("w", travel_time=3.0))) as house, EventLog.of(house) as log:
@@ -92,7 +89,6 @@ async def test_what_is_due_at_the_end_has_happened() -> None:
 
 @nightly
 @pytest.mark.no_cover
-@pytest.mark.virtual_time
 async def test_a_device_that_falls_silent_is_stale_after_an_hour_and_gone_a_week_later() -> None:
     async with virtual_house_of() as house, EventLog.of(house) as log:
         await house.run_for("1h")
@@ -103,7 +99,6 @@ async def test_a_device_that_falls_silent_is_stale_after_an_hour_and_gone_a_week
     assert changes == [(0.0, "appeared"), (3_600.0, "stale"), (608_400.0, "removed")]
 
 
-@pytest.mark.virtual_time
 async def test_silence_is_told_at_once_and_costs_virtual_time_only() -> None:
     async with virtual_house_of("light_service") as house:
         with pytest.raises(TimeoutError, match="nothing came on home425/lights/b/in within 60 s"):
@@ -111,7 +106,6 @@ async def test_silence_is_told_at_once_and_costs_virtual_time_only() -> None:
         assert house.now.minute == 1
 
 
-@pytest.mark.virtual_time
 async def test_a_house_may_begin_at_any_time() -> None:
     async with virtual_house_of(start="2026-07-01 06:30") as house:
         await house.run_until("07:00")
@@ -119,7 +113,6 @@ async def test_a_house_may_begin_at_any_time() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.virtual_time
 async def test_a_day_of_the_thesis_house_passes_with_every_heartbeat_in_it() -> None:
     async with virtual_house_of("light_service", world=thesis_world()) as house:
         await house.run_for(timedelta(days=1).total_seconds())
@@ -127,14 +120,12 @@ async def test_a_day_of_the_thesis_house_passes_with_every_heartbeat_in_it() -> 
 
 
 @pytest.mark.parametrize("bad", [{"start": "noon"}, {"heartbeat": "often"}, {"heartbeat": 0}])
-@pytest.mark.virtual_time
 async def test_what_cannot_be_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         async with virtual_house_of(**bad):
             pass
 
 
-@pytest.mark.virtual_time
 async def test_hands_work_a_device_and_all_that_follows_at_once_has_happened() -> None:
     """The light service has the lamp off again before the test looks."""
     async with (
@@ -148,7 +139,6 @@ async def test_hands_work_a_device_and_all_that_follows_at_once_has_happened() -
             await house.press("door", "open")
 
 
-@pytest.mark.virtual_time
 async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
     """A misspelt word used to be silence, and the test looked elsewhere for what was wrong."""
     world = World.of(SimulatedLamp("hall"), SimulatedDoorLock("door"), LuxSensor("lux"))
@@ -163,7 +153,6 @@ async def test_hands_cannot_do_what_the_device_does_not_know() -> None:
             await house.press("hall", word)
 
 
-@pytest.mark.virtual_time
 async def test_hands_work_sensors_too() -> None:
     """As docs/house.md says of them; a meter shows what a test says until it measures again."""
     sensors = (MotionSensor("motion"), SimulatedContactSensor("door"), PowerMeter("meter"), LuxSensor("lux"))
@@ -189,7 +178,6 @@ async def test_hands_work_sensors_too() -> None:
             await house.press("door", "ajar")
 
 
-@pytest.mark.virtual_time
 async def test_the_world_is_at_the_time_of_the_house() -> None:
     """Also between two things that happen, and from the middle of a day."""
     async with virtual_house_of(world=World.of(SimulatedLamp("hall")), start="2026-07-01 06:30") as house:
@@ -199,7 +187,6 @@ async def test_the_world_is_at_the_time_of_the_house() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.virtual_time
 async def test_a_night_without_broker_is_survived() -> None:
     async with virtual_house_of("light_service", world=thesis_world()) as house:
         await house.run_until("00:10")
@@ -211,13 +198,13 @@ async def test_a_night_without_broker_is_survived() -> None:
         assert await house.hears("home425/lights/roomlights405/in") == "off"
 
 
+@pytest.mark.real_time
 async def test_a_real_loop_is_refused_with_the_way_out() -> None:
     with pytest.raises(UsageError, match=r"asyncio\.Runner\(loop_factory=VirtualTimeLoop\)"):
         async with virtual_house_of():
             pass
 
 
-@pytest.mark.virtual_time
 async def test_a_failed_test_shows_its_own_error() -> None:
     """Not a group with the error in it."""
     with pytest.raises(AssertionError, match="mine"):
@@ -226,7 +213,6 @@ async def test_a_failed_test_shows_its_own_error() -> None:
 
 
 @pytest.mark.no_cover
-@pytest.mark.virtual_time
 async def test_the_log_is_bounded_and_counts_what_went() -> None:
     async with virtual_house_of() as house:
         log = EventLog(house.clock)
@@ -252,7 +238,6 @@ def test_one_seed_is_one_day_byte_for_byte_and_another_is_another() -> None:
     assert "mqtt home425/lights/roomlights405/in off" in first
 
 
-@pytest.mark.virtual_time
 async def test_every_device_of_a_big_house_has_room_at_the_broker() -> None:
     async with virtual_house_of(world=World.of(*(SimulatedLamp(f"lamp{number}") for number in range(3)))) as house:
         limits = house.broker._limits
