@@ -7,13 +7,10 @@ from itertools import islice
 
 import anyio
 from structlog.testing import capture_logs
+from tests.graph.test_topic import text
 
 from homebot.graph import Graph, Node
 from homebot.messages import String
-
-
-def text(data: object) -> String:
-    return String(data=str(data))
 
 
 async def test_all_that_wait_are_given_together(node: Node) -> None:

@@ -9,22 +9,7 @@ import anyio
 import pytest
 from anyio.lowlevel import checkpoint
 
-from homebot.errors import ClosedError, UsageError
 from homebot.graph.mailbox import MAX_KEYED_ITEMS, TURN, KeyedQueue, Mailbox, keyed_queue
-
-
-async def test_a_waiting_reader_is_woken() -> None:
-    mailbox: Mailbox[int] = Mailbox(2)
-    got: list[int] = []
-
-    async def read() -> None:
-        got.append(await mailbox.receive())
-
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(read)
-        await anyio.wait_all_tasks_blocked()
-        mailbox.put(1)
-    assert got == [1]
 
 
 async def test_an_item_is_not_lost_when_its_reader_is_cancelled_on_the_way_to_it() -> None:
@@ -36,27 +21,6 @@ async def test_an_item_is_not_lost_when_its_reader_is_cancelled_on_the_way_to_it
     with pytest.raises(asyncio.CancelledError):
         await reader
     assert mailbox.take() == 1
-
-
-async def test_a_second_waiting_reader_is_refused() -> None:
-    mailbox: Mailbox[int] = Mailbox(2)
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(mailbox.receive)
-        await anyio.wait_all_tasks_blocked()
-        with pytest.raises(UsageError, match="two tasks read"):
-            await mailbox.receive()
-        tasks.cancel_scope.cancel()
-
-
-async def test_what_waits_at_the_close_can_still_be_read() -> None:
-    mailbox: Mailbox[int] = Mailbox(2)
-    mailbox.put(1)
-    mailbox.close()
-    mailbox.close()
-    mailbox.put(2)
-    assert [item async for item in mailbox] == [1]
-    with pytest.raises(ClosedError):
-        await mailbox.receive()
 
 
 async def test_closing_ends_a_waiting_iteration() -> None:
@@ -92,16 +56,6 @@ async def test_a_reader_that_feeds_itself_lets_others_run() -> None:
         assert count <= TURN
 
 
-async def test_a_reader_that_never_waits_can_be_cancelled() -> None:
-    mailbox: Mailbox[int] = Mailbox(2)
-    mailbox.put(0)
-    with anyio.CancelScope() as scope:
-        scope.cancel()
-        while True:
-            mailbox.put(await mailbox.receive())
-    assert scope.cancelled_caught
-
-
 async def test_all_who_wait_for_room_look_again_when_an_item_is_taken() -> None:
     mailbox: Mailbox[int] = Mailbox(1)
     mailbox.put(1)
@@ -120,24 +74,6 @@ async def test_all_who_wait_for_room_look_again_when_an_item_is_taken() -> None:
         assert woken == ["first", "second"]
 
 
-async def test_one_who_waits_for_room_and_is_cancelled_leaves_no_trace() -> None:
-    mailbox: Mailbox[int] = Mailbox(1)
-    mailbox.put(1)
-    with anyio.move_on_after(0):
-        await mailbox.wait_for_change()
-    assert not mailbox.senders
-
-
-async def test_one_who_is_admitted_and_cancelled_at_once_is_cancelled() -> None:
-    mailbox: Mailbox[int] = Mailbox(1)
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(mailbox.wait_for_change)
-        await anyio.wait_all_tasks_blocked()
-        mailbox.admit_senders()
-        tasks.cancel_scope.cancel()
-    assert not mailbox.senders
-
-
 async def test_an_admission_passes_over_one_whose_cancellation_is_under_way() -> None:
     mailbox: Mailbox[int] = Mailbox(1)
     task = asyncio.ensure_future(mailbox.wait_for_change())
@@ -147,10 +83,6 @@ async def test_an_admission_passes_over_one_whose_cancellation_is_under_way() ->
     with pytest.raises(asyncio.CancelledError):
         await task
     assert not mailbox.senders
-
-
-def keyed(depth: int = 1) -> Mailbox[str]:
-    return Mailbox(depth, key=lambda item: item[0])
 
 
 @pytest.fixture

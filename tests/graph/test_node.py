@@ -8,10 +8,10 @@ from collections.abc import Callable
 import anyio
 import pytest
 
-from homebot.errors import AbortError, ClosedError, ExitError, InvalidNameError, ServiceGoneError, UsageError
+from homebot.errors import AbortError, ClosedError, ExitError, InvalidNameError, UsageError
 from homebot.graph import Graph, Node
 from homebot.messages import String, Trigger
-from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
+from homebot.messages.std_srvs import SuccessResponse
 
 
 @pytest.mark.parametrize(
@@ -56,15 +56,6 @@ async def test_the_spelling_of_rclpy_works(graph: Graph) -> None:
         await anyio.sleep(1.75)
     assert heard == ["hello"] * 3
     assert listener.get_parameter("loud").value is True
-
-
-async def test_the_asynchronous_spelling_works(graph: Graph) -> None:
-    async with Node(graph, "node") as node:
-        publisher, subscription = node.create_publisher(String, "t"), node.create_subscription(String, "t")
-        for word in ("a", "b"):
-            await publisher.send(String(data=word))
-        subscription.close()
-        assert [message.data async for message in subscription] == ["a", "b"]
 
 
 async def test_callbacks_made_before_the_start_wait_for_it(graph: Graph) -> None:
@@ -243,30 +234,3 @@ async def test_several_errors_come_out_as_a_group(graph: Graph) -> None:
         async with node:
             await anyio.sleep_forever()
     assert len(caught.value.exceptions) == 2
-
-
-async def test_a_crashing_node_lets_its_callers_know(graph: Graph) -> None:
-    crash = anyio.Event()
-    node = Node(graph, "node")
-
-    async def wait(_request: TriggerRequest) -> SuccessResponse:
-        crash.set()
-        await anyio.sleep_forever()
-        return SuccessResponse(success=True, message="")
-
-    async def call() -> None:
-        with pytest.raises(ServiceGoneError):
-            await client.call(Trigger.Request())
-
-    async def fail_later() -> None:
-        await crash.wait()
-        raise ValueError("crash")
-
-    node.create_service(Trigger, "s", wait)
-    node.create_task(fail_later)
-    client = Node(graph, "caller").create_client(Trigger, "s")
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(call)
-        with pytest.raises(ValueError, match="crash"):
-            async with node:
-                await anyio.sleep_forever()

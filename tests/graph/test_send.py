@@ -3,32 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from typing import ClassVar
 
 import anyio
 import pytest
+from tests.graph.test_topic import Lamp, text, waiting
 
 from homebot.errors import ClosedError, TypeMismatchError
-from homebot.graph import Node, Publisher, QoSProfile, Subscription, qos_profile_sensor_data
-from homebot.messages import Bool, Message, String
-
-
-class Lamp(Message):
-    key_field: ClassVar[str | None] = "id"
-
-    id: str
-    on: bool
-
-
-def text(data: object) -> String:
-    return String(data=str(data))
-
-
-def drain(subscription: Subscription[String]) -> list[str]:
-    got = []
-    while (message := subscription.take()) is not None:
-        got.append(message.data)
-    return got
+from homebot.graph import Node, Publisher, QoSProfile, qos_profile_sensor_data
+from homebot.messages import Bool, String
 
 
 async def test_nothing_is_lost_however_slow_the_reader_is(node: Node) -> None:
@@ -67,7 +49,7 @@ async def test_with_room_or_without_readers_it_does_not_wait(node: Node) -> None
         await publisher.send(text(1))
         subscription = node.create_subscription(String, "t")
         await publisher.send(text(2))
-    assert drain(subscription) == ["2"]
+    assert waiting(subscription) == ["2"]
 
 
 async def test_a_best_effort_reader_is_not_waited_for(node: Node) -> None:
@@ -89,7 +71,7 @@ async def test_a_cancelled_sender_sends_nothing_and_leaves_no_trace(node: Node) 
         with anyio.move_on_after(0):
             await publisher.send(text("never"))
     assert not subscription.mailbox.senders
-    assert drain(subscription) == ["first"]
+    assert waiting(subscription) == ["first"]
 
 
 async def test_a_cancelled_sender_gives_its_turn_to_the_next(node: Node) -> None:
@@ -101,10 +83,10 @@ async def test_a_cancelled_sender_gives_its_turn_to_the_next(node: Node) -> None
         await anyio.wait_all_tasks_blocked()
         tasks.start_soon(publisher.send, text("second"))
         await anyio.wait_all_tasks_blocked()
-        assert drain(subscription) == ["first"]
+        assert waiting(subscription) == ["first"]
         given_up.cancel()  # admitted already, but not there yet
     assert given_up.cancelled()
-    assert drain(subscription) == ["second"]
+    assert waiting(subscription) == ["second"]
 
 
 async def test_one_who_waits_for_a_second_reader_does_not_keep_the_first_from_others(node: Node) -> None:
@@ -118,15 +100,15 @@ async def test_one_who_waits_for_a_second_reader_does_not_keep_the_first_from_ot
         tasks.start_soon(to_both.send, text("second"))
         tasks.start_soon(to_both.send, text("third"))
         await anyio.wait_all_tasks_blocked()
-        assert drain(also_quick) == ["first"]
+        assert waiting(also_quick) == ["first"]
         await anyio.wait_all_tasks_blocked()
-        assert drain(also_quick) == []
-        assert drain(stuck) == ["first"]
+        assert waiting(also_quick) == []
+        assert waiting(stuck) == ["first"]
         await anyio.wait_all_tasks_blocked()
-        assert drain(also_quick) == ["second"]
-        assert drain(stuck) == ["second"]
-    assert drain(also_quick) == drain(stuck) == ["third"]
-    assert drain(quick) == []
+        assert waiting(also_quick) == ["second"]
+        assert waiting(stuck) == ["second"]
+    assert waiting(also_quick) == waiting(stuck) == ["third"]
+    assert waiting(quick) == []
 
 
 async def test_two_topics_into_one_place_do_not_block_each_other(node: Node) -> None:
@@ -164,7 +146,7 @@ async def test_closing_the_reader_lets_the_sender_go(node: Node) -> None:
         tasks.start_soon(publisher.send, text(2))
         await anyio.wait_all_tasks_blocked()
         subscription.close()
-    assert drain(subscription) == ["1"]
+    assert waiting(subscription) == ["1"]
 
 
 async def test_closing_the_publisher_ends_the_wait_with_an_error(node: Node) -> None:

@@ -20,7 +20,7 @@ from homebot.errors import (
 )
 from homebot.graph import Client, Graph, Node, Service
 from homebot.messages import SetBool, String, Trigger
-from homebot.messages.std_srvs import SetBoolRequest, SuccessResponse, TriggerRequest
+from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
 
 TriggerClient = Client[TriggerRequest, SuccessResponse]
 
@@ -70,49 +70,80 @@ def now() -> float:
     return asyncio.get_running_loop().time()
 
 
-async def test_a_plain_function_answers(node: Node, client: TriggerClient) -> None:
-    node.create_service(Trigger, "s", lambda _request: answer("plain"))
-    assert await client.call(ASK) == answer("plain")
+async def answer_later(_request: TriggerRequest) -> SuccessResponse:
+    await anyio.sleep(1)
+    await anyio.lowlevel.checkpoint()
+    await anyio.sleep(1)
+    return answer("yes")
 
 
-async def test_a_coroutine_function_answers_with_or_without_waiting(node: Node, client: TriggerClient) -> None:
-    async def at_once(_request: TriggerRequest) -> SuccessResponse:
-        return answer("at once")
-
-    async def later(_request: TriggerRequest) -> SuccessResponse:
-        await anyio.sleep(1)
-        await anyio.lowlevel.checkpoint()
-        await anyio.sleep(1)
-        return answer("later")
-
-    server = node.create_service(Trigger, "s", at_once)
-    assert await client.call(ASK) == answer("at once")
-    server.close()
-    node.create_service(Trigger, "s", later)
-    assert await client.call(ASK) == answer("later")
-    assert now() == 2
+async def answer_at_once(_request: TriggerRequest) -> SuccessResponse:
+    return answer("yes")
 
 
-async def test_a_function_that_returns_another_awaitable_answers(node: Node, client: TriggerClient) -> None:
-    def promise(_request: TriggerRequest) -> asyncio.Future[SuccessResponse]:
-        future = asyncio.get_running_loop().create_future()
-        asyncio.get_running_loop().call_later(1, future.set_result, answer("promised"))
-        return future
-
-    node.create_service(Trigger, "s", promise)
-    assert await client.call(ASK) == answer("promised")
+def promise(_request: TriggerRequest) -> asyncio.Future[SuccessResponse]:
+    future = asyncio.get_running_loop().create_future()
+    asyncio.get_running_loop().call_later(1, future.set_result, answer("yes"))
+    return future
 
 
-async def test_the_request_reaches_the_server(node: Node) -> None:
-    seen: list[bool] = []
+@pytest.mark.parametrize(
+    ("handler", "seconds"),
+    [(lambda _request: answer("yes"), 0), (answer_at_once, 0), (answer_later, 2), (promise, 1)],
+    ids=["function", "coroutine", "waiting coroutine", "another awaitable"],
+)
+async def test_each_kind_of_handler_answers(
+    node: Node, client: TriggerClient, handler: Callable[[TriggerRequest], SuccessResponse], seconds: float
+) -> None:
+    node.create_service(Trigger, "s", handler)
+    assert await client.call(ASK) == answer("yes")
+    assert now() == seconds
 
-    def note(request: SetBoolRequest) -> SuccessResponse:
-        seen.append(request.data)
-        return SetBool.Response(success=True, message="")
 
-    node.create_service(SetBool, "~/set", lambda request: SetBool.Response(success=note(request).success, message=""))
-    await node.create_client(SetBool, "~/set").call(SetBool.Request(data=True))
-    assert seen == [True]
+def refuse(_request: TriggerRequest) -> SuccessResponse:
+    raise UsageError("there is no such lamp")
+
+
+async def fail_in_a_group(_request: TriggerRequest) -> SuccessResponse:
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(fail_later)
+    return answer()
+
+
+async def fail_later() -> None:
+    await anyio.sleep(1)
+    raise ValueError("no such lamp")
+
+
+async def exceed_a_limit(_request: TriggerRequest) -> SuccessResponse:
+    with anyio.fail_after(1):
+        await anyio.sleep_forever()
+    return answer()
+
+
+async def wait_for_the_dead(_request: TriggerRequest) -> SuccessResponse:
+    doomed: asyncio.Future[SuccessResponse] = asyncio.get_running_loop().create_future()
+    asyncio.get_running_loop().call_later(1, doomed.cancel)
+    return await doomed
+
+
+@pytest.mark.parametrize(
+    ("handler", "problem"),
+    [
+        (refuse, "service /s failed: there is no such lamp"),
+        (fail_in_a_group, "service /s failed: ValueError: no such lamp"),
+        (exceed_a_limit, "TimeoutError"),
+        (wait_for_the_dead, "something that its handler awaited was cancelled"),
+        (lambda _request: String(data="x"), r"the server returned String\(data='x'\), which is not its response"),
+    ],
+    ids=["refusal", "task group", "time-out", "cancelled future", "response of another type"],
+)
+async def test_a_failure_of_the_server_is_told_to_its_caller(
+    node: Node, client: TriggerClient, handler: Callable[[TriggerRequest], SuccessResponse], problem: str
+) -> None:
+    node.create_service(Trigger, "s", handler)
+    with pytest.raises(ServiceFailedError, match=problem):
+        await client.call(ASK)
 
 
 async def test_without_a_server_a_call_fails_at_once(client: TriggerClient) -> None:
@@ -137,36 +168,6 @@ async def test_a_raising_server_gives_its_reason_and_cause_and_goes_on(
         assert str(caught.value) == "service /s failed: ValueError: no such lamp"
         assert caught.value.reason == "ValueError: no such lamp"
         assert isinstance(caught.value.__cause__, ValueError)
-
-
-async def test_a_refusal_by_homebot_is_given_without_the_name_of_its_class(node: Node, client: TriggerClient) -> None:
-    def refuse(_request: TriggerRequest) -> SuccessResponse:
-        raise UsageError("there is no such lamp")
-
-    node.create_service(Trigger, "s", refuse)
-    with pytest.raises(ServiceFailedError) as caught:
-        await client.call(ASK)
-    assert caught.value.reason == "there is no such lamp"
-
-
-async def test_a_single_error_of_a_task_group_is_told_as_itself(node: Node, client: TriggerClient) -> None:
-    async def fail(_request: TriggerRequest) -> SuccessResponse:
-        async with anyio.create_task_group() as tasks:
-            tasks.start_soon(client.call, String(data="wrong type"))  # type: ignore[arg-type]  # fails, as it should
-        return answer()
-
-    node.create_service(Trigger, "s", fail)
-    with pytest.raises(ServiceFailedError, match=r"failed: TypeMismatchError: /s takes a TriggerRequest"):
-        await client.call(ASK)
-
-
-async def test_a_response_of_another_type_is_the_servers_failure(node: Node, client: TriggerClient) -> None:
-    def odd(_request: TriggerRequest) -> SuccessResponse:
-        return String(data="x")  # type: ignore[return-value]  # the mistake under test
-
-    node.create_service(Trigger, "s", odd)
-    with pytest.raises(ServiceFailedError, match=r"the server returned String\(data='x'\), which is not its response"):
-        await client.call(ASK)
 
 
 async def test_a_request_of_another_type_is_refused(node: Node, client: TriggerClient) -> None:
@@ -244,33 +245,6 @@ async def test_a_server_may_close_itself_while_it_answers(node: Node, client: Tr
     assert not client.service_is_ready()
 
 
-async def test_one_call_is_served_at_a_time_in_order(node: Node, client: TriggerClient, gate: Gate) -> None:
-    node.create_service(Trigger, "s", gate)
-    answers: list[str] = []
-
-    async def call() -> None:
-        answers.append((await client.call(ASK)).message)
-
-    async with anyio.create_task_group() as tasks:
-        for _ in range(4):
-            tasks.start_soon(call)
-        await anyio.wait_all_tasks_blocked()
-        assert gate.started == 1
-        gate.opened.set()
-    assert answers == ["1", "2", "3", "4"]
-    assert gate.most == 1
-
-
-async def test_a_concurrent_server_serves_side_by_side(node: Node, client: TriggerClient, gate: Gate) -> None:
-    node.create_service(Trigger, "s", gate, concurrent=True)
-    async with anyio.create_task_group() as tasks:
-        for _ in range(4):
-            tasks.start_soon(client.call, ASK)
-        await anyio.wait_all_tasks_blocked()
-        assert gate.running == 4
-        gate.opened.set()
-
-
 async def test_the_time_limit_covers_the_line(node: Node, client: TriggerClient) -> None:
     async def slow(_request: TriggerRequest) -> SuccessResponse:
         await anyio.sleep(3)
@@ -317,31 +291,6 @@ async def test_what_a_handler_ended_with_when_its_caller_was_cancelled_at_once_i
     await asyncio.wait([call])
     assert call.cancelled()
     assert graph.failures.late_answers == 1
-
-
-async def test_what_the_handler_waits_for_being_cancelled_does_not_cancel_the_caller(
-    node: Node, client: TriggerClient
-) -> None:
-    async def wait_for_the_dead(_request: TriggerRequest) -> SuccessResponse:
-        doomed: asyncio.Future[SuccessResponse] = asyncio.get_running_loop().create_future()
-        asyncio.get_running_loop().call_later(1, doomed.cancel)
-        return await doomed
-
-    node.create_service(Trigger, "s", wait_for_the_dead)
-    with pytest.raises(ServiceFailedError, match="something that its handler awaited was cancelled"):
-        await client.call(ASK)
-
-
-async def test_it_is_told_so_also_after_it_waited(node: Node, client: TriggerClient) -> None:
-    async def recurse(_request: TriggerRequest) -> SuccessResponse:
-        await anyio.sleep(1)
-        return await client.call(ASK)
-
-    node.create_service(Trigger, "s", recurse)
-    for _ in range(2):
-        with pytest.raises(ServiceFailedError, match="calls itself"):
-            await client.call(ASK)
-    assert now() == 2
 
 
 async def test_it_is_told_so_also_round_another_service(node: Node, client: TriggerClient) -> None:
@@ -394,22 +343,6 @@ async def test_a_concurrent_handler_may_call_itself(node: Node, client: TriggerC
     assert await client.call(ASK) == answer("bottom")
 
 
-async def test_services_call_each_other(node: Node, client: TriggerClient) -> None:
-    inner = node.create_client(Trigger, "inner")
-
-    async def outer_handler(_request: TriggerRequest) -> SuccessResponse:
-        await anyio.sleep(1)
-        return answer(f"outer of {(await inner.call(ASK)).message}")
-
-    async def inner_handler(_request: TriggerRequest) -> SuccessResponse:
-        await anyio.sleep(1)
-        return answer("inner")
-
-    node.create_service(Trigger, "s", outer_handler)
-    node.create_service(Trigger, "inner", inner_handler)
-    assert await client.call(ASK) == answer("outer of inner")
-
-
 @pytest.mark.parametrize(
     ("inner_timeout", "outer_timeout", "error"),
     [(1, 5, ServiceFailedError), (5, 1, ServiceTimeoutError)],
@@ -435,28 +368,6 @@ async def test_a_nested_time_limit_ends_the_call_it_belongs_to(
     with pytest.raises(error):
         await client.call(ASK, outer_timeout)
     assert now() == 1
-
-
-async def asyncio_sleep() -> None:
-    async with asyncio.timeout(1):
-        await anyio.sleep_forever()
-
-
-async def anyio_sleep() -> None:
-    with anyio.fail_after(1):
-        await anyio.sleep_forever()
-
-
-async def test_a_time_out_that_a_handler_lets_out_is_its_failure(node: Node, client: TriggerClient) -> None:
-    async def limited(_request: TriggerRequest) -> SuccessResponse:
-        with anyio.fail_after(1):
-            await anyio.sleep_forever()
-        return answer()
-
-    node.create_service(Trigger, "s", limited)
-    with pytest.raises(ServiceFailedError, match="TimeoutError") as caught:
-        await client.call(ASK)
-    assert isinstance(caught.value.__cause__, TimeoutError)
 
 
 async def test_a_handler_may_run_tasks_of_its_own(node: Node, client: TriggerClient) -> None:
@@ -492,11 +403,6 @@ async def test_waiting_for_a_server_ends_when_it_comes(node: Node, client: Trigg
         assert now() == 3
     assert await client.wait_for_service(timeout=0)
     assert client.service_is_ready()
-
-
-async def test_waiting_for_a_server_gives_up_after_its_time(client: TriggerClient) -> None:
-    assert not await client.wait_for_service(timeout=2)
-    assert now() == 2
 
 
 async def test_waiting_goes_on_when_a_server_came_and_went(node: Node, client: TriggerClient) -> None:

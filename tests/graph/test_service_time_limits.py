@@ -9,6 +9,7 @@ from contextvars import ContextVar
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.graph.test_service import ASK, TriggerClient, answer, now
 
 from homebot.errors import (
     RefusedError,
@@ -17,24 +18,14 @@ from homebot.errors import (
     ServiceTimeoutError,
     ServiceUnavailableError,
 )
-from homebot.graph import Client, Graph, Node
+from homebot.graph import Graph, Node
 from homebot.graph.service import MAX_AT_WORK, MAX_WAITING
 from homebot.messages import Trigger
 from homebot.messages.std_srvs import SuccessResponse, TriggerRequest
 
-TriggerClient = Client[TriggerRequest, SuccessResponse]
 StartNode = Callable[[str], Awaitable[Node]]
 
-ASK = TriggerRequest()
 pytestmark = pytest.mark.virtual_time
-
-
-def answer(message: str = "") -> SuccessResponse:
-    return SuccessResponse(success=True, message=message)
-
-
-def now() -> float:
-    return asyncio.get_running_loop().time()
 
 
 class Slow:
@@ -257,41 +248,6 @@ async def test_a_service_of_a_node_that_does_not_run_is_served_by_the_callers_ta
     await give_up(client, 1)
     assert handler.ends == [("done", 3), ("cancelled", 4)]
     node.close()
-
-
-async def enter_task_group() -> None:
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(anyio.sleep, 2)
-
-
-async def enter_scope() -> None:
-    with anyio.move_on_after(2):
-        await anyio.sleep_forever()
-
-
-async def enter_timeout() -> None:
-    with pytest.raises(TimeoutError):
-        async with asyncio.timeout(2):
-            await anyio.sleep_forever()
-
-
-async def enter_asyncio_group() -> None:
-    async with asyncio.TaskGroup() as tasks:
-        tasks.create_task(asyncio.sleep(2))
-
-
-async def enter_cancelled_scope() -> None:
-    with anyio.CancelScope() as scope:
-        scope.cancel()
-        await anyio.lowlevel.checkpoint()
-        raise AssertionError
-    await anyio.sleep(2)
-
-
-async def hold_lock() -> None:
-    lock = anyio.Lock()
-    async with lock:
-        await anyio.sleep(2)
 
 
 _seen: ContextVar[str] = ContextVar("_seen")

@@ -7,14 +7,11 @@ import asyncio
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.graph.test_topic import text
 
 from homebot.errors import UsageError
 from homebot.graph import OTHERS, DurabilityPolicy, Graph, Node, QoSProfile
 from homebot.messages import String
-
-
-def text(data: object) -> String:
-    return String(data=str(data))
 
 
 async def test_iterating_reads_until_the_subscription_is_closed(node: Node) -> None:
@@ -31,16 +28,6 @@ async def test_iterating_reads_until_the_subscription_is_closed(node: Node) -> N
         publisher.publish(text(2))
         subscription.close()
     assert got == ["1", "2"]
-
-
-async def test_a_plain_function_is_called_with_each_message(node: Node) -> None:
-    got: list[String] = []
-    node.create_subscription(String, "t", got.append)
-    publisher = node.create_publisher(String, "t")
-    for number in range(3):
-        publisher.publish(text(number))
-    await anyio.wait_all_tasks_blocked()
-    assert got == [text(0), text(1), text(2)]
 
 
 async def test_a_callback_gets_one_message_at_a_time(node: Node) -> None:
@@ -133,16 +120,6 @@ async def test_a_concurrent_subscription_ends_with_what_it_handles(graph: Graph,
         assert len(asyncio.all_tasks()) <= before
 
 
-async def test_a_concurrent_plain_function_is_called_too(node: Node) -> None:
-    got: list[String] = []
-    subscription = node.create_subscription(String, "t", got.append, concurrent=True)
-    node.create_publisher(String, "t").publish(text(1))
-    await anyio.wait_all_tasks_blocked()
-    subscription.close()
-    await anyio.wait_all_tasks_blocked()
-    assert got == [text(1)]
-
-
 async def test_a_callback_that_feeds_itself_lets_others_run(node: Node) -> None:
     publisher = node.create_publisher(String, "t")
     node.create_subscription(String, "t", publisher.publish)
@@ -198,29 +175,21 @@ async def test_an_error_in_a_callback_costs_its_message_and_is_told(graph: Graph
         assert (failure.node, failure.callback, failure.count) == ("/failing", "handler of /t", 2)
 
 
-async def test_a_subscription_from_one_node_gets_what_that_node_publishes_and_nothing_else() -> None:
+@pytest.mark.parametrize(
+    ("from_node", "unheard", "heard"), [("/wanted", "/other", "/wanted"), (OTHERS, "/reader", "/other")]
+)
+async def test_a_subscription_from_some_nodes_gets_what_those_publish_and_nothing_else(
+    graph: Graph, from_node: str, unheard: str, heard: str
+) -> None:
     """Also what is kept for late joiners, and whoever comes first."""
     latched = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    graph = Graph()
-    async with Node(graph, "wanted") as wanted, Node(graph, "other") as other, Node(graph, "reader") as reader:
-        early = reader.create_subscription(String, "/t", qos_profile=latched, from_node="/wanted")
-        publishers = [node.create_publisher(String, "/t", latched) for node in (other, wanted)]
-        for publisher in publishers:
-            publisher.publish(text(publisher.info.node))
-        late = reader.create_subscription(String, "/t", qos_profile=latched, from_node="/wanted")
-        for subscription in (early, late):
-            assert [subscription.take(), subscription.take()] == [text("/wanted"), None]
-        assert publishers[0].subscription_count == 0
-
-
-async def test_a_subscription_to_the_others_gets_nothing_of_its_own_node() -> None:
-    """Neither what is published nor what is kept for late joiners."""
-    latched = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-    graph = Graph()
-    async with Node(graph, "reader") as reader, Node(graph, "other") as other:
-        early = reader.create_subscription(String, "/t", qos_profile=latched, from_node=OTHERS)
-        for node in (reader, other):
-            node.create_publisher(String, "/t", latched).publish(text(node.full_name))
-        late = reader.create_subscription(String, "/t", qos_profile=latched, from_node=OTHERS)
-        for subscription in (early, late):
-            assert [subscription.take(), subscription.take()] == [text("/other"), None]
+    nodes = {f"/{name}": Node(graph, name) for name in ("reader", "wanted", "other")}
+    reader = nodes["/reader"]
+    early = reader.create_subscription(String, "/t", qos_profile=latched, from_node=from_node)
+    publishers = [nodes[name].create_publisher(String, "/t", latched) for name in (unheard, heard)]
+    for publisher in publishers:
+        publisher.publish(text(publisher.info.node))
+    late = reader.create_subscription(String, "/t", qos_profile=latched, from_node=from_node)
+    for subscription in (early, late):
+        assert [subscription.take(), subscription.take()] == [text(heard), None]
+    assert publishers[0].subscription_count == 0

@@ -60,12 +60,6 @@ async def test_every_subscription_gets_every_message_itself(node: Node) -> None:
     assert publisher.subscription_count == 2
 
 
-async def test_without_a_subscription_a_message_goes_nowhere(node: Node) -> None:
-    publisher = node.create_publisher(String, "t")
-    publisher.publish(text(1))
-    assert waiting(node.create_subscription(String, "t")) == []
-
-
 async def test_a_full_queue_keeps_the_newest_and_counts_the_loss(node: Node) -> None:
     slow, fast = node.create_subscription(String, "t", qos_profile=2), node.create_subscription(String, "t")
     publisher = node.create_publisher(String, "t")
