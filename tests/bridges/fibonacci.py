@@ -1,4 +1,4 @@
-"""The action of ROS's tutorials, and a server of it."""
+"""A server of the action of ROS's tutorials."""
 
 from __future__ import annotations
 
@@ -7,49 +7,27 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import anyio
+from tests.graph.actions.fibonacci import Feedback, Fibonacci, Result, Served
 
 from homebot.graph import Graph, Node
-from homebot.graph.actions import ActionServer, ServerGoal
-from homebot.messages.action import ActionType
-from homebot.messages.message import Int32, Message
+from homebot.graph.actions import ActionServer
 
 
-class FibonacciGoal(Message, ros_type="example_interfaces/action/Fibonacci_Goal"):
-    """How many numbers."""
-
-    order: Int32
-
-
-class FibonacciResult(Message, ros_type="example_interfaces/action/Fibonacci_Result"):
-    """All numbers."""
-
-    sequence: tuple[Int32, ...]
-
-
-class FibonacciFeedback(Message, ros_type="example_interfaces/action/Fibonacci_Feedback"):
-    """The numbers so far."""
-
-    sequence: tuple[Int32, ...]
-
-
-FIBONACCI = ActionType("example_interfaces/action/Fibonacci", FibonacciGoal, FibonacciResult, FibonacciFeedback)
-
-
-async def execute(goal: ServerGoal[Any, Any, Any]) -> FibonacciResult | None:
+async def execute(goal: Served) -> Result | None:
     """Count to three with feedback; of order 50 wait for ever, of order 7 fail."""
     if goal.request.order == 50:
         await anyio.sleep_forever()
     if goal.request.order == 7:
-        goal.abort(FibonacciResult(sequence=(7,)))
+        goal.abort(Result(sequence=(7,)))
         return None
     for last in range(3):
-        goal.publish_feedback(FibonacciFeedback(sequence=tuple(range(last + 1))))
+        goal.publish_feedback(Feedback(sequence=tuple(range(last + 1))))
     goal.succeed()
-    return FibonacciResult(sequence=(0, 1, 1))
+    return Result(sequence=(0, 1, 1))
 
 
 @asynccontextmanager
 async def server(graph: Graph) -> AsyncIterator[ActionServer[Any, Any, Any]]:
     """Serve ``/fib``; a goal below zero is rejected."""
     async with Node(graph, "counter") as node:
-        yield ActionServer(node, FIBONACCI, "/fib", execute, on_goal=lambda goal: goal.order >= 0)
+        yield ActionServer(node, Fibonacci, "/fib", execute, on_goal=lambda goal: goal.order >= 0)

@@ -18,6 +18,14 @@ def guess(guard: TokenGuard, address: str, now: float) -> float | None:
     return wait
 
 
+def guessed(address: str) -> TokenGuard:
+    """A guard that was shown thirty wrong tokens from an address."""
+    guard = TokenGuard()
+    for _ in range(30):
+        guess(guard, address, 0.0)
+    return guard
+
+
 def test_the_first_wrong_tokens_cost_nothing_and_then_each_waits_longer_up_to_a_second() -> None:
     guard = TokenGuard()
     waits = [guess(guard, "10.0.0.5", 0.0) for _ in range(12)]
@@ -28,27 +36,21 @@ def test_the_first_wrong_tokens_cost_nothing_and_then_each_waits_longer_up_to_a_
 
 
 def test_the_right_token_waits_as_long_as_a_wrong_one_and_is_not_counted() -> None:
-    guard = TokenGuard()
-    for _ in range(30):
-        guess(guard, "10.0.0.5", 0.0)
+    guard = guessed("10.0.0.5")
     assert guard.begin("10.0.0.5", 0.0) == 1.0
     guard.end("10.0.0.5", 1.0, waited=True, was_wrong=False)
     assert guard.begin("10.0.0.6", 0.0) == 0.0
 
 
 def test_only_four_tokens_of_an_address_wait_at_a_time() -> None:
-    guard = TokenGuard()
-    for _ in range(30):
-        guess(guard, "10.0.0.5", 0.0)
+    guard = guessed("10.0.0.5")
     assert [guard.begin("10.0.0.5", 0.0) for _ in range(5)] == [1.0, 1.0, 1.0, 1.0, None]
     guard.end("10.0.0.5", 1.0, waited=True, was_wrong=True)
     assert guard.begin("10.0.0.5", 1.0) == 1.0
 
 
 def test_wrong_tokens_are_forgotten_in_time() -> None:
-    guard = TokenGuard()
-    for _ in range(30):
-        guess(guard, "10.0.0.5", 0.0)
+    guard = guessed("10.0.0.5")
     assert guard.throttled_addresses(0.0) == ("10.0.0.5",)
     assert guard.begin("10.0.0.5", 155.0) == 0.0
     assert guard.throttled_addresses(300.0) == ()
@@ -61,8 +63,7 @@ def test_addresses_of_one_network_are_one_address() -> None:
         guess(guard, f"2001:db8::{number:x}", 0.0)
     assert guard.begin("2001:db8::ffff", 0.0) == 1.0
     assert guard.begin("2001:db8:0:1::1", 0.0) == 0.0
-    for _ in range(30):
-        guess(guard, "::ffff:10.0.0.5", 0.0)
+    guard = guessed("::ffff:10.0.0.5")
     assert guard.begin("10.0.0.5", 0.0) == 1.0
 
 

@@ -62,22 +62,45 @@ async def ask() -> Asker:
     return Asker(graph)
 
 
-async def test_topics_come_with_their_types_and_without_hidden_ones(ask: Asker) -> None:
-    assert await ask("topics") == {
-        "topics": ["/chatter", "/parameter_events"],
-        "types": ["std_msgs/msg/String", "rcl_interfaces/msg/ParameterEvent"],
+@pytest.mark.parametrize(
+    ("question", "fields", "answer"),
+    [
+        ("topics_for_type", {"type": "std_msgs/String"}, {"topics": ["/chatter"]}),
+        ("topics_for_type", {"type": "std_msgs/msg/String"}, {"topics": ["/chatter"]}),
+        ("topics_for_type", {"type": "std_msgs/Bool"}, {"topics": []}),
+        ("topic_type", {"topic": "chatter"}, {"type": "std_msgs/msg/String"}),
+        ("topic_type", {"topic": "/nothing"}, {"type": ""}),
+        ("service_type", {"service": "/reset"}, {"type": "std_srvs/srv/Trigger"}),
+        ("service_type", {"service": "/nothing"}, {"type": ""}),
+        ("services_for_type", {"type": "std_srvs/Trigger"}, {"services": ["/reset"]}),
+        ("service_node", {"service": "/reset"}, {"node": "/listener"}),
+        ("service_node", {"service": "/nothing"}, {"node": ""}),
+        ("service_providers", {"service": "std_srvs/srv/Trigger"}, {"providers": ["/listener"]}),
+        ("publishers", {"topic": "/chatter"}, {"publishers": ["/talker"]}),
+        ("subscribers", {"topic": "/chatter"}, {"subscribers": ["/listener"]}),
+        ("nodes", {}, {"nodes": ["/asker", "/listener", "/rosapi", "/talker"]}),
+        ("node_details", {"node": "/nobody"}, {"subscribing": [], "publishing": [], "services": []}),
+        ("has_param", {"name": "/talker:rate"}, {"exists": True}),
+        ("has_param", {"name": "/talker:nothing"}, {"exists": False}),
+        ("has_param", {"name": "nonsense"}, {"exists": False}),
+    ],
+)
+async def test_a_question_is_answered_without_hidden_names(
+    ask: Asker, question: str, fields: dict[str, str], answer: dict[str, object]
+) -> None:
+    assert await ask(question, **fields) == answer
+
+
+async def test_topics_services_and_nodes_are_listed_with_what_belongs_to_them(ask: Asker) -> None:
+    types = ["std_msgs/msg/String", "rcl_interfaces/msg/ParameterEvent"]
+    assert await ask("topics") == {"topics": ["/chatter", "/parameter_events"], "types": types}
+    assert "/reset" in (await ask("services"))["services"]
+    publishing = ["/parameter_events"]
+    assert await ask("node_details", node="/listener") == {
+        "subscribing": ["/chatter"],
+        "publishing": publishing,
+        "services": ["/reset"],
     }
-
-
-async def test_a_topic_is_found_by_its_type_however_it_is_spelled(ask: Asker) -> None:
-    for spelling in ("std_msgs/String", "std_msgs/msg/String"):
-        assert await ask("topics_for_type", type=spelling) == {"topics": ["/chatter"]}
-    assert await ask("topics_for_type", type="std_msgs/Bool") == {"topics": []}
-
-
-async def test_the_type_of_a_topic(ask: Asker) -> None:
-    assert await ask("topic_type", topic="chatter") == {"type": "std_msgs/msg/String"}
-    assert await ask("topic_type", topic="/nothing") == {"type": ""}
 
 
 async def test_raw_types_are_the_texts_of_the_types(ask: Asker) -> None:
@@ -89,31 +112,6 @@ async def test_raw_types_are_the_texts_of_the_types(ask: Asker) -> None:
 async def test_interfaces_are_all_that_have_a_definition(ask: Asker) -> None:
     found = (await ask("interfaces"))["interfaces"]
     assert {"std_msgs/msg/String", "nav_msgs/srv/GetMap", "nav2_msgs/action/Spin", "homebot/msg/Device"} <= set(found)
-
-
-async def test_services_and_their_types(ask: Asker) -> None:
-    assert "/reset" in (await ask("services"))["services"]
-    assert await ask("service_type", service="/reset") == {"type": "std_srvs/srv/Trigger"}
-    assert await ask("service_type", service="/nothing") == {"type": ""}
-    assert await ask("services_for_type", type="std_srvs/Trigger") == {"services": ["/reset"]}
-    assert await ask("service_node", service="/reset") == {"node": "/listener"}
-    assert await ask("service_node", service="/nothing") == {"node": ""}
-    assert await ask("service_providers", service="std_srvs/srv/Trigger") == {"providers": ["/listener"]}
-
-
-async def test_publishers_and_subscribers_of_a_topic(ask: Asker) -> None:
-    assert await ask("publishers", topic="/chatter") == {"publishers": ["/talker"]}
-    assert await ask("subscribers", topic="/chatter") == {"subscribers": ["/listener"]}
-
-
-async def test_nodes_with_their_topics_and_services(ask: Asker) -> None:
-    assert await ask("nodes") == {"nodes": ["/asker", "/listener", "/rosapi", "/talker"]}
-    assert await ask("node_details", node="/listener") == {
-        "subscribing": ["/chatter"],
-        "publishing": ["/parameter_events"],
-        "services": ["/reset"],
-    }
-    assert await ask("node_details", node="/nobody") == {"subscribing": [], "publishing": [], "services": []}
 
 
 async def test_message_details_describe_nested_types_too(ask: Asker) -> None:
@@ -209,9 +207,6 @@ async def test_parameters_are_read_as_json(ask: Asker) -> None:
         "names": ["a", "b"],
         "key": [1, 2],
     }
-    assert await ask("has_param", name="/talker:rate") == {"exists": True}
-    assert await ask("has_param", name="/talker:nothing") == {"exists": False}
-    assert await ask("has_param", name="nonsense") == {"exists": False}
 
 
 async def test_parameters_are_set_from_json(ask: Asker) -> None:

@@ -26,7 +26,7 @@ from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.messages import String
-from homebot.messages.std_srvs import SuccessResponse, Trigger, TriggerRequest
+from homebot.messages.std_srvs import SuccessResponse, Trigger
 
 OUT = "/gateway/mqtt/out"
 RAW_COMMAND = {"address": "home/locks/front/in", "payload": "unlock", "issuer": "/light_service"}
@@ -268,19 +268,6 @@ async def test_the_issuer_of_a_command_is_its_client(
     assert seen == [(issuer, scope), (issuer, scope)]
 
 
-async def test_a_request_of_a_service_without_an_issuer_stays_as_it_is(open_house: Any) -> None:
-    requests: list[TriggerRequest] = []
-
-    def answer(request: TriggerRequest) -> SuccessResponse:
-        requests.append(request)
-        return SuccessResponse(success=True, message="")
-
-    async with open_house() as house, house.peer() as peer:
-        house.node("app").create_service(Trigger, "/app/go", answer)
-        assert (await peer.call("/app/go"))["result"] is True
-    assert requests == [TriggerRequest()]
-
-
 async def test_each_refusal_is_counted_and_logged_and_told_on_the_graph(open_house: Any) -> None:
     with capture_logs() as lines:
         async with robot(open_house, "read") as (house, peer):
@@ -308,12 +295,6 @@ async def test_a_flood_of_refusals_is_counted_in_full_and_told_in_part(open_hous
             told = sum(1 for _ in iter(refusals.take, None))
     assert counts["rights_missing"] == 200
     assert told == sum(line["event"] == "door.right_missing" for line in lines) < 100
-
-
-async def test_beside_named_tokens_a_local_client_needs_none(open_house: Any) -> None:
-    async with open_house(settings("raw")) as house, house.peer() as peer:
-        await peer.settle()
-        assert (await refusal(peer, "publish", topic=OUT, msg={})).startswith("the right raw is missing; a client")
 
 
 async def test_a_wrong_token_is_turned_away_where_there_are_named_ones(open_house: Any) -> None:

@@ -9,7 +9,8 @@ from typing import Any
 import anyio
 import pytest
 from tests.bridges.conftest import House
-from tests.bridges.fibonacci import FIBONACCI, FibonacciFeedback, FibonacciGoal, FibonacciResult, server
+from tests.bridges.fibonacci import server
+from tests.graph.actions.fibonacci import Feedback, Fibonacci, Goal, Result
 from tests.patience import PATIENCE
 
 from homebot.graph.actions import ActionClient, ActionServer, GoalState
@@ -110,7 +111,7 @@ async def test_the_goals_of_a_client_that_vanishes_end(house: House) -> None:
 
 async def test_a_client_executes_goals(house: House) -> None:
     async with house.node("app") as app, house.peer() as robot:
-        client = ActionClient(app, FIBONACCI, "/fib")
+        client = ActionClient(app, Fibonacci, "/fib")
         await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         await robot.settle()
         heard: list[Message] = []
@@ -118,7 +119,7 @@ async def test_a_client_executes_goals(house: House) -> None:
             results: list[Message] = []
 
             async def perform() -> None:
-                results.append(await client.perform(FibonacciGoal(order=2), heard.append))
+                results.append(await client.perform(Goal(order=2), heard.append))
 
             tasks.start_soon(perform)
             asked = await robot.receive()
@@ -128,39 +129,39 @@ async def test_a_client_executes_goals(house: House) -> None:
             for _ in range(2):  # as roslib does that advertised twice
                 await robot.send("action_result", values={"sequence": [0, 1]}, status=4, result=True, **about)
             await robot.settle()
-        assert results == [FibonacciResult(sequence=(0, 1))]
-        assert heard == [FibonacciFeedback(sequence=(0,))]
+        assert results == [Result(sequence=(0, 1))]
+        assert heard == [Feedback(sequence=(0,))]
 
-        goal = await client.send_goal(FibonacciGoal(order=50))
+        goal = await client.send_goal(Goal(order=50))
         asked = await robot.receive()
         await goal.cancel()
         about = {"id": asked["id"], "action": "/fib"}
         assert await robot.receive() == {"op": "cancel_action_goal", **about}
         await robot.send("action_result", values={"sequence": [9]}, status=5, result=True, **about)
-        assert await goal.result() == (GoalState.CANCELED, FibonacciResult(sequence=(9,)))
+        assert await goal.result() == (GoalState.CANCELED, Result(sequence=(9,)))
 
-        goal = await client.send_goal(FibonacciGoal(order=-1))
+        goal = await client.send_goal(Goal(order=-1))
         asked = await robot.receive()
         await robot.send("action_result", id=asked["id"], action="/fib", status=6, result=False)  # roslib's setFailed
-        assert await goal.result() == (GoalState.ABORTED, FibonacciResult(sequence=()))
+        assert await goal.result() == (GoalState.ABORTED, Result(sequence=()))
 
 
 async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_cancellation(house: House) -> None:
     async with house.node("app") as app, house.peer() as robot:
-        client = ActionClient(app, FIBONACCI, "/fib")
+        client = ActionClient(app, Fibonacci, "/fib")
         await robot.send("advertise_action", action="/fib", type="example_interfaces/Fibonacci")
         await robot.settle()
-        (await client.send_goal(FibonacciGoal(order=2))).request_cancel()
+        (await client.send_goal(Goal(order=2))).request_cancel()
         assert [(await robot.receive())["op"] for _ in range(2)] == ["send_action_goal", "cancel_action_goal"]
 
 
 async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> None:
     async with house.node("app") as app:
-        client = ActionClient(app, FIBONACCI, "/fib")
+        client = ActionClient(app, Fibonacci, "/fib")
         async with house.peer() as robot:
             await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
             await robot.settle()
-            goal = await client.send_goal(FibonacciGoal(order=2))
+            goal = await client.send_goal(Goal(order=2))
             await robot.receive()
         with anyio.fail_after(PATIENCE):
             assert (await goal.result())[0] is GoalState.ABORTED

@@ -101,9 +101,6 @@ def test_an_empty_token_is_no_token() -> None:
 
 BAD_FRAMES = [
     ("not json", "the frame is not JSON: Expecting value"),
-    ("[" * 50_000, "holds more than 20,000 values"),
-    ('{"op": "fly"}', "uses the unknown operation 'fly'; known are "),
-    ('{"op": "publish", "topic": "/chatter"}', "publish: field 'msg' is missing"),
     ('{"op": "publish", "topic": "/chatter", "msg": {"data": 5}}', "'data': input should be a valid string, got 5"),
     ('{"op": "publish", "topic": "/chatter", "msg": {"data": ' + "[" * 90 + "]" * 90 + "}}", "'data': input should be"),
     ('{"op": "publish", "topic": "/nowhere", "msg": {}}', "there is no topic /nowhere yet, so its type must be given"),
@@ -116,10 +113,7 @@ BAD_FRAMES = [
     ('{"op": "unadvertise_service", "service": "/s"}', "service /s is not provided by this client"),
     ('{"op": "service_response", "service": "/s", "id": "1", "result": true}', "no call of /s with the id '1'"),
     ('{"op": "advertise_action", "action": "/a", "type": "x/action/Y"}', "unknown action type 'x/action/Y'"),
-    (
-        '{"op": "subscribe", "topic": "/new", "type": "std_msgs/Strng"}',
-        "unknown message type 'std_msgs/Strng'; similar",
-    ),
+    ('{"op": "subscribe", "topic": "/new", "type": "std_msgs/Strng"}', "unknown message type 'std_msgs/Strng'; simi"),
     ('{"op": "fragment", "id": "1", "data": "{}", "num": 2, "total": 2}', "number 2 of 2 does not fit"),
 ]
 

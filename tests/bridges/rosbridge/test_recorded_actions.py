@@ -9,7 +9,7 @@ from typing import Any
 import anyio
 import pytest
 from tests.bridges.conftest import House, OpenHouse, Peer
-from tests.bridges.fibonacci import FIBONACCI, FibonacciFeedback, FibonacciGoal, FibonacciResult
+from tests.graph.actions.fibonacci import Feedback, Fibonacci, Goal, Result
 from tests.patience import PATIENCE
 
 from homebot.graph.actions import ActionClient, ActionServer, GoalState, ServerGoal
@@ -24,17 +24,17 @@ def recorded(library: str, role: str) -> list[tuple[str, dict[str, Any]]]:
     return [(one["dir"], one["frame"]) for one in found]
 
 
-async def count(goal: ServerGoal[Any, Any, Any]) -> FibonacciResult:
+async def count(goal: ServerGoal[Any, Any, Any]) -> Result:
     """Execute a goal as the recorded server did: of order 50 until it is cancelled."""
     for last in range(3):
-        goal.publish_feedback(FibonacciFeedback(sequence=tuple(range(last + 1))))
+        goal.publish_feedback(Feedback(sequence=tuple(range(last + 1))))
     if goal.request.order == 50:
         while not goal.is_cancel_requested:  # noqa: ASYNC110 - as programs for ROS do
             await anyio.sleep(0.01)
         goal.canceled()
-        return FibonacciResult(sequence=(0,))
+        return Result(sequence=(0,))
     goal.succeed()
-    return FibonacciResult(sequence=(0, 1, 1))
+    return Result(sequence=(0, 1, 1))
 
 
 async def replay(peer: Peer, frames: list[tuple[str, dict[str, Any]]]) -> None:
@@ -54,18 +54,18 @@ async def replay(peer: Peer, frames: list[tuple[str, dict[str, Any]]]) -> None:
 async def test_a_recorded_client_of_an_action_gets_what_it_got(house: House, library: str) -> None:
     async with house.node("counter") as node, house.peer() as peer:
         on_goal, on_cancel = (lambda goal: goal.order >= 0), (lambda _goal: True)
-        ActionServer(node, FIBONACCI, "/fib", count, on_goal=on_goal, on_cancel=on_cancel)
+        ActionServer(node, Fibonacci, "/fib", count, on_goal=on_goal, on_cancel=on_cancel)
         await replay(peer, recorded(library, "client"))
 
 
 async def test_a_recorded_server_of_an_action_is_asked_what_it_was_asked(open_house: OpenHouse) -> None:
     frames = recorded("roslib 2.1.0 (npm)", "server")
-    goals, seen, ends = [], list[tuple[int, ...]](), list[tuple[GoalState, FibonacciResult]]()
+    goals, seen, ends = [], list[tuple[int, ...]](), list[tuple[GoalState, Result]]()
     async with open_house() as house, house.node("app") as app, house.peer() as peer:
-        client = ActionClient(app, FIBONACCI, "/fib")
+        client = ActionClient(app, Fibonacci, "/fib")
         for direction, frame in frames:
             if frame["op"] == "send_action_goal":
-                sent = FibonacciGoal(**frame["args"])
+                sent = Goal(**frame["args"])
                 goals.append(await client.send_goal(sent, lambda feedback: seen.append(tuple(feedback.sequence))))
             if frame["op"] == "cancel_action_goal":
                 await goals[-1].cancel()
@@ -82,8 +82,8 @@ async def test_a_recorded_server_of_an_action_is_asked_what_it_was_asked(open_ho
 async def test_a_recorded_cancellation_of_all_goals_needs_no_id(house: House) -> None:
     (call,) = (one["frame"] for one in LINES if one["frame"]["op"] == "call_service")
     async with house.node("robot") as node, house.peer() as peer:
-        ActionServer(node, FIBONACCI, "/spin", count, on_cancel=lambda _goal: True)
-        goal = await ActionClient(node, FIBONACCI, "/spin").send_goal(FibonacciGoal(order=50))
+        ActionServer(node, Fibonacci, "/spin", count, on_cancel=lambda _goal: True)
+        goal = await ActionClient(node, Fibonacci, "/spin").send_goal(Goal(order=50))
         await peer.connection.send(json.dumps(call))
         with anyio.fail_after(PATIENCE):
             assert (await goal.result())[0] is GoalState.CANCELED
