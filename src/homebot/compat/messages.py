@@ -53,11 +53,7 @@ def to_program(value: object) -> Any:
 
 
 def to_graph(value: Any) -> Any:
-    """Return *value*; a message or a type of a program as the one of homebot.
-
-    Raises:
-        TypeMismatchError: A field has a wrong value; names the field and the value.
-    """
+    """Return *value*; a message or a type of a program as the one of homebot."""
     interface = getattr(value, "_interface", value)
     return message_from_json(interface, _plain(value)) if isinstance(value, MutableMessage) else interface
 

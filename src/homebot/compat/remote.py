@@ -49,11 +49,7 @@ class _Context:
 
     @property
     def portal(self) -> BlockingPortal:
-        """The way to the event loop.
-
-        Raises:
-            UsageError: There is no graph.
-        """
+        """The way to the event loop."""
         if self._portal is None:
             raise UsageError("rclpy is not initialized; call rclpy.init() first")
         return self._portal
@@ -114,9 +110,6 @@ class SpinExecutor(concurrent.futures.Executor):
     """The thread that spins a node, or several, which runs the callbacks.
 
     Few wait: of each subscription, service and timer at most one.
-
-    Attributes:
-        due: The callbacks that wait.
     """
 
     def __init__(self, num_threads: int | None = None) -> None:  # noqa: ARG002 - more of them change nothing
@@ -227,7 +220,6 @@ class Remote:
 
     Args:
         graph_object: A node, a publisher, a goal and so on; see there for what it can do.
-        executor: That of its node.
     """
 
     def __init__(self, graph_object: Any, executor: SpinExecutor) -> None:

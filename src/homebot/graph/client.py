@@ -158,7 +158,6 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
         """Return the response of the handler, or the ServiceError that ended the call.
 
         Args:
-            timeout: Seconds.
             is_bound: Whether the handler ends with this call. It also does if the serving node does not run.
         """
         is_bound = is_bound or not run.server.start(run.serve)

@@ -19,7 +19,6 @@ class TimerCause:
     """A job of an app that was due.
 
     Attributes:
-        text: When it is due, in words.
         at: When that was, in seconds since the Unix epoch.
     """
 
@@ -35,7 +34,6 @@ class CallCause:
 
     Attributes:
         issuer: The client, as ``client:NAME``.
-        at: When that was, in seconds since the Unix epoch.
     """
 
     issuer: str

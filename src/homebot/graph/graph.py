@@ -174,7 +174,7 @@ class Graph:
             self._watchers.remove(changes)
             changes.close()
 
-    # The methods below are for nodes.
+    # The methods below are for nodes: they raise TypeMismatchError and DuplicateNameError for a name in other use.
 
     async def watch_services(self) -> AsyncIterator[str | None]:
         """Yield the full name of each new service. Read it to its end, in one task.
@@ -194,7 +194,7 @@ class Graph:
                     yield change.entity.name
 
     def add_node(self, node: Node) -> None:
-        """Add *node*, or raise DuplicateNameError if the name is used."""
+        """Add *node*."""
         if node.full_name in self._nodes:
             raise DuplicateNameError(f"a node {node.full_name} is already running; give one of the two another name")
         self._nodes[node.full_name] = node
@@ -207,11 +207,7 @@ class Graph:
             self.remove_endpoint(node)
 
     def topic(self, name: str, message_type: type[Message], node: str) -> Topic:
-        """Return the topic with the full name *name*, created on first use.
-
-        Raises:
-            TypeMismatchError: It carries another type.
-        """
+        """Return the topic with the full name *name*, created on first use."""
         self._start_offered(name)
         topic = self._topics.get(name)
         if topic is None or topic.is_unused:
@@ -225,11 +221,7 @@ class Graph:
             del self._topics[topic.name]
 
     def service_slot(self, name: str, service_type: ServiceType[Any, Any], node: str) -> ServiceSlot:
-        """Return the service with the full name *name* for one more user.
-
-        Raises:
-            TypeMismatchError: It is of another type.
-        """
+        """Return the service with the full name *name* for one more user."""
         self._start_offered(name)
         slot = self._services.setdefault(name, ServiceSlot(name, service_type))
         if slot.service_type is not service_type:
@@ -246,11 +238,7 @@ class Graph:
             self._services.pop(slot.name, None)
 
     def offer(self, offered: OfferedEntity) -> None:
-        """Start *offered*, an action or a service, when it, or a part of it, is first used.
-
-        Raises:
-            DuplicateNameError: It has a server.
-        """
+        """Start *offered*, an action or a service, when it, or a part of it, is first used."""
         name, kind = offered.info.name, offered.info.kind
         if self._endpoints.find(kind, name, None):
             raise DuplicateNameError(f"the {kind.removesuffix(' server')} {name} is already served")

@@ -33,11 +33,7 @@ class Queue(Protocol[T]):
         ...
 
     def popleft(self) -> T:
-        """Remove and return the oldest item.
-
-        Raises:
-            LookupError: There is none.
-        """
+        """Remove and return the oldest item."""
         ...
 
     def __len__(self) -> int: ...
@@ -126,12 +122,7 @@ class Mailbox(Generic[T]):
         return item
 
     async def wait(self) -> None:
-        """Wait for an item.
-
-        Raises:
-            ClosedError: The mailbox is closed and empty.
-            UsageError: Another task is waiting already.
-        """
+        """Wait for an item, as :meth:`receive` does."""
         if self.waiting:
             return
         if self._closed:
@@ -305,9 +296,5 @@ class _NewestOfEach(KeyedQueue[T]):
 
 
 def keyed_queue(depth: int, key: Callable[[T], Hashable], on_loss: Callable[[T], None] | None = None) -> KeyedQueue[T]:
-    """Return a queue for *depth* items of each key.
-
-    Args:
-        depth: At least 1.
-    """
+    """Return a queue for *depth* items of each key, at least one."""
     return (_NewestOfEach if depth == 1 else KeyedQueue)(depth, key, on_loss)

@@ -60,6 +60,10 @@ _ACTION_ENDS = frozenset({EntityKind.ACTION_SERVER, EntityKind.ACTION_CLIENT})
 class Node:
     """A named member of the graph.
 
+    Names of topics, services and actions are relative, absolute, or private (``~/name``). What creates one of these
+    raises InvalidNameError for an illegal name, TypeMismatchError for one that has another type, DuplicateNameError for
+    a second server, and on a closed node ClosedError.
+
     Args:
         name: ``[A-Za-z0-9_]``, unique in its namespace.
         namespace: Where relative names of this node begin; ``/`` by default.
@@ -97,15 +101,11 @@ class Node:
         """Return a publisher of *msg_type* on *topic*.
 
         Args:
-            topic: The name; relative, absolute, or private (``~/name``).
             qos_profile: The quality of service that is offered; a number is the depth of its history.
             history: Keeps the messages for late joiners in its own way.
 
         Raises:
-            InvalidNameError: *topic* is not a legal name.
-            TypeMismatchError: *topic* carries another type.
             QosError: *qos_profile* contradicts itself.
-            ClosedError: The node is closed, as for everything below.
         """
         self._check_open()
         qos = to_qos_profile(qos_profile)
@@ -134,7 +134,6 @@ class Node:
         """Return a subscription to *topic*: iterate over it, or give a *callback*.
 
         Args:
-            topic: The name; relative, absolute, or private (``~/name``).
             callback: A function or coroutine function for each message; without one, iterate.
             qos_profile: The quality of service that is requested; a number is the depth of the queue.
             concurrent: Whether the callback may run several times at once, up to the depth of the queue.
@@ -143,8 +142,6 @@ class Node:
             queue: A custom queue; by default one of the depth of *qos_profile*.
 
         Raises:
-            InvalidNameError: *topic* is not a legal name.
-            TypeMismatchError: *topic* carries another type.
             QosError: *qos_profile* contradicts itself.
         """
         self._check_open()
@@ -177,14 +174,11 @@ class Node:
         run, handlers run in the tasks of their callers and are cancelled with them.
 
         Args:
-            srv_name: The name; relative, absolute, or private (``~/name``).
             concurrent: Whether up to 1,000 calls are served at once; by default they wait in line.
             cancel_with_caller: Whether a handler ends with its caller, for handlers that only wait for others.
 
         Raises:
-            InvalidNameError: *srv_name* is not a legal name.
             DuplicateNameError: Another server has the name.
-            TypeMismatchError: The service is of another type.
         """
         self._check_open()
         name = self.resolve_name(srv_name, "service name")
@@ -208,12 +202,7 @@ class Node:
         return service
 
     def create_client(self, srv_type: ServiceType[RequestT, ResponseT], srv_name: str) -> Client[RequestT, ResponseT]:
-        """Return a client of the service *srv_name*, which need not have a server yet.
-
-        Raises:
-            InvalidNameError: *srv_name* is not a legal name.
-            TypeMismatchError: The service is of another type.
-        """
+        """Return a client of the service *srv_name*, which need not have a server yet."""
         self._check_open()
         slot = self.graph.service_slot(self.resolve_name(srv_name, "service name"), srv_type, self.full_name)
         client = Client(slot, srv_type, self.full_name, partial(self._leave_service, slot))
@@ -221,21 +210,11 @@ class Node:
         return client
 
     def offer_action(self, ros_type: str, name: str, start: Callable[[], object]) -> None:
-        """Show the action *name* on the graph, and call *start* to create its server when it is first used.
-
-        Raises:
-            InvalidNameError: *name* is not a legal name.
-            DuplicateNameError: The action has a server.
-        """
+        """Show the action *name* on the graph, and call *start* to create its server when it is first used."""
         self._offer(EntityKind.ACTION_SERVER, ros_type, self.resolve_name(name, "action name"), start)
 
     def offer_service(self, ros_type: str, name: str, start: Callable[[], object]) -> None:
-        """Show the service *name* on the graph, and call *start* to create it when it is first used.
-
-        Raises:
-            InvalidNameError: *name* is not a legal name.
-            DuplicateNameError: The service has a server.
-        """
+        """Show the service *name* on the graph, and call *start* to create it when it is first used."""
         self._offer(EntityKind.SERVICE, ros_type, self.resolve_name(name, "service name"), start)
 
     def _offer(self, kind: EntityKind, ros_type: str, name: str, start: Callable[[], object]) -> None:

@@ -61,11 +61,7 @@ class NodeTasks:
             scope.cancel()
 
     async def enter(self) -> None:
-        """Start the tasks that waited for the node to run.
-
-        Raises:
-            UsageError: The node runs already.
-        """
+        """Start the tasks that waited for the node to run."""
         if self._group is not None:
             raise UsageError(f"the node {self._name} is already running")
         self._group = await self._exits.enter_async_context(anyio.create_task_group())

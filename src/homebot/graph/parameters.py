@@ -25,12 +25,7 @@ Kind: TypeAlias = Literal["new", "changed"]
 
 
 class ParameterDescriptor(NamedTuple):
-    """The constraints on a parameter.
-
-    Attributes:
-        minimum: Least allowed number, or None.
-        maximum: Greatest allowed number, or None.
-    """
+    """The constraints on a parameter."""
 
     description: str = ""
     read_only: bool = False
@@ -113,11 +108,7 @@ class ParameterSet:
         return Parameter(name, self._find(name).value)
 
     def describe(self, name: str) -> tuple[int, ParameterDescriptor]:
-        """Return the type of the parameter *name*, a number of ``rcl_interfaces/msg/ParameterType``, and its limits.
-
-        Raises:
-            ParameterError: It is not declared.
-        """
+        """Return the type of the parameter *name*, a number of ``rcl_interfaces/msg/ParameterType``, and its limits."""
         declared = self._find(name)
         return _TYPES.index(declared.kind), declared.descriptor
 
@@ -236,11 +227,7 @@ def _kind_of_one(value: object) -> str:
 
 
 def value_of(message: ParameterValue) -> Value:
-    """Return the value in *message*.
-
-    Raises:
-        ParameterError: It is not set, or of no known type.
-    """
+    """Return the value in *message*."""
     if not 0 < message.type < len(_TYPES):
         raise ParameterError(f"a value has a type from 1 to 9, got {message.type}; a parameter cannot be unset")
     kind = _TYPES[message.type]

@@ -108,11 +108,7 @@ qos_profile_latched = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_
 
 
 def to_qos_profile(qos: QoSLike) -> QoSProfile:
-    """Return the profile for *qos*; an integer means KEEP_LAST of that depth.
-
-    Raises:
-        QosError: The number is below 1.
-    """
+    """Return the profile for *qos*; an integer means KEEP_LAST of that depth."""
     return qos if isinstance(qos, QoSProfile) else replace(qos_profile_default, depth=qos)
 
 

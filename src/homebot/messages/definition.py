@@ -91,11 +91,7 @@ class FieldDefinition:
 
 @lru_cache(maxsize=1024)
 def fields_of(message_type: type[Message]) -> tuple[FieldDefinition, ...]:
-    """Return the fields of *message_type* in order.
-
-    Raises:
-        UsageError: A field's type has no ROS type.
-    """
+    """Return the fields of *message_type* in order."""
     return tuple(_definition(message_type, name, field) for name, field in message_type.model_fields.items())
 
 

@@ -250,7 +250,6 @@ class ServiceAnswer(Message):
     """Base of the answers of services that may fail for a reason that is told in words.
 
     Attributes:
-        success: Whether the request was carried out.
         message: The reason if not, as text.
     """
 

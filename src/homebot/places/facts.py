@@ -101,7 +101,6 @@ def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Po
 
     Args:
         error: Its error, if the text has none.
-        source: See :class:`Position`.
 
     Raises:
         UsageError: It is no such text, or a number is not finite or beyond 10 km.

@@ -85,8 +85,6 @@ class FloorPlan:
         """Return the smallest room that holds a point, else the nearest within 0.5 m.
 
         Args:
-            x: Metres.
-            y: Metres.
             floor: The floor; may be empty where only one has areas.
             last: The room before, which is left only by more than 0.2 m; empty for none.
         """

@@ -79,9 +79,6 @@ class PathFinder:
     """Finds targets by the length of the way to them.
 
     Its nodes are the corners of rooms and, for each way through a door, one in each of its two rooms.
-
-    Args:
-        rooms: The inside of each room that has a polygon.
     """
 
     def __init__(self, rooms: Mapping[str, RoomSight]) -> None:
@@ -155,7 +152,6 @@ class PathFinder:
         """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
 
         Args:
-            crossing: What going through each door costs.
             wanted: The only targets to look for; None for all.
         """
         came: dict[int, int] = {}

@@ -104,10 +104,8 @@ class HousePlan:
         doors: The doors of which more is stated; a later one replaces an earlier one of the same name.
 
     Attributes:
-        source: Where the rooms are from, for messages.
         rooms: Its rooms, with each door at both its ends.
         doors: All its doors, those of rooms too of which nothing else is stated.
-        has_areas: Whether the area of a room is known.
 
     Raises:
         ConfigError: A name is used on two levels, a door leads to no room, or there are too many rooms; names the key
@@ -172,11 +170,7 @@ class HousePlan:
         return self._rooms.get(fold(name))
 
     def with_rooms(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> HousePlan:
-        """Return the plan with further *rooms* and *doors*, which win where both state a floor, an area or a door.
-
-        Raises:
-            ConfigError: As for the class.
-        """
+        """Return the plan with further *rooms* and *doors*, which win where both state a floor, an area or a door."""
         return HousePlan(self.home, (*self.rooms, *rooms), source, (*self.doors, *doors))
 
     def _check_levels(self, source: str) -> None:

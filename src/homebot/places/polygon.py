@@ -39,12 +39,10 @@ class Polygon:
 
     Args:
         outer: The corners, in any order of rotation; repeated corners count once.
-        holes: The corners of each hole.
 
     Attributes:
         rings: The outer ring counter-clockwise, then the holes clockwise.
         area: Square metres.
-        box: The least rectangle around it.
 
     Raises:
         UsageError: A ring has fewer than 3 corners or crosses itself, a number is not finite or beyond 10 km, the area

@@ -182,8 +182,6 @@ def read_places(
 
     Args:
         source: The file, for messages.
-        stated_by: See :attr:`OwnerFact.source`.
-        now: See :attr:`OwnerFact.said_at`.
         known: Further rooms of the house, to which doors may lead.
 
     Raises:
@@ -225,11 +223,7 @@ def _stated(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> I
 
 
 def stated_position(text: str, plan: HousePlan) -> str:
-    """Return the position *text* of a device, with its floor as the plan spells it; one floor with areas needs no name.
-
-    Raises:
-        UsageError: It is no position, or the plan has floors, and not that one.
-    """
+    """Return the position *text* of a device, with its floor as the plan spells it; one floor with areas needs no name."""
     position = read_position(text)
     floors = {fold(floor): floor for floor in plan.floors}
     if position.floor and floors and fold(position.floor) not in floors:

@@ -39,11 +39,7 @@ class RobotFrames:
         self._most = MAX_FRAMES // max(1, len(owners.names))
 
     def add(self, transform: TransformStamped, robot: str, now: float, *, is_static: bool) -> str:
-        """Insert *transform*, which came in the namespace of *robot*, empty for that of all; return whose it is.
-
-        Raises:
-            TransformException: It is refused; the message says why.
-        """
+        """Insert *transform*, which came in the namespace of *robot*, empty for that of all; return whose it is."""
         child, parent = (self.name_of(one, robot) for one in (transform.child_frame_id, transform.header.frame_id))
         owner = robot or self._owners.of_frame(child)
         named = self._named.setdefault(owner, {MAP})

@@ -65,11 +65,7 @@ _Handle: TypeAlias = Callable[[str, str, Sequence[Any]], None]
 
 
 class PoseTopics:
-    """Reads the pose topics of all robots.
-
-    Args:
-        on_arrival: Called when there are messages to read.
-    """
+    """Reads the pose topics of all robots."""
 
     def __init__(
         self, node: Node, owners: RobotOwners, robots: Mapping[str, TrackedRobot], on_arrival: Callable[[], None]

@@ -45,11 +45,7 @@ _SAME: Final = 0.1
 
 
 class Vacuum:
-    """Reads the topics of one vacuum.
-
-    Args:
-        house: Returns the plan of the house as it is now.
-    """
+    """Reads the topics of one vacuum."""
 
     def __init__(self, node: Node, devices: Devices, robot: TrackedRobot, house: Callable[[], HousePlan]) -> None:
         self._node, self._devices, self._robot, self._house = node, devices, robot, house
@@ -170,11 +166,7 @@ def _decoded(
 
 
 class _ImportedRooms:
-    """The rooms of one map in the house, also those of an earlier run. A room with another area keeps it.
-
-    Args:
-        house: Returns the plan of the house as it is now.
-    """
+    """The rooms of one map in the house, also those of an earlier run. A room with another area keeps it."""
 
     def __init__(self, node: Node, house: Callable[[], HousePlan], robot: str) -> None:
         self._node, self._house, self._robot = node, house, robot

@@ -52,7 +52,6 @@ class MeantDevice(NamedTuple):
     """A device that a client means.
 
     Attributes:
-        device: Everything that is known of it.
         target: The words by which a command reaches it, or the part that is meant.
     """
 

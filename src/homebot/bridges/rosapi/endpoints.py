@@ -48,14 +48,7 @@ class EndpointDetails(Message):
 
 
 class FindEndpointsRequest(Message):
-    """A question for everybody that uses a topic or service.
-
-    Attributes:
-        kind: ``node``, ``publisher``, ``subscription``, ``service``, ``client``, ``action server`` or
-            ``action client``; empty for all.
-        name: Full name of a topic or service; empty for all.
-        node: Full name of a node; empty for all.
-    """
+    """A question for everything of a kind, a full name and a node; each is any where it is empty."""
 
     kind: str = ""
     name: str = ""
@@ -69,11 +62,7 @@ class FindEndpointsResponse(Message):
 
 
 def find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpointsResponse:
-    """Return every entity that matches *request*.
-
-    Raises:
-        RefusedError: There is no such kind.
-    """
+    """Return every entity that matches *request*."""
     kinds = {kind.value for kind in EntityKind}
     if request.kind and request.kind not in kinds:
         raise RefusedError("the search", f"field 'kind' is one of {', '.join(sorted(kinds))}, got {request.kind!r}")

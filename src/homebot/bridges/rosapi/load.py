@@ -23,7 +23,6 @@ class TopicLoad(Message):
     """One topic.
 
     Attributes:
-        topic: Its full name.
         published: Messages that its present publishers have published.
     """
 
@@ -35,9 +34,6 @@ class QueueLoad(Message):
     """The queue of one subscription, and its handler.
 
     Attributes:
-        node: Full name of its node.
-        topic: Full name of the topic.
-        waiting: Messages that wait.
         lost: Messages that were lost or expired in it, if it is to have all.
         slowest: Seconds that its handler needed at most since the question before, waiting included; 0 for none.
     """
@@ -59,8 +55,6 @@ class MeasureLoadResponse(Message):
     Attributes:
         at: The time of the monotonic clock, in seconds.
         lag: Seconds by which the event loop was late at most since the question before.
-        topics: Each topic with a publisher.
-        queues: The queue of each subscription.
     """
 
     at: float

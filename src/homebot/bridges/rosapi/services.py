@@ -51,11 +51,9 @@ class TypeDef(Message, ros_type="rosapi_msgs/msg/TypeDef"):
 
     Attributes:
         type: Its name, as ``package/Name``.
-        fieldnames: Its fields.
         fieldtypes: The fields' types; of one element where the field is an array.
         fieldarraylen: -1 for one value, 0 for any number of values, else exactly that many.
         examples: A value of each field, as text.
-        constnames: Its constants.
         constvalues: Their values, as text.
     """
 

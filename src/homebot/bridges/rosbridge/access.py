@@ -171,7 +171,6 @@ class ClientAccess:
 
         Raises:
             MissingRightError: The client lacks a right; the message says which, and how to get it.
-            InvalidNameError: The name is illegal.
         """
         if op.op in _PUBLISHING:
             right = self._right_to_publish(resolve(op.name))
@@ -185,11 +184,7 @@ class ClientAccess:
             raise MissingRightError(right, self._problem(right))
 
     def check_robot(self, topic: str, message: Message) -> None:
-        """Refuse *message* on *topic*, a full name, if it is of a robot that the client may not be.
-
-        Raises:
-            MissingRightError: The message has a frame or a robot that is not the client's; names it.
-        """
+        """Refuse *message* on *topic*, a full name, if it is of a robot that the client may not be."""
         own = self.owners.names if self.rights.may_be(ALL_ROBOTS) else self.rights.robots
         if foreign := self.owners.foreign(topic, message, own):
             raise MissingRightError(

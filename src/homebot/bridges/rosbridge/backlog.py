@@ -37,7 +37,6 @@ class DoorBacklog:
         limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
 
     Attributes:
-        clients: The queues of the clients that are there.
         lost: Messages dropped since the start.
     """
 
@@ -71,7 +70,6 @@ class Backlog:
 
     Args:
         limit: Maximum number of bytes; one message of any size is allowed.
-        everybody: The backlog of all clients.
     """
 
     def __init__(self, limit: int, everybody: DoorBacklog) -> None:
@@ -129,10 +127,6 @@ class FeedQueue:
     Args:
         depth: Messages that may wait, on a keyed topic of each key.
         key: Reads the key of a message; None where the topic is not keyed.
-        on_arrival: Called for each message that comes.
-
-    Attributes:
-        lost: Messages dropped.
     """
 
     def __init__(

@@ -38,14 +38,7 @@ _DEEDS: Final = {
 
 
 class OutsideClient:
-    """A connection, or a request to the HTTP API.
-
-    Args:
-        address: Its host and port.
-
-    Attributes:
-        refused: Its frames and requests that were refused.
-    """
+    """A connection, or a request to the HTTP API."""
 
     def __init__(self, shared: SharedState, access: ClientAccess, address: str) -> None:
         self.refused = 0

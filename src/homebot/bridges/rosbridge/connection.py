@@ -44,7 +44,6 @@ class DoorConnection(ServerConnection):
     Args:
         arriving: The connections without a session, oldest first; this one adds itself.
         open_timeout: Seconds within which a whole request must come.
-        arguments: As the library makes connections.
 
     Attributes:
         posted: The request, where it is none that the library reads by itself.

@@ -24,11 +24,7 @@ _BINARY: frozenset[Compression] = frozenset({"cbor", "cbor-raw"})
 
 
 class Feed:
-    """Sends the messages of one topic to one client, once each, however often the client asked for the topic.
-
-    Args:
-        depth: Messages that may wait.
-    """
+    """Sends the messages of one topic to one client, once each, however often the client asked for the topic."""
 
     def __init__(
         self, node: Node, topic: str, message_type: type[Message], depth: int, backlog: Backlog, outbox: Outbox

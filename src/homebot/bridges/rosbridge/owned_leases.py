@@ -22,11 +22,7 @@ class _Owned(NamedTuple):
 
 @final
 class OwnedLeases:
-    """The leases of all connections, for as long as they may last.
-
-    Args:
-        node: The node that releases them in the clients' stead.
-    """
+    """The leases of all connections, for as long as they may last."""
 
     def __init__(self, node: Node) -> None:
         self._node = node

@@ -89,9 +89,6 @@ class FrameAssembler:
 
     The fragments of ten frames may wait for others; those of one more replace those that have waited longest.
 
-    Args:
-        limit: Characters that may wait.
-
     Attributes:
         dropped: Frames whose fragments were replaced.
     """
@@ -105,9 +102,6 @@ class FrameAssembler:
         """Return the operation that *frame* asks for; None where it is a fragment, and others are to come.
 
         Between two steps others may have a turn.
-
-        Raises:
-            FrameError: It is no operation, or a fragment that does not fit; those that came before it are forgotten.
         """
         op = yield from parse_frame(frame)
         if not isinstance(op, Fragment):

@@ -29,7 +29,6 @@ class PostedRequest:
 
     Attributes:
         method: Its method, once it is whole.
-        content_type: The type of its body.
     """
 
     def __init__(self) -> None:
@@ -40,11 +39,7 @@ class PostedRequest:
         self._head: h11.Request | None = None
 
     def receive(self, data: bytes) -> bytes:
-        """Return the head for the library when *data* made the request whole; nothing before, and after.
-
-        Raises:
-            WireError: It is no HTTP/1.1, or is too long.
-        """
+        """Return the head for the library when *data* made the request whole; nothing before, and after."""
         if self.method:
             return b""
         try:

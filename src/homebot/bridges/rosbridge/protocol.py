@@ -105,7 +105,6 @@ class Operation(BaseModel):
     goals.
 
     Attributes:
-        op: The protocol's name of the operation.
         id: The client's identifier of the interaction; answers repeat it.
     """
 
@@ -218,11 +217,7 @@ class ActionOperation(Operation, ops=("cancel_action_goal", "unadvertise_action"
 
 
 class SendActionGoal(Request, ActionOperation, ops=("send_action_goal",)):
-    """A goal for an action.
-
-    Attributes:
-        feedback: Whether the client wants the feedback.
-    """
+    """A goal for an action."""
 
     action_type: str = ""
     feedback: bool = False
@@ -318,8 +313,6 @@ def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: 
     """Return the frame of the operation *op* for a client, in ASCII, which no client can misread as broken Unicode.
 
     Args:
-        op: The protocol's name of the operation.
-        identifier: Its ``id``; None for none.
         texts: Further fields, which are JSON text already.
     """
     known = {"op": op, **fields} | ({} if identifier is None else {"id": identifier})

@@ -35,11 +35,7 @@ __all__ = ["call_service", "cause_of_call", "missing_service", "named_values", "
 
 
 def named_values(message_type: type[Message], values: object) -> dict[str, Any]:
-    """Return *values* by the names of the fields; a list fills the fields in order.
-
-    Raises:
-        TypeMismatchError: They are neither an object nor a list, or a list has too many values.
-    """
+    """Return *values* by the names of the fields; a list fills the fields in order."""
     if isinstance(values, dict):
         return values
     if not isinstance(values, list):
@@ -72,11 +68,7 @@ def parse_queries(
 
 
 def refusal(service: str, response: Message, problem: UsageError) -> Message:
-    """Return the answer of *service* to a text that is no query, given its *response* to one that nothing matches.
-
-    Raises:
-        ServiceFailedError: A call of the service fails for such a text.
-    """
+    """Return the answer of *service* to a text that is no query, given its *response* to one that nothing matches."""
     if isinstance(response, QueryDevicesResponse):
         return response.model_copy(update={"success": False, "message": str(problem), "is_mistake": True})
     raise ServiceFailedError(service, str(problem)) from problem

@@ -173,12 +173,7 @@ class ClientSession:
             self._answer(op, str(exc))
 
     def _check(self, op: protocol.Operation) -> None:
-        """Refuse *op* where the client has no right to it.
-
-        Raises:
-            PeerError: The right is missing; or the service does not exist, which a client that may list all is told.
-            InvalidNameError: The name is illegal.
-        """
+        """Refuse *op* where the client has no right to it."""
         access = self.client.access
         try:
             access.check(op, self._node.resolve_name)

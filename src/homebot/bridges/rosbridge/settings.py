@@ -132,11 +132,7 @@ class DoorSettings(AccessSettings):
         return RobotOwners({**dict.fromkeys(self.robots(), ()), **tables})
 
     def rights(self, local: ClientRights) -> Mapping[str, ClientRights]:
-        """Return the rights of each client by its name; without ``local`` where every client has to show a token.
-
-        Args:
-            local: The rights of clients without a token, where the settings say nothing of them.
-        """
+        """Return the rights of each client by its name; without ``local`` where every client has to show a token."""
         found = {name: read_scope(one.scope) for name, one in self.tokens.items()}
         if self.token is not None:
             return {OWNER_CLIENT: ALL_RIGHTS, **found}

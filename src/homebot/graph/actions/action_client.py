@@ -31,11 +31,7 @@ _NO_TIME = Time(sec=0, nanosec=0)
 
 
 class ClientGoal(Generic[ResultT, FeedbackT]):
-    """A goal that a client has sent.
-
-    Attributes:
-        stamp: When the server accepted it.
-    """
+    """A goal that a client has sent."""
 
     def __init__(
         self,

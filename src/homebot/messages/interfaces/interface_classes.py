@@ -31,11 +31,6 @@ _NUMBERS: Final = {
 def build_interface(key: str, parsed: Sequence[ParsedMessage], find: FindMessage) -> Interface:
     """Return the interface *key* (``package/kind/Name``) with the messages *parsed*.
 
-    Args:
-        key: Its name.
-        parsed: Its messages, in the order of its kind.
-        find: Returns the class of a nested message by its key.
-
     Raises:
         UsageError: A field has a name or a default that it cannot have.
     """

@@ -52,11 +52,7 @@ def interface_key(ros_type: str, kind: str = "msg") -> str:
 
 
 def split_definitions(ros_type: str, text: str) -> dict[str, str]:
-    """Return the text of *ros_type* and of the messages after it, in the form of ``definition_text``, by key.
-
-    Raises:
-        UsageError: A name is none of a type, or comes twice.
-    """
+    """Return the text of *ros_type* and of the messages after it, in the form of ``definition_text``, by key."""
     own, *rest = _SECTION.split(text.replace("\r\n", "\n"))
     texts = {ros_type: own}
     for name, section in zip(rest[::2], rest[1::2], strict=True):
