@@ -223,7 +223,7 @@ def _stated(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> I
 
 
 def stated_position(text: str, plan: HousePlan) -> str:
-    """Return the position *text* of a device, with its floor as the plan spells it; one floor with areas needs no name."""
+    """Return the position *text* of a device, its floor as the plan spells it; one floor with areas needs no name."""
     position = read_position(text)
     floors = {fold(floor): floor for floor in plan.floors}
     if position.floor and floors and fold(position.floor) not in floors:
