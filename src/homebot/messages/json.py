@@ -141,14 +141,10 @@ def _holds_bytes(message_type: type[Message]) -> bool:
     return any(field.is_base64 for one in types for field in fields_of(one))
 
 
-def _form_to_json(message: Message) -> JsonValue:
-    form = message.json_form()
-    return message_to_json(message) if form is message else _value_to_json(form)
-
-
 def _value_to_json(value: object) -> JsonValue:
     if isinstance(value, Message):
-        return _form_to_json(value)
+        form = value.json_form()
+        return message_to_json(value) if form is value else _value_to_json(form)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if isinstance(value, NumericArray) and value.buffer.format != "d":
@@ -183,7 +179,8 @@ def _value_from_json(field: FieldDefinition, value: object) -> object:
     if field.is_base64 and (field.is_bytes or isinstance(value, str)):
         return _bytes_from_json(value)
     if field.is_numeric and isinstance(value, list):
-        return [math.nan if item is None else item for item in value] if _may_be_null(field, value) else value
+        has_null = field.ros_type in _REAL and None in value
+        return [math.nan if item is None else item for item in value] if has_null else value
     if field.is_array and isinstance(value, list):
         return tuple(_element_from_json(field, item) for item in value)
     return _element_from_json(field, value)
@@ -199,10 +196,6 @@ def _element_from_json(field: FieldDefinition, value: object) -> object:
     if value is None and field.ros_type in _REAL:
         return math.nan
     return value
-
-
-def _may_be_null(field: FieldDefinition, value: list[object]) -> bool:
-    return field.ros_type in _REAL and None in value
 
 
 def _text_from_json(value: str) -> object:

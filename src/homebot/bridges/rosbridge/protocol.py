@@ -21,34 +21,6 @@ from homebot.messages.json import JsonObject, message_to_text, validation_proble
 from homebot.messages.message import Message
 from homebot.support.strict_json import DuplicateKeyError
 
-__all__ = [
-    "ActionFeedback",
-    "ActionOperation",
-    "ActionResult",
-    "Advertise",
-    "AdvertiseAction",
-    "AdvertiseService",
-    "CallService",
-    "Compression",
-    "Fragment",
-    "FrameError",
-    "Identifier",
-    "Level",
-    "Operation",
-    "PublishOperation",
-    "Request",
-    "SendActionGoal",
-    "ServiceOperation",
-    "ServiceResponse",
-    "SetLevel",
-    "SubscribeOperation",
-    "TopicOperation",
-    "failure_frame",
-    "frame_text",
-    "parse_frame",
-    "publish_frame",
-]
-
 Identifier: TypeAlias = "str | int | None"
 Level: TypeAlias = Literal["none", "error", "warning", "info"]
 Compression: TypeAlias = Literal["none", "png", "cbor", "cbor-raw"]

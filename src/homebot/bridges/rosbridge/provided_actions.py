@@ -45,7 +45,7 @@ class ProvidedActions:
         """Offer an action of the client; the same once more is fine."""
         name = self._node.resolve_name(op.action, "action name")
         action_type = action_type_of(self._node.graph, name, op.type)
-        create = partial(ActionServer[Any, Any, Any], on_goal=lambda _: self._has_room(), on_cancel=self._cancel)
+        create = partial(ActionServer[Any, Any, Any], on_goal=self._has_room, on_cancel=self._cancel)
         execute = partial(self._execute, op.action)
         self._provisions.add(_key(name), lambda: create(self._node, action_type, name, execute))
 
@@ -82,7 +82,7 @@ class ProvidedActions:
     def _read(self, message_type: type[Message], values: dict[str, Any]) -> Message:
         return request_from_client(message_type, values, self._node.graph.clock.now())
 
-    def _has_room(self) -> bool:
+    def _has_room(self, _goal: Message) -> bool:
         return len(self._running) < self._limit and self._outbox.has_room
 
     def _cancel(self, goal: ServerGoal[Any, Any, Any]) -> bool:

@@ -149,7 +149,8 @@ class Door:
                 f"here need --door {self._port}, or state a port in [door]",
                 port=self._port,
             )
-        self._announce(self._service(server))
+        addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in server.sockets))
+        self._announce(NetworkService(service_type=SERVICE_TYPE, addresses=addresses, port=self._port))
         try:
             async with anyio.create_task_group() as tasks:
                 await tasks.start(self._shared.expected.run)
@@ -159,10 +160,6 @@ class Door:
             self._announce(NetworkService(service_type=SERVICE_TYPE, is_withdrawn=True))
             with anyio.CancelScope(shield=True):
                 await self._stop(server)
-
-    def _service(self, server: Server) -> NetworkService:
-        addresses = tuple(dict.fromkeys(one.getsockname()[0] for one in server.sockets))
-        return NetworkService(service_type=SERVICE_TYPE, addresses=addresses, port=self._port)
 
     async def _stop(self, server: Server) -> None:
         server.close()

@@ -203,12 +203,6 @@ def request_from_client(message_type: type[Message], value: Mapping[str, object]
     return partial_message_from_client(message_type, value, now)[0]
 
 
-def _with_ros2_names(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
-    if message_type not in {Time, Duration}:
-        return dict(value)
-    return {_ROS2_NAMES.get(name, name): item for name, item in value.items()}
-
-
 def _in_ros2(
     message_type: type[Message],
     value: Mapping[str, object],
@@ -221,7 +215,8 @@ def _in_ros2(
     A header in it that has no stamp, and a time that is ``now``, gets *stamp*, unless that is None.
     """
     fields = fields_by_name(message_type)
-    whole = _with_ros2_names(message_type, value)
+    names = _ROS2_NAMES if message_type in {Time, Duration} else {}
+    whole = {names.get(name, name): item for name, item in value.items()}
     if message_type.ros_type == _HEADER and _ROS1_COUNTER not in fields:
         whole.pop(_ROS1_COUNTER, None)
         if stamp is not None:

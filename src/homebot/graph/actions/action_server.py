@@ -156,7 +156,8 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         goal_id, at = request.goal_info.goal_id.uuid, _time_of(request.goal_info)
         named = self._goals.get(goal_id)
         is_one = goal_id != _NO_ID and at == _NO_TIME
-        selected = [named] if is_one else self._until(at, named)
+        until = [one for one in self._goals.values() if at == _NO_TIME or _time_of(one.info) <= at or one is named]
+        selected = [named] if is_one else until
         found = [one for one in selected if one is not None and one.state.can_become(GoalState.CANCELING)]
         canceling = tuple(one.info for one in found if self._cancel_goal(one))
         code = CancelGoalResponse.ERROR_NONE
@@ -165,12 +166,6 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         elif is_one and not found:
             code = CancelGoalResponse.ERROR_GOAL_TERMINATED if named else CancelGoalResponse.ERROR_UNKNOWN_GOAL_ID
         return CancelGoalResponse(return_code=code, goals_canceling=canceling)
-
-    def _until(
-        self, at: tuple[int, int], named: ServerGoal[GoalT, ResultT, FeedbackT] | None
-    ) -> list[ServerGoal[GoalT, ResultT, FeedbackT]]:
-        """Return the goals accepted until then, all if that is no time, and the *named* one."""
-        return [one for one in self._goals.values() if at == _NO_TIME or _time_of(one.info) <= at or one is named]
 
     def _cancel_goal(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> bool:
         """Cancel *goal* if its server agrees; return whether it does."""
