@@ -5,8 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 
-from homebot.bridges.rosbridge.heartbeat import Heartbeat
-from homebot.bridges.rosbridge.owned_leases import OwnedLeases
+from homebot.bridges.rosbridge.heartbeat import Heartbeat, OwnedLeases
 from homebot.devices.command_messages import Setting
 from homebot.devices.lease_messages import HolderRequest, HoldPart, HoldRequest, LeaseState, ReleaseLease, RenewLease
 from homebot.devices.names import HOLD_PART, RELEASE_LEASE, RENEW_LEASE

@@ -33,7 +33,7 @@ from homebot.messages.message import Message
 from homebot.support.rate_limit import RateLimit
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.sent_goals import SentGoals
+    from homebot.bridges.rosbridge.goals import SentGoals
 
 __all__ = ["ClientSession", "DoorLink"]
 
@@ -212,10 +212,10 @@ class ClientSession:
         self._level = op.level
 
     def _load_actions(self) -> None:
-        from homebot.bridges.rosbridge import provided_actions, sent_goals  # noqa: PLC0415 - with the first one
+        from homebot.bridges.rosbridge.goals import ProvidedActions, SentGoals  # noqa: PLC0415 - with the first one
 
-        self._goals = goals = sent_goals.SentGoals(self.client, self._outbox, self._tasks)
-        provided = provided_actions.ProvidedActions(self._shared, self._outbox, self._provisions)
+        self._goals = goals = SentGoals(self.client, self._outbox, self._tasks)
+        provided = ProvidedActions(self._shared, self._outbox, self._provisions)
         self._handlers |= {
             "send_action_goal": goals.send,
             "cancel_action_goal": goals.cancel,

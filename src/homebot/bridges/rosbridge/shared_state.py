@@ -17,7 +17,7 @@ from homebot.bridges.turns import ServerTurns
 from homebot.graph import EntityKind, Graph, Node, Publisher
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.owned_leases import OwnedLeases
+    from homebot.bridges.rosbridge.heartbeat import OwnedLeases
     from homebot.devices.access_messages import AccessRefused
     from homebot.devices.robot_owners import RobotOwners
     from homebot.graph import Service
@@ -159,6 +159,6 @@ class SharedState:
     @cached_property
     def leases(self) -> OwnedLeases:
         """The leases that clients asked for."""
-        from homebot.bridges.rosbridge.owned_leases import OwnedLeases  # noqa: PLC0415 - with the first client
+        from homebot.bridges.rosbridge.heartbeat import OwnedLeases  # noqa: PLC0415 - with the first client
 
         return OwnedLeases(self.node)
