@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Literal, NamedTuple, TypeAlias, TypeVar, final
+from typing import Any, Literal, NamedTuple, TypeAlias, final
 
 from homebot.graph.qos import QoSProfile
 
 __all__ = ["ActionInfo", "EndpointIndex", "EndpointInfo", "EntityKind", "GraphChange", "GraphEntity", "OfferedEntity"]
-
-
-TermT = TypeVar("TermT", bound=Hashable)
 
 
 class EntityKind(StrEnum):
@@ -71,6 +68,7 @@ class GraphChange(NamedTuple):
 
 
 Entities: TypeAlias = dict[int, EndpointInfo]
+_Term: TypeAlias = tuple[dict[Any, Entities], Hashable]
 
 
 class GraphEntity:
@@ -125,33 +123,25 @@ class EndpointIndex:
     def add(self, entity: object, info: EndpointInfo) -> None:
         """Add *entity* as *info*."""
         self._all[id(entity)] = info
-        self._by_kind.setdefault(info.kind, {})[id(entity)] = info
-        self._by_name.setdefault(info.name, {})[id(entity)] = info
-        self._by_node.setdefault(info.node, {})[id(entity)] = info
-        self._by_type[info.kind].setdefault(info.ros_type, {})[id(entity)] = info
+        for index, term in self._terms_of(info):
+            index.setdefault(term, {})[id(entity)] = info
 
     def remove(self, entity: object) -> EndpointInfo | None:
         """Remove *entity*; return its description, or None if it is unknown."""
         info = self._all.pop(id(entity), None)
-        if info is not None:
-            _remove(self._by_kind, info.kind, entity)
-            _remove(self._by_name, info.name, entity)
-            _remove(self._by_node, info.node, entity)
-            _remove(self._by_type[info.kind], info.ros_type, entity)
+        for index, term in () if info is None else self._terms_of(info):
+            del index[term][id(entity)]
+            if not index[term]:
+                del index[term]
         return info
 
     def find(self, kind: EntityKind | None, name: str | None, node: str | None) -> tuple[EndpointInfo, ...]:
         """Return the entities of one *kind*, *name* and *node*; None means any."""
-        rarest = self._all
-        if kind is not None:
-            rarest = _rarer(rarest, self._by_kind.get(kind))
-        if name is not None:
-            rarest = _rarer(rarest, self._by_name.get(name))
-        if node is not None:
-            rarest = _rarer(rarest, self._by_node.get(node))
+        terms: tuple[_Term, ...] = ((self._by_kind, kind), (self._by_name, name), (self._by_node, node))
+        found = [index.get(term, {}) for index, term in terms if term is not None]
         return tuple(
             info
-            for info in rarest.values()
+            for info in min(found, key=len, default=self._all).values()
             if (kind is None or info.kind is kind)
             and (name is None or info.name == name)
             and (node is None or info.node == node)
@@ -173,13 +163,12 @@ class EndpointIndex:
         """Return the oldest of those, or None."""
         return next(iter(self._by_type[kind].get(ros_type, {}).values()), None)
 
-
-def _rarer(entities: Entities, others: Entities | None) -> Entities:
-    return (others or {}) if others is None or len(others) < len(entities) else entities
-
-
-def _remove(index: dict[TermT, Entities], term: TermT, entity: object) -> None:
-    known = index[term]
-    del known[id(entity)]
-    if not known:
-        del index[term]
+    def _terms_of(self, info: EndpointInfo) -> tuple[_Term, ...]:
+        """Return each index of an entity, with the term by which it is there."""
+        by_type = self._by_type[info.kind]
+        return (
+            (self._by_kind, info.kind),
+            (self._by_name, info.name),
+            (self._by_node, info.node),
+            (by_type, info.ros_type),
+        )

@@ -15,19 +15,16 @@ from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
 from homebot.bridges.admission import is_same_origin, refusal, token_of
-from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.connection import DoorConnection, http_response
 from homebot.bridges.rosbridge.settings import DoorSettings
-from homebot.bridges.rosbridge.shared_state import DoorCounters
+from homebot.bridges.rosbridge.shared_state import SharedState
 from homebot.bridges.token_check import TokenCheck
-from homebot.clock import Clock
 from homebot.devices.client_rights import LOCAL_CLIENT, ClientRights
 from homebot.errors import ConfigError
 from homebot.support.addresses import is_loopback
 
 if TYPE_CHECKING:
     from homebot.bridges.rosbridge.access import ClientAccess
-    from homebot.devices.robot_owners import RobotOwners
 
 __all__ = ["LOG_IN", "Entrance", "Site", "address_of", "is_for_api", "is_for_websocket", "token_in"]
 
@@ -57,9 +54,7 @@ class Entrance:
         self,
         settings: DoorSettings,
         local_rights: ClientRights,
-        clock: Clock,
-        counters: DoorCounters,
-        error_log: ClientErrorLog,
+        shared: SharedState,
         site: Site | None,
         open_timeout: float,
     ) -> None:
@@ -70,12 +65,10 @@ class Entrance:
                 "host",
                 f"{settings.host} can be reached by others, so it needs a token; set one or listen on 127.0.0.1",
             )
-        self.tokens = TokenCheck(settings.all_tokens(), clock)
+        self.tokens = TokenCheck(settings.all_tokens(), shared.node.graph.clock)
         self._settings = settings
         self._local_rights = local_rights
-        self._clock = clock
-        self._counters = counters
-        self._error_log = error_log
+        self._shared = shared
         self._site = site
         self._open_timeout = open_timeout
         self._names: WeakKeyDictionary[DoorConnection, str] = WeakKeyDictionary()
@@ -84,18 +77,18 @@ class Entrance:
         """Use the tokens and rights of *settings*; return the names of those that changed."""
         old, old_tokens = self._rights, self._settings.all_tokens()
         new, tokens = settings.rights(self._local_rights), settings.all_tokens()
-        self._rights, self.tokens = new, TokenCheck(tokens, self._clock)
+        self._rights, self.tokens = new, TokenCheck(tokens, self._shared.node.graph.clock)
         self._settings = self._settings.model_copy(
             update={"token": settings.token, "tokens": settings.tokens, "scope": settings.scope}
         )
         return frozenset(name for name in old if new.get(name) != old[name] or tokens.get(name) != old_tokens.get(name))
 
-    def access_of(self, connection: DoorConnection, owners: RobotOwners) -> ClientAccess:
+    def access_of(self, connection: DoorConnection) -> ClientAccess:
         """Return the name and the rights of an admitted client."""
         from homebot.bridges.rosbridge.access import ClientAccess  # noqa: PLC0415 - loaded with the first
 
         name, is_page = self._names[connection], bool(self._unnamed_page(connection, connection.request))
-        return ClientAccess.of(name, self._rights[name], owners, is_page=is_page)
+        return ClientAccess.of(name, self._rights[name], self._shared.owners(), is_page=is_page)
 
     async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
         """Return the answer that ends *request*: a refusal, or a file of the page; None for an admitted client."""
@@ -131,8 +124,8 @@ class Entrance:
     def turn_away(self, connection: DoorConnection, status: HTTPStatus, problem: str) -> Response:
         """Count and log a refusal, and return its response."""
         client = address_of(connection)
-        self._counters.turned_away += 1
-        self._error_log.log(
+        self._shared.counters.turned_away += 1
+        self._shared.error_log.log(
             f"rejected {client.rpartition(':')[0]}",
             "door.turned_away",
             f"{client} was rejected: {problem}",

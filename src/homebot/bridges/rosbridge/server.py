@@ -91,9 +91,7 @@ class Door:
     ) -> None:
         self._settings = settings
         self._shared = shared = SharedState(node, settings, owners or settings.robot_owners)
-        self._entrance = Entrance(
-            settings, local_rights, node.graph.clock, shared.counters, shared.error_log, site, open_timeout
-        )
+        self._entrance = Entrance(settings, local_rights, shared, site, open_timeout)
         self._sessions: dict[DoorConnection, ClientSession] = {}
         self._arriving: dict[DoorConnection, None] = {}
         self._api: HttpRequests | None = None
@@ -235,7 +233,7 @@ class Door:
         if self._api is None:
             self._api = HttpRequests(self._shared, self._home)
         self._shared.counters.clients += 1
-        access = self._entrance.access_of(connection, self._shared.owners())
+        access = self._entrance.access_of(connection)
         return http_response(*await self._api.answer(connection, access, address_of(connection)))
 
     async def _serve(self, opened: ServerConnection) -> None:
@@ -257,7 +255,7 @@ class Door:
         connection.has_arrived()
         send = partial(connection.send_in_time, self._settings.stall_timeout, cut)
         link = DoorLink(send, cut, connection.round_trip, connection.is_excused)
-        access = entrance.access_of(connection, self._shared.owners())
+        access = entrance.access_of(connection)
         asking = OutsideClient(self._shared, access, address_of(connection))
         session = ClientSession(asking, link, is_roslibpy=is_roslibpy(connection))
         self._sessions[connection] = session

@@ -30,18 +30,11 @@ __all__ = ["Interfaces", "find_action", "find_message", "find_service", "interfa
 
 _DEFAULT: Final = "jazzy"
 _HOME: Final = "homebot.messages"
-_CLASSES: Final = {
-    "action_msgs": f"{_HOME}.action_msgs",
-    "builtin_interfaces": f"{_HOME}.builtin_interfaces",
-    "diagnostic_msgs": f"{_HOME}.key_value",
-    "geometry_msgs": f"{_HOME}.geometry_msgs",
-    "nav_msgs": f"{_HOME}.nav_msgs",
-    "rcl_interfaces": f"{_HOME}.rcl_interfaces",
-    "std_msgs": f"{_HOME}.std_msgs",
-    "std_srvs": f"{_HOME}.std_srvs",
-    "tf2_msgs": f"{_HOME}.tf2_msgs",
-    "unique_identifier_msgs": f"{_HOME}.unique_identifier_msgs",
-}
+_PACKAGES: Final = (
+    "action_msgs builtin_interfaces geometry_msgs nav_msgs rcl_interfaces std_msgs std_srvs tf2_msgs "
+    "unique_identifier_msgs"
+)
+_CLASSES: Final = {one: f"{_HOME}.{one}" for one in _PACKAGES.split()} | {"diagnostic_msgs": f"{_HOME}.key_value"}
 """The modules with the classes of packages that homebot itself uses, which go before a definition by text."""
 
 _MOST_DEFINED: Final = 200
