@@ -101,8 +101,6 @@ CONTEXT: Final = _Context()
 
 
 class _DueCallbacks(queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]]):
-    """The callbacks that wait, and the thread that ran the last one."""
-
     thread = 0
 
 

@@ -329,7 +329,6 @@ class Node:
                 entity.cancel_handlers()
 
     def _record_failure(self, callback: str, cost: str, error: BaseException) -> None:
-        """Record the failure of a callback."""
         if isinstance(error, asyncio.CancelledError):
             uncancel()
         crash = crash_of(self.full_name, error)

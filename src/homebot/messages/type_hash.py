@@ -65,7 +65,6 @@ def _individual(name: str, fields: list[_Field]) -> dict[str, object]:
 
 
 def _add_message(types: dict[str, list[_Field]], message: type[Message], name: str) -> None:
-    """Add *message* under its *name* in ROS, and the messages inside."""
     types[name] = _described(fields_of(message))
     for nested in nested_types(message):
         types[nested.ros_type] = _described(fields_of(nested))

@@ -133,7 +133,6 @@ class _File:
         return rooms
 
     def _point(self, value: object, key: str) -> Point:
-        """Return a position in metres."""
         if not isinstance(value, list) or len(value) < 2 or not all(isinstance(one, int | float) for one in value):
             raise ConfigError(self._source, key, f"{str(value)[:40]} is no position; it is [x, y]")
         x, y = float(value[0]), float(value[1])

@@ -79,7 +79,6 @@ def _areas(value: object) -> object:
 
 
 def _ends(value: object) -> object:
-    """Return the ends of a door, or its centre, as points."""
     is_centre = isinstance(value, list) and len(value) == 2 and not isinstance(value[0], list)
     return _tuples([value] if is_centre else value)
 
@@ -210,7 +209,6 @@ def read_places(
 
 
 def _stated(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> Iterator[tuple[FactName, str]]:
-    """Yield the facts that a table states of a device."""
     if device.room:
         yield "area", _room(device.room, plan, source, f"{key}.room")
     if device.at:

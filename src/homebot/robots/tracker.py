@@ -83,7 +83,6 @@ class RobotTracker:
         self._changed.set()
 
     def _follow_others(self) -> None:
-        """Follow the sources of the robots' tables."""
         node, devices = self._node, Devices(self._node)
         for robot in self._robots.values():
             if robot.settings.topic:
@@ -96,7 +95,6 @@ class RobotTracker:
             node.create_task(partial(follow_motion, devices, tuple(self._robots.values())))
 
     def _where(self, request: WhereIsRobotRequest) -> WhereIsRobotResponse:
-        """Answer the service: where a robot is, or was, and how old that is."""
         by_name = {"robot": self._owners.sole, "": self._owners.sole} | {fold(one): one for one in self._robots}
         name = by_name.get(fold(request.robot)) or request.robot
         robot = self._robots.get(name)

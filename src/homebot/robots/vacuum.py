@@ -202,7 +202,6 @@ class _ImportedRooms:
 
 
 def _is_same(first: HouseRoom, second: HouseRoom) -> bool:
-    """Return whether two rooms have the same area."""
     corners, others = (
         [corner for rings in room.polygons for ring in rings for corner in ring] for room in (first, second)
     )

@@ -151,7 +151,6 @@ def _text(found: BaseModel) -> bytes:
 
 
 def _question(request: ApiRequest) -> tuple[ApiRoute, BaseModel]:
-    """Return the route of *request*, and its question."""
     url = urlsplit(request.target)
     fitting = [one for one in ROUTES if _fits(one.path, url.path)]
     if not fitting:

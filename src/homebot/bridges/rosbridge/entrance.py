@@ -147,7 +147,6 @@ class Entrance:
         return Response(status.value, status.phrase, Headers(headers), body)
 
     async def _check_token(self, connection: DoorConnection, token: str) -> Response | None:
-        """Check the token of the client; return the response to a refused one."""
         if LOCAL_CLIENT in self._rights and (not token or len(self._rights) == 1):
             self._names[connection] = LOCAL_CLIENT
             return None

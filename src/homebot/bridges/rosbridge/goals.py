@@ -103,7 +103,6 @@ class SentGoals:
         return request_from_client(goal_type, self._access.stamped(goal_type, values), self._node.graph.clock.now())
 
     async def _run(self, sent: _SentGoal, request: Message) -> None:
-        """Wait for the end of a goal and answer it."""
         op, client, status = sent.op, sent.client, GoalState.UNKNOWN
         CURRENT_CAUSE.set(cause_of_call(self._node, self._access, client.action_name))
         try:

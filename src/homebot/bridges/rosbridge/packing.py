@@ -131,8 +131,6 @@ class FrameAssembler:
 
 
 class _Collected:
-    """The fragments of one frame so far."""
-
     def __init__(self, total: int) -> None:
         self.total = total
         self.size = 0

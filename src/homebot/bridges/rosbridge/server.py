@@ -225,7 +225,6 @@ class Door:
         return None
 
     async def _answer(self, connection: DoorConnection) -> Response:
-        """Answer a request to the HTTP API."""
         from homebot.bridges.rosbridge.http_requests import HttpRequests  # noqa: PLC0415 - loaded with the first
 
         if self.client_count >= self._settings.max_clients:  # several were let in at the same time
