@@ -1,59 +1,31 @@
 """The computation graph: nodes, typed topics with QoS, services, parameters and the directory of them all."""
 
-from homebot.graph.client import Client
-from homebot.graph.endpoint import ActionInfo, EndpointInfo, EntityKind, GraphChange
-from homebot.graph.graph import Graph
-from homebot.graph.mailbox import Mailbox
-from homebot.graph.node import Node
-from homebot.graph.parameters import Parameter, ParameterDescriptor, ParameterSet
-from homebot.graph.publisher import Publisher
-from homebot.graph.qos import (
-    DurabilityPolicy,
-    HistoryPolicy,
-    LivelinessPolicy,
-    QoSProfile,
-    ReliabilityPolicy,
-    qos_incompatibilities,
-    qos_profile_default,
-    qos_profile_latched,
-    qos_profile_parameter_events,
-    qos_profile_rosout,
-    qos_profile_sensor_data,
-    qos_profile_services_default,
-)
-from homebot.graph.rosout import RosoutFeed
-from homebot.graph.service import Service
-from homebot.graph.subscription import OTHERS, Subscription
-from homebot.graph.timer import Timer
-
-__all__ = [
-    "OTHERS",
-    "ActionInfo",
-    "Client",
-    "DurabilityPolicy",
-    "EndpointInfo",
-    "EntityKind",
-    "Graph",
-    "GraphChange",
-    "HistoryPolicy",
-    "LivelinessPolicy",
-    "Mailbox",
-    "Node",
-    "Parameter",
-    "ParameterDescriptor",
-    "ParameterSet",
-    "Publisher",
-    "QoSProfile",
-    "ReliabilityPolicy",
-    "RosoutFeed",
-    "Service",
-    "Subscription",
-    "Timer",
-    "qos_incompatibilities",
-    "qos_profile_default",
-    "qos_profile_latched",
-    "qos_profile_parameter_events",
-    "qos_profile_rosout",
-    "qos_profile_sensor_data",
-    "qos_profile_services_default",
-]
+from homebot.graph.client import Client as Client
+from homebot.graph.endpoint import ActionInfo as ActionInfo
+from homebot.graph.endpoint import EndpointInfo as EndpointInfo
+from homebot.graph.endpoint import EntityKind as EntityKind
+from homebot.graph.endpoint import GraphChange as GraphChange
+from homebot.graph.graph import Graph as Graph
+from homebot.graph.mailbox import Mailbox as Mailbox
+from homebot.graph.node import Node as Node
+from homebot.graph.parameters import Parameter as Parameter
+from homebot.graph.parameters import ParameterDescriptor as ParameterDescriptor
+from homebot.graph.parameters import ParameterSet as ParameterSet
+from homebot.graph.publisher import Publisher as Publisher
+from homebot.graph.qos import DurabilityPolicy as DurabilityPolicy
+from homebot.graph.qos import HistoryPolicy as HistoryPolicy
+from homebot.graph.qos import LivelinessPolicy as LivelinessPolicy
+from homebot.graph.qos import QoSProfile as QoSProfile
+from homebot.graph.qos import ReliabilityPolicy as ReliabilityPolicy
+from homebot.graph.qos import qos_incompatibilities as qos_incompatibilities
+from homebot.graph.qos import qos_profile_default as qos_profile_default
+from homebot.graph.qos import qos_profile_latched as qos_profile_latched
+from homebot.graph.qos import qos_profile_parameter_events as qos_profile_parameter_events
+from homebot.graph.qos import qos_profile_rosout as qos_profile_rosout
+from homebot.graph.qos import qos_profile_sensor_data as qos_profile_sensor_data
+from homebot.graph.qos import qos_profile_services_default as qos_profile_services_default
+from homebot.graph.rosout import RosoutFeed as RosoutFeed
+from homebot.graph.service import Service as Service
+from homebot.graph.subscription import OTHERS as OTHERS
+from homebot.graph.subscription import Subscription as Subscription
+from homebot.graph.timer import Timer as Timer

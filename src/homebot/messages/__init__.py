@@ -8,34 +8,25 @@ from typing import TYPE_CHECKING
 from homebot.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from homebot.messages.builtin_interfaces import Duration, Time
-    from homebot.messages.interfaces import Interfaces
-    from homebot.messages.message import Message, ServiceType
-    from homebot.messages.rcl_interfaces import Log, Parameter, ParameterEvent, ParameterValue
-    from homebot.messages.std_msgs import Bool, Empty, Float32, Float64, Int32, Int64, String, UInt8
-    from homebot.messages.std_srvs import SetBool, Trigger
-
-__all__ = [
-    "Bool",
-    "Duration",
-    "Empty",
-    "Float32",
-    "Float64",
-    "Int32",
-    "Int64",
-    "Interfaces",
-    "Log",
-    "Message",
-    "Parameter",
-    "ParameterEvent",
-    "ParameterValue",
-    "ServiceType",
-    "SetBool",
-    "String",
-    "Time",
-    "Trigger",
-    "UInt8",
-]
+    from homebot.messages.builtin_interfaces import Duration as Duration
+    from homebot.messages.builtin_interfaces import Time as Time
+    from homebot.messages.interfaces import Interfaces as Interfaces
+    from homebot.messages.message import Message as Message
+    from homebot.messages.message import ServiceType as ServiceType
+    from homebot.messages.rcl_interfaces import Log as Log
+    from homebot.messages.rcl_interfaces import Parameter as Parameter
+    from homebot.messages.rcl_interfaces import ParameterEvent as ParameterEvent
+    from homebot.messages.rcl_interfaces import ParameterValue as ParameterValue
+    from homebot.messages.std_msgs import Bool as Bool
+    from homebot.messages.std_msgs import Empty as Empty
+    from homebot.messages.std_msgs import Float32 as Float32
+    from homebot.messages.std_msgs import Float64 as Float64
+    from homebot.messages.std_msgs import Int32 as Int32
+    from homebot.messages.std_msgs import Int64 as Int64
+    from homebot.messages.std_msgs import String as String
+    from homebot.messages.std_msgs import UInt8 as UInt8
+    from homebot.messages.std_srvs import SetBool as SetBool
+    from homebot.messages.std_srvs import Trigger as Trigger
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(

@@ -4,8 +4,9 @@ An action NAME is five hidden endpoints below ``NAME/_action``: the services ``s
 ``get_result``, and the topics ``feedback`` and ``status``. Loaded when used.
 """
 
-from homebot.graph.actions.action_client import ActionClient, ClientGoal
-from homebot.graph.actions.action_server import ActionServer, Preemption
-from homebot.graph.actions.goals import GoalState, ServerGoal
-
-__all__ = ["ActionClient", "ActionServer", "ClientGoal", "GoalState", "Preemption", "ServerGoal"]
+from homebot.graph.actions.action_client import ActionClient as ActionClient
+from homebot.graph.actions.action_client import ClientGoal as ClientGoal
+from homebot.graph.actions.action_server import ActionServer as ActionServer
+from homebot.graph.actions.action_server import Preemption as Preemption
+from homebot.graph.actions.goals import GoalState as GoalState
+from homebot.graph.actions.goals import ServerGoal as ServerGoal

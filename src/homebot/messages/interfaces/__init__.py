@@ -3,12 +3,8 @@
 Source: ROS 2, "Interfaces" (``.msg``, ``.srv`` and ``.action`` files); rosidl, ``rosidl_adapter``.
 """
 
-from homebot.messages.interfaces.interfaces import (
-    Interfaces,
-    find_action,
-    find_message,
-    find_service,
-    interface_names,
-)
-
-__all__ = ["Interfaces", "find_action", "find_message", "find_service", "interface_names"]
+from homebot.messages.interfaces.interfaces import Interfaces as Interfaces
+from homebot.messages.interfaces.interfaces import find_action as find_action
+from homebot.messages.interfaces.interfaces import find_message as find_message
+from homebot.messages.interfaces.interfaces import find_service as find_service
+from homebot.messages.interfaces.interfaces import interface_names as interface_names
