@@ -38,6 +38,11 @@ class Peer:
             pass
         return frame
 
+    async def tell(self, op: str, **fields: object) -> None:
+        """Send, and return when the door has dealt with it."""
+        await self.send(op, **fields)
+        await self.settle()
+
     async def settle(self) -> None:
         """Return when the door has dealt with everything sent before."""
         await self.call("/rosapi/get_time")

@@ -52,8 +52,7 @@ async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(house:
     """Both clients chose the same id, as roslibpy does; one goal is cancelled before it can be accepted."""
     async with server(house.graph) as fib, house.peer() as first, house.peer() as second:
         for peer in (first, second):
-            await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
-            await peer.settle()
+            await peer.tell("send_action_goal", id="g", args={"order": 50}, **GOAL)
         await first.send("cancel_action_goal", id="g", action="/fib")
         ended = await first.receive()
         assert (ended["op"], ended["id"], ended["status"], ended["result"]) == ("action_result", "g", 5, True)
@@ -85,8 +84,7 @@ async def test_a_goal_that_cannot_be_sent_has_a_result_too(
 async def test_the_goals_of_a_client_end_with_its_connection(house: House) -> None:
     async with server(house.graph) as fib:
         async with house.peer() as peer:
-            await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
-            await peer.settle()
+            await peer.tell("send_action_goal", id="g", args={"order": 50}, **GOAL)
             assert len(fib.goals) == 1
         await the_end(fib)
         assert house.entities() == set()
@@ -96,8 +94,7 @@ async def test_the_goals_of_a_client_that_vanishes_end(house: House) -> None:
     """It neither closes its connection nor answers; one without goals may be silent for longer."""
     async with server(house.graph) as fib, house.peer() as idle, house.peer() as peer:
         await idle.settle()
-        await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
-        await peer.settle()
+        await peer.tell("send_action_goal", id="g", args={"order": 50}, **GOAL)
         began = anyio.current_time()
         for one in (idle, peer):
             one.connection.transport.pause_reading()
@@ -112,24 +109,16 @@ async def test_the_goals_of_a_client_that_vanishes_end(house: House) -> None:
 async def test_a_client_executes_goals(house: House) -> None:
     async with house.node("app") as app, house.peer() as robot:
         client = ActionClient(app, Fibonacci, "/fib")
-        await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
-        await robot.settle()
+        await robot.tell("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         heard: list[Message] = []
-        async with anyio.create_task_group() as tasks:
-            results: list[Message] = []
-
-            async def perform() -> None:
-                results.append(await client.perform(Goal(order=2), heard.append))
-
-            tasks.start_soon(perform)
-            asked = await robot.receive()
-            assert asked == {"op": "send_action_goal", "id": "action_goal:/fib:1", "args": {"order": 2}, **GOAL}
-            about = {"id": asked["id"], "action": "/fib"}
-            await robot.send("action_feedback", values={"sequence": [0]}, **about)
-            for _ in range(2):  # as roslib does that advertised twice
-                await robot.send("action_result", values={"sequence": [0, 1]}, status=4, result=True, **about)
-            await robot.settle()
-        assert results == [Result(sequence=(0, 1))]
+        performed = asyncio.create_task(client.perform(Goal(order=2), heard.append))
+        asked = await robot.receive()
+        assert asked == {"op": "send_action_goal", "id": "action_goal:/fib:1", "args": {"order": 2}, **GOAL}
+        about = {"id": asked["id"], "action": "/fib"}
+        await robot.send("action_feedback", values={"sequence": [0]}, **about)
+        for _ in range(2):  # as roslib does that advertised twice
+            await robot.tell("action_result", values={"sequence": [0, 1]}, status=4, result=True, **about)
+        assert await performed == Result(sequence=(0, 1))
         assert heard == [Feedback(sequence=(0,))]
 
         goal = await client.send_goal(Goal(order=50))
@@ -149,8 +138,7 @@ async def test_a_client_executes_goals(house: House) -> None:
 async def test_a_goal_that_is_cancelled_at_once_reaches_its_client_before_the_cancellation(house: House) -> None:
     async with house.node("app") as app, house.peer() as robot:
         client = ActionClient(app, Fibonacci, "/fib")
-        await robot.send("advertise_action", action="/fib", type="example_interfaces/Fibonacci")
-        await robot.settle()
+        await robot.tell("advertise_action", action="/fib", type="example_interfaces/Fibonacci")
         (await client.send_goal(Goal(order=2))).request_cancel()
         assert [(await robot.receive())["op"] for _ in range(2)] == ["send_action_goal", "cancel_action_goal"]
 
@@ -159,8 +147,7 @@ async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> No
     async with house.node("app") as app:
         client = ActionClient(app, Fibonacci, "/fib")
         async with house.peer() as robot:
-            await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
-            await robot.settle()
+            await robot.tell("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
             goal = await client.send_goal(Goal(order=2))
             await robot.receive()
         with anyio.fail_after(PATIENCE):
@@ -169,8 +156,7 @@ async def test_the_goals_of_a_server_that_leaves_are_aborted(house: House) -> No
 
 async def test_a_list_fills_the_fields_of_a_goal_and_what_it_and_its_end_lack_is_zero_or_empty(house: House) -> None:
     async with house.peer() as robot, house.peer() as user:
-        await robot.send("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
-        await robot.settle()
+        await robot.tell("advertise_action", action="/fib", type="example_interfaces/action/Fibonacci")
         await user.send("send_action_goal", id="first", args=[5], **GOAL)
         asked = await robot.receive()
         assert asked["args"] == {"order": 5}

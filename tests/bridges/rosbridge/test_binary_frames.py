@@ -85,8 +85,7 @@ async def test_a_client_that_asks_for_cbor_gets_binary_frames_and_no_remark(open
     async with open_house() as house, house.peer() as peer:
         publisher = house.node("talker").create_publisher(Scan, "/scan")
         await peer.send("set_level", level="info")
-        await peer.send("subscribe", topic="/scan", compression="cbor")
-        await peer.settle()
+        await peer.tell("subscribe", topic="/scan", compression="cbor")
         publisher.publish(SCAN)
         frame = await receive_binary(peer)
     assert (frame["op"], frame["topic"], frame["msg"]["raw"]) == ("publish", "/scan", b"\x00\xff")
@@ -96,8 +95,7 @@ async def test_a_client_that_asks_for_cbor_raw_gets_the_bytes_of_ros_2_and_the_t
     """Foxglove subscribes to nothing else, and reads the bytes with the texts of ``/rosapi/topics_and_raw_types``."""
     async with open_house() as house, house.peer() as peer:
         publisher = house.node("talker").create_publisher(String, "/chatter")
-        await peer.send("subscribe", topic="chatter", compression="cbor-raw")
-        await peer.settle()
+        await peer.tell("subscribe", topic="chatter", compression="cbor-raw")
         before = house.graph.clock.now()
         publisher.publish(String(data="hi"))
         frame = await receive_binary(peer)
@@ -113,12 +111,10 @@ async def test_of_several_requests_the_most_compact_form_is_sent_until_it_is_wit
     async with open_house() as house, house.peer() as peer:
         publisher = house.node("talker").create_publisher(String, "/chatter")
         await peer.send("subscribe", id="a", topic="/chatter", compression=first)
-        await peer.send("subscribe", id="b", topic="/chatter", compression="cbor-raw")
-        await peer.settle()
+        await peer.tell("subscribe", id="b", topic="/chatter", compression="cbor-raw")
         publisher.publish(String(data="1"))
         assert "bytes" in (await receive_binary(peer))["msg"]
-        await peer.send("unsubscribe", id="b", topic="/chatter")
-        await peer.settle()
+        await peer.tell("unsubscribe", id="b", topic="/chatter")
         publisher.publish(String(data="2"))
         message = (await peer.receive() if first == "none" else await receive_binary(peer))["msg"]
     assert message == {"data": "2"}

@@ -25,8 +25,7 @@ async def test_a_client_defines_a_type_that_others_use_too(house: House) -> None
         answer = await defined(robot, "lab/msg/Arm", ARM)
         assert answer["success"]
         assert answer["type_hash"].startswith("RIHS01_")
-        await other.send("subscribe", topic="/arm", type="lab/Arm")
-        await other.settle()
+        await other.tell("subscribe", topic="/arm", type="lab/Arm")
         await robot.send("advertise", topic="/arm", type="lab/msg/Arm")
         await robot.send("publish", topic="/arm", msg={"joints": [1, 2.5], "tool": {"kind": -1}})
         assert (await other.receive())["msg"] == {"joints": [1.0, 2.5], "mode": "idle", "tool": {"kind": -1}}

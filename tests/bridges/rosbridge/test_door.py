@@ -29,8 +29,7 @@ async def test_everything_a_client_holds_goes_with_it(house: House) -> None:
         await peer.send("subscribe", topic="/chatter")
         await peer.send("subscribe", topic="/early")
         await peer.send("advertise", topic="/mine", type="std_msgs/String")
-        await peer.send("advertise_service", service="/serve", type="std_srvs/Trigger")
-        await peer.settle()
+        await peer.tell("advertise_service", service="/serve", type="std_srvs/Trigger")
         assert house.entities() == {
             ("subscription", "/chatter"),
             ("publisher", "/mine"),
@@ -74,8 +73,7 @@ async def test_a_stopped_door_does_not_wait_for_a_client_that_hangs(open_house: 
 async def test_a_client_that_takes_no_bytes_is_cut_off(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, stall_timeout=0.1)) as house, house.peer() as stalled:
         publisher = house.node("camera").create_publisher(String, "/image")
-        await stalled.send("subscribe", topic="/image")
-        await stalled.settle()
+        await stalled.tell("subscribe", topic="/image")
         stalled.connection.transport.pause_reading()
         with house.graph.watch() as changes, anyio.fail_after(PATIENCE):
             for _ in range(30):
@@ -123,8 +121,7 @@ async def test_a_bad_frame_is_told_to_its_client_and_changes_nothing(house: Hous
     """Unasked: the protocol's default level is ``error``."""
     async with house.peer() as bad, house.peer() as good:
         publisher = house.node("talker").create_publisher(String, "/chatter")
-        await good.send("subscribe", topic="/chatter")
-        await good.settle()
+        await good.tell("subscribe", topic="/chatter")
         await bad.connection.send(frame)
         answer = await bad.receive()
         assert (answer["op"], answer["level"], answer.get("id")) == ("status", "error", "1" if '"1"' in frame else None)
@@ -212,8 +209,7 @@ async def test_each_id_of_a_request_counts(open_house: Any) -> None:
         await peer.send("advertise", id="b", topic="/chatter", type="std_msgs/String")
         assert "this client uses 4 topics and services already" in (await peer.receive())["msg"]
         await peer.send("unadvertise", topic="/chatter")
-        await peer.send("unsubscribe", topic="/chatter")
-        await peer.settle()
+        await peer.tell("unsubscribe", topic="/chatter")
         assert house.entities() == set()
 
 
@@ -352,8 +348,7 @@ async def test_an_address_of_another_machine_is_named() -> None:
 
 async def test_frames_are_ascii(house: House, peer: Peer) -> None:
     publisher = house.node("talker").create_publisher(String, "/chatter")
-    await peer.send("subscribe", topic="/chatter")
-    await peer.settle()
+    await peer.tell("subscribe", topic="/chatter")
     publisher.publish(String(data="Küche \ud800"))
     text = await peer.connection.recv()
     assert isinstance(text, str)

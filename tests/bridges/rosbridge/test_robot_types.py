@@ -13,46 +13,19 @@ from homebot.messages.definition import zero_message
 from homebot.messages.interfaces import find_message
 from homebot.messages.json import message_from_json, message_to_json
 
-TYPES = [
-    "diagnostic_msgs/DiagnosticArray",
-    "geometry_msgs/PointStamped",
-    "geometry_msgs/Polygon",
-    "geometry_msgs/PoseArray",
-    "geometry_msgs/PoseStamped",
-    "geometry_msgs/PoseWithCovarianceStamped",
-    "geometry_msgs/TransformStamped",
-    "geometry_msgs/Twist",
-    "geometry_msgs/TwistStamped",
-    "geometry_msgs/Vector3Stamped",
-    "geometry_msgs/WrenchStamped",
-    "nav_msgs/GridCells",
-    "nav_msgs/MapMetaData",
-    "nav_msgs/OccupancyGrid",
-    "nav_msgs/Odometry",
-    "nav_msgs/Path",
-    "sensor_msgs/BatteryState",
-    "sensor_msgs/CameraInfo",
-    "sensor_msgs/CompressedImage",
-    "sensor_msgs/Image",
-    "sensor_msgs/Imu",
-    "sensor_msgs/JointState",
-    "sensor_msgs/Joy",
-    "sensor_msgs/LaserScan",
-    "sensor_msgs/MagneticField",
-    "sensor_msgs/NavSatFix",
-    "sensor_msgs/PointCloud2",
-    "sensor_msgs/Range",
-    "sensor_msgs/Temperature",
-    "std_msgs/Bool",
-    "std_msgs/Float32MultiArray",
-    "std_msgs/Header",
-    "std_msgs/Int32",
-    "std_msgs/String",
-    "tf2_msgs/TFMessage",
-    "vision_msgs/Detection2DArray",
-    "visualization_msgs/Marker",
-    "visualization_msgs/MarkerArray",
-]
+NAMES = {
+    "diagnostic_msgs": "DiagnosticArray",
+    "geometry_msgs": "PointStamped Polygon PoseArray PoseStamped PoseWithCovarianceStamped "
+    "TransformStamped Twist TwistStamped Vector3Stamped WrenchStamped",
+    "nav_msgs": "GridCells MapMetaData OccupancyGrid Odometry Path",
+    "sensor_msgs": "BatteryState CameraInfo CompressedImage Image Imu JointState Joy LaserScan "
+    "MagneticField NavSatFix PointCloud2 Range Temperature",
+    "std_msgs": "Bool Float32MultiArray Header Int32 String",
+    "tf2_msgs": "TFMessage",
+    "vision_msgs": "Detection2DArray",
+    "visualization_msgs": "Marker MarkerArray",
+}
+TYPES = [f"{package}/{name}" for package, names in NAMES.items() for name in names.split()]
 
 
 async def test_38_types_pass_both_ways(house: House) -> None:
@@ -61,8 +34,7 @@ async def test_38_types_pass_both_ways(house: House) -> None:
         for name in TYPES:
             message, topic = sample(find_message(name)), f"/{name.lower()}"
             heard = app.create_subscription(type(message), topic)
-            await screen.send("subscribe", topic=topic, type=name)
-            await screen.settle()
+            await screen.tell("subscribe", topic=topic, type=name)
             await robot.send("advertise", topic=topic, type=name)
             await robot.send("publish", topic=topic, msg=message_to_json(message))
             frame = await screen.receive()
@@ -80,8 +52,7 @@ async def test_maps_and_raw_images_pass_both_ways(house: House, compression: str
             empty, topic = zero_message(find_message(name)), f"/{name.lower()}"
             whole = type(empty)(**{field: getattr(empty, field) for field in type(empty).model_fields} | {"data": data})
             heard = app.create_subscription(type(empty), topic)
-            await screen.send("subscribe", topic=topic, type=name, compression=compression)
-            await screen.settle()
+            await screen.tell("subscribe", topic=topic, type=name, compression=compression)
             await robot.send("advertise", topic=topic, type=name)
             listed = {"data": list(data)} if is_listed else {}
             await robot.send("publish", topic=topic, msg=message_to_json(whole) | listed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from typing import Any
 
@@ -116,8 +117,7 @@ async def test_a_call_counts_until_its_handler_has_ended(open_house: Any) -> Non
 
 async def test_a_client_that_never_answers_owes_nothing_for_callers_that_gave_up(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, max_calls=1)) as house, house.peer() as peer:
-        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-        await peer.settle()
+        await peer.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
         node = house.node("app")
         client = node.create_client(Trigger, "/mine")
         for _ in range(2):
@@ -127,23 +127,15 @@ async def test_a_client_that_never_answers_owes_nothing_for_callers_that_gave_up
 
 
 async def test_a_client_provides_a_service(house: House, peer: Peer) -> None:
-    await peer.send("advertise_service", service="mine", type="std_srvs/SetBool")
-    await peer.settle()
+    await peer.tell("advertise_service", service="mine", type="std_srvs/SetBool")
     client = house.node("app").create_client(SetBool, "/mine")
-    async with anyio.create_task_group() as tasks:
-        answers: list[SetBoolResponse] = []
-
-        async def call() -> None:
-            answers.append(await client.call(SetBoolRequest(data=True), timeout=PATIENCE))
-
-        tasks.start_soon(call)
-        request = await peer.receive()
-        assert (request["op"], request["service"], request["args"]) == ("call_service", "mine", {"data": True})
-        values = {"success": True, "message": "by you"}
-        await peer.send("service_response", id=request["id"], service="mine", values=values, result=True)
-    assert answers == [SetBoolResponse(success=True, message="by you")]
-    await peer.send("unadvertise_service", service="mine")
-    await peer.settle()
+    call = asyncio.create_task(client.call(SetBoolRequest(data=True), timeout=PATIENCE))
+    request = await peer.receive()
+    assert (request["op"], request["service"], request["args"]) == ("call_service", "mine", {"data": True})
+    values = {"success": True, "message": "by you"}
+    await peer.send("service_response", id=request["id"], service="mine", values=values, result=True)
+    assert await call == SetBoolResponse(success=True, message="by you")
+    await peer.tell("unadvertise_service", service="mine")
     assert house.entities() == set()
 
 
@@ -158,33 +150,22 @@ async def test_a_client_provides_a_service(house: House, peer: Peer) -> None:
 async def test_a_bad_answer_of_a_client_fails_the_call(
     house: House, peer: Peer, response: dict[str, object], problem: str
 ) -> None:
-    await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-    await peer.settle()
-    client = house.node("app").create_client(Trigger, "/mine")
-    async with anyio.create_task_group() as tasks:
-
-        async def answer() -> None:
-            request = await peer.receive()
-            await peer.send("service_response", id=request["id"], service="/mine", **response)
-
-        tasks.start_soon(answer)
-        with pytest.raises(ServiceFailedError, match=problem):
-            await client.call(TriggerRequest())
+    await peer.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
+    call = asyncio.create_task(house.node("app").create_client(Trigger, "/mine").call(TriggerRequest()))
+    await peer.send("service_response", id=(await peer.receive())["id"], service="/mine", **response)
+    with pytest.raises(ServiceFailedError, match=problem):
+        await call
 
 
 async def test_a_call_to_a_client_that_leaves_fails_at_once(house: House) -> None:
     client = house.node("app").create_client(Trigger, "/mine")
-    async with house.peer() as peer, anyio.create_task_group() as tasks:
-        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-        await peer.settle()
-
-        async def leave() -> None:
-            await peer.receive()
-            await peer.connection.close()
-
-        tasks.start_soon(leave)
+    async with house.peer() as peer:
+        await peer.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
+        call = asyncio.create_task(client.call(TriggerRequest(), timeout=60))
+        await peer.receive()
+        await peer.connection.close()
         with anyio.fail_after(PATIENCE), pytest.raises(ServiceGoneError):
-            await client.call(TriggerRequest(), timeout=60)
+            await call
     assert not client.service_is_ready()
 
 
@@ -201,20 +182,15 @@ async def test_ids_of_two_clients_do_not_mix(house: House) -> None:
 async def test_a_client_that_owes_too_many_answers_is_asked_no_more(open_house: Any) -> None:
     async with open_house(DoorSettings(port=0, max_calls=1)) as house, house.peer() as peer:
         await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-        await peer.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-        await peer.settle()
+        await peer.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
         client = house.node("app").create_client(Trigger, "/mine")
-        async with anyio.create_task_group() as tasks:
-
-            async def first() -> None:
-                with pytest.raises(ServiceGoneError):
-                    await client.call(TriggerRequest())
-
-            tasks.start_soon(first)
-            await peer.receive()
-            with pytest.raises(ServiceFailedError, match="has 1 calls waiting already"):
-                await client.call(TriggerRequest())
-            await peer.send("unadvertise_service", service="/mine")
+        first = asyncio.create_task(client.call(TriggerRequest()))
+        await peer.receive()
+        with pytest.raises(ServiceFailedError, match="has 1 calls waiting already"):
+            await client.call(TriggerRequest())
+        await peer.send("unadvertise_service", service="/mine")
+        with pytest.raises(ServiceGoneError):
+            await first
 
 
 async def test_a_second_server_is_refused(house: House, peer: Peer) -> None:
@@ -227,26 +203,18 @@ async def test_a_second_server_is_refused(house: House, peer: Peer) -> None:
 async def test_a_client_that_comes_back_provides_its_service_again(house: House) -> None:
     """Its old connection may be dead for long before that shows, and it offers the service once."""
     async with house.peer() as old, house.peer() as new:
-        await old.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-        await old.settle()
-        await new.send("advertise_service", service="mine", type="std_srvs/Trigger")
-        await new.settle()
+        await old.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
+        await new.tell("advertise_service", service="mine", type="std_srvs/Trigger")
         assert "/mine is provided by a newer connection of the client local now" in (await old.receive())["msg"]
         await old.connection.close()
         while house.door.client_count > 1:
             await new.settle()
         client = house.node("app").create_client(Trigger, "/mine")
-        async with anyio.create_task_group() as tasks:
-
-            async def answer() -> None:
-                request = await new.receive()
-                values = {"success": True, "message": "here again"}
-                await new.send("service_response", id=request["id"], service="mine", values=values, result=True)
-
-            tasks.start_soon(answer)
-            assert (await client.call(TriggerRequest(), timeout=PATIENCE)).message == "here again"
-        await new.send("unadvertise_service", service="mine")
-        await new.settle()
+        call = asyncio.create_task(client.call(TriggerRequest(), timeout=PATIENCE))
+        request, values = await new.receive(), {"success": True, "message": "here again"}
+        await new.send("service_response", id=request["id"], service="mine", values=values, result=True)
+        assert (await call).message == "here again"
+        await new.tell("unadvertise_service", service="mine")
         assert house.entities() == set()
 
 
@@ -257,8 +225,7 @@ async def test_the_service_of_another_client_is_not_taken_over(open_house: Any) 
         house.peer(Authorization="Bearer one") as one,
         house.peer(Authorization="Bearer two") as two,
     ):
-        await one.send("advertise_service", service="/mine", type="std_srvs/Trigger")
-        await one.settle()
+        await one.tell("advertise_service", service="/mine", type="std_srvs/Trigger")
         await two.send("advertise_service", service="/mine", type="std_srvs/Trigger")
         assert "already served by /rosbridge_websocket" in (await two.receive())["msg"]
 
@@ -291,8 +258,7 @@ async def test_a_client_that_vanishes_while_it_holds_a_lease_is_cut_off(house: H
         wanted = {"capability": "on", "value": True}
         fields = {"device": "lamp", "lease": "l", "by": "robot", "ttl": 99, "setting": wanted, "issuer": ""}
         await peer.send("call_service", service=HOLD_PART, args=fields)
-        await peer.send("advertise", topic="/alive", type="std_msgs/Bool")
-        await peer.settle()
+        await peer.tell("advertise", topic="/alive", type="std_msgs/Bool")
         peer.connection.transport.pause_reading()
         began = anyio.current_time()
         with house.graph.watch() as changes, anyio.fail_after(PATIENCE):

@@ -21,8 +21,7 @@ from homebot.messages.json import message_from_json
 
 async def test_a_client_reads_the_messages_of_a_node(house: House, peer: Peer) -> None:
     publisher = house.node("talker").create_publisher(String, "/chatter")
-    await peer.send("subscribe", topic="/chatter", type="std_msgs/String")
-    await peer.settle()
+    await peer.tell("subscribe", topic="/chatter", type="std_msgs/String")
     publisher.publish(String(data="hi"))
     assert await peer.receive() == {"op": "publish", "topic": "/chatter", "msg": {"data": "hi"}}
 
@@ -58,8 +57,7 @@ async def test_a_message_on_a_topic_of_homebot_must_be_whole(open_house: Any) ->
 async def test_a_latched_message_waits_for_a_late_client(house: House) -> None:
     async with house.peer() as early, house.peer() as late:
         await early.send("advertise", topic="/state", type="std_msgs/String", latch=True)
-        await early.send("publish", topic="/state", msg={"data": "on"}, latch=True)
-        await early.settle()
+        await early.tell("publish", topic="/state", msg={"data": "on"}, latch=True)
         await late.send("subscribe", topic="/state")
         assert (await late.receive())["msg"] == {"data": "on"}
 
@@ -76,24 +74,20 @@ async def test_a_second_request_of_one_client_gets_the_latched_message_too(house
 async def test_two_requests_for_one_topic_give_each_message_once(house: House, peer: Peer) -> None:
     publisher = house.node("talker").create_publisher(Int32, "/n")
     await peer.send("subscribe", id="a", topic="/n")
-    await peer.send("subscribe", id="b", topic="/n")
-    await peer.settle()
+    await peer.tell("subscribe", id="b", topic="/n")
     publisher.publish(Int32(data=1))
     publisher.publish(Int32(data=2))
     assert [(await peer.receive())["msg"]["data"] for _ in range(2)] == [1, 2]
-    await peer.send("unsubscribe", id="a", topic="/n")
-    await peer.settle()
+    await peer.tell("unsubscribe", id="a", topic="/n")
     publisher.publish(Int32(data=3))
     assert (await peer.receive())["msg"] == {"data": 3}
-    await peer.send("unsubscribe", id="b", topic="/n")
-    await peer.settle()
+    await peer.tell("unsubscribe", id="b", topic="/n")
     assert house.entities() == set()
 
 
 async def test_a_best_effort_publisher_reaches_a_client(house: House, peer: Peer) -> None:
     publisher = house.node("sensor").create_publisher(Int32, "/lux", qos_profile_sensor_data)
-    await peer.send("subscribe", topic="/lux")
-    await peer.settle()
+    await peer.tell("subscribe", topic="/lux")
     publisher.publish(Int32(data=7))
     assert (await peer.receive())["msg"] == {"data": 7}
 
@@ -111,8 +105,7 @@ async def test_bytes_are_base64_both_ways(house: House, peer: Peer) -> None:
 
 
 async def test_a_topic_of_a_known_type_may_be_read_before_anybody_publishes(house: House, peer: Peer) -> None:
-    await peer.send("subscribe", topic="/later", type="std_msgs/String")
-    await peer.settle()
+    await peer.tell("subscribe", topic="/later", type="std_msgs/String")
     house.node("talker").create_publisher(String, "/later").publish(String(data="now"))
     assert (await peer.receive())["msg"] == {"data": "now"}
 
@@ -135,16 +128,14 @@ async def test_a_request_for_a_topic_to_come_can_be_taken_back(house: House, pee
     await peer.send("subscribe", id="a", topic="/later")
     await peer.send("subscribe", id="b", topic="/later", type="who_msgs/Knows")
     await peer.send("unsubscribe", id="a", topic="/later")
-    await peer.send("unsubscribe", topic="/later")
-    await peer.settle()
+    await peer.tell("unsubscribe", topic="/later")
     publisher = house.node("talker").create_publisher(String, "/later")
     await peer.settle()
     assert publisher.subscription_count == 0
 
 
 async def test_a_topic_that_comes_with_another_type_than_expected_is_logged(house: House, peer: Peer) -> None:
-    await peer.send("subscribe", id="a", topic="/later", type="who_msgs/Knows")
-    await peer.settle()
+    await peer.tell("subscribe", id="a", topic="/later", type="who_msgs/Knows")
     with capture_logs() as logs:
         house.node("talker").create_publisher(String, "/later")
         await peer.settle()
@@ -155,8 +146,7 @@ async def test_a_topic_that_comes_with_another_type_than_expected_is_logged(hous
 async def test_advertising_twice_needs_unadvertising_twice(house: House, peer: Peer) -> None:
     for identifier in ("a", "b"):
         await peer.send("advertise", id=identifier, topic="/t", type="std_msgs/String")
-    await peer.send("unadvertise", id="a", topic="/t")
-    await peer.settle()
+    await peer.tell("unadvertise", id="a", topic="/t")
     assert house.entities() == {("publisher", "/t")}
     await peer.send("set_level", level="warning")
     for _ in range(2):
@@ -168,8 +158,7 @@ async def test_advertising_twice_needs_unadvertising_twice(house: House, peer: P
 
 async def test_a_topic_advertised_again_as_latched_becomes_latched(house: House, peer: Peer) -> None:
     await peer.send("advertise", id="a", topic="/t", type="std_msgs/String")
-    await peer.send("advertise", id="b", topic="/t", type="std_msgs/String", latch=True)
-    await peer.settle()
+    await peer.tell("advertise", id="b", topic="/t", type="std_msgs/String", latch=True)
     (info,) = house.graph.get_endpoints(name="/t")
     assert info.qos == qos_profile_latched
 
@@ -178,8 +167,7 @@ async def test_a_slow_client_loses_its_oldest_messages_and_delays_no_other(open_
     async with open_house(DoorSettings(port=0, queue_depth=5)) as house, house.peer() as slow, house.peer() as quick:
         publisher = house.node("camera").create_publisher(String, "/image")
         for peer in (slow, quick):
-            await peer.send("subscribe", topic="/image")
-            await peer.settle()
+            await peer.tell("subscribe", topic="/image")
         slow.connection.transport.pause_reading()
         big = "x" * 500_000
         with anyio.fail_after(PATIENCE):
@@ -203,11 +191,9 @@ def _refused(house: House) -> int:
 async def test_a_message_waits_for_a_busy_reader_for_as_long_as_it_takes(house: House) -> None:
     """Nothing that was delivered expires; a reader that comes later gets the messages of the last second alone."""
     async with house.node("app") as app, house.peer() as robot:
-        await robot.send("advertise", topic="/goals", type="std_msgs/String")
-        await robot.settle()
+        await robot.tell("advertise", topic="/goals", type="std_msgs/String")
         busy = app.create_subscription(String, "/goals")
-        await robot.send("publish", topic="/goals", msg={"data": "kitchen"})
-        await robot.settle()
+        await robot.tell("publish", topic="/goals", msg={"data": "kitchen"})
         await anyio.sleep(1.1)
         late = app.create_subscription(String, "/goals", qos_profile=KEEPING)
         assert busy.take() == String(data="kitchen")
@@ -229,8 +215,7 @@ async def test_a_stream_that_nobody_reads_is_checked_when_somebody_does(house: H
         remark = await robot.receive()
         assert (remark["op"], remark["id"]) == ("status", "p")
         assert "'data'" in remark["msg"]
-        await robot.send("publish", topic="/count", msg={"data": 21})
-        await robot.settle()
+        await robot.tell("publish", topic="/count", msg={"data": 21})
         assert late.take() == Int32(data=21)
 
 

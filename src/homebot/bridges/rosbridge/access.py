@@ -27,26 +27,9 @@ if TYPE_CHECKING:
 
 __all__ = ["ClientAccess", "MissingRightError", "right_to_call", "right_to_publish"]
 
-_OWN: Final = frozenset(
-    {
-        "apps",
-        "broker",
-        "control",
-        "devices",
-        "discovery",
-        "gateway",
-        "getIndexData",
-        "history",
-        "homebot",
-        "network_services",
-        "parameter_events",
-        "robots",
-        "rosapi",
-        "rosbridge_websocket",
-        "rosout",
-        "subscribe_to_mqtt_topic",
-        "thing_directory",
-    }
+_OWN: Final = (
+    "apps broker control devices discovery gateway getIndexData history homebot network_services parameter_events "
+    "robots rosapi rosbridge_websocket rosout subscribe_to_mqtt_topic thing_directory"
 )
 """First tokens of the names that are homebot's own."""
 
@@ -249,7 +232,7 @@ def right_to_call(name: str) -> Right:
 
 
 def _is_own(name: str) -> bool:
-    return name.split("/", 2)[1] in _OWN
+    return name.split("/", 2)[1] in _OWN.split()
 
 
 def _text(values: Mapping[str, object], key: str) -> str:
