@@ -181,19 +181,13 @@ async def test_closing_the_server_ends_handlers_whose_callers_have_left(
 
 async def test_a_node_that_ends_ends_its_handlers_and_tells_their_callers(graph: Graph, client: TriggerClient) -> None:
     handler = Slow()
-    ended: list[float] = []
-
-    async def call() -> None:
-        with pytest.raises(ServiceGoneError):
-            await client.call(ASK)
-        ended.append(now())
-
-    async with anyio.create_task_group() as tasks, Node(graph, "brief") as node:
+    async with Node(graph, "brief") as node:
         node.create_service(Trigger, "/s", handler, concurrent=True)
-        for _ in range(3):
-            tasks.start_soon(call)
+        calls = [asyncio.create_task(client.call(ASK)) for _ in range(3)]
         await anyio.sleep(1)
-    assert (ended, handler.ends) == ([1, 1, 1], [("cancelled", 1)] * 3)
+    ended = await asyncio.gather(*calls, return_exceptions=True)
+    assert [type(one) for one in ended] == [ServiceGoneError] * 3
+    assert (now(), handler.ends) == (1, [("cancelled", 1)] * 3)
     assert graph.failures.late_answers == 0
 
 
@@ -206,16 +200,12 @@ async def test_closing_a_service_answers_the_caller_at_once_also_if_the_handler_
         return answer()
 
     serving = server.create_service(Trigger, "/s", stubborn)
-    async with anyio.create_task_group() as tasks:
-
-        async def close() -> None:
-            await anyio.sleep(1)
-            serving.close()
-
-        tasks.start_soon(close)
-        with pytest.raises(ServiceGoneError):
-            await client.call(ASK, timeout=2)
-        assert now() == 1
+    call = asyncio.create_task(client.call(ASK, timeout=2))
+    await anyio.sleep(1)
+    serving.close()
+    with pytest.raises(ServiceGoneError):
+        await call
+    assert now() == 1
     await client.wait_for_handlers()
     assert now() == 10
 
@@ -302,15 +292,7 @@ async def test_a_handler_that_cancels_its_own_task_fails_itself_alone(
         if pause:
             await anyio.sleep(pause)
     is_harmless = True
-    answers: list[str] = []
-
-    async def call() -> None:
-        answers.append((await client.call(ASK)).message)
-
-    async with anyio.create_task_group() as tasks:
-        for _ in range(3):
-            tasks.start_soon(call)
-    assert answers == ["0"] * 3
+    assert await asyncio.gather(*(client.call(ASK) for _ in range(3))) == [answer("0")] * 3
     assert sum(one.count for one in graph.failures) == (5 if goes_on else 0)
 
 

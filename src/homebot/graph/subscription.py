@@ -91,7 +91,8 @@ class Subscription(GraphEntity, Generic[MessageT]):
         self._is_keyed = message_type.key_field is not None
         self.on_failure = on_failure
         self.watchers: tuple[EventWatcher[Any], ...] = ()
-        self.find_publishers: Callable[[], Sequence[TopicEnd]] = tuple  # set by the topic while it is connected
+        self.matched_ends: Callable[[], Sequence[TopicEnd]] = tuple
+        """Return the matched publishers; set by the topic while it is connected."""
         self._is_abandoned = False  # the callback loop has ended and unread messages are useless
         self._clock = clock
         self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(
@@ -139,10 +140,6 @@ class Subscription(GraphEntity, Generic[MessageT]):
     def on_event(self, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
         """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; present matches count."""
         self.watchers += (status.watch(self, callback),)
-
-    def matched_ends(self) -> Sequence[TopicEnd]:
-        """Return the matched publishers."""
-        return self.find_publishers()
 
     def __aiter__(self) -> Subscription[MessageT]:
         return self

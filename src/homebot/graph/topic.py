@@ -57,7 +57,7 @@ class Topic:
     def add_subscription(self, subscription: Subscription[Any]) -> None:
         """Connect *subscription* with every matching publisher and replay their history."""
         self.subscriptions.append(subscription)
-        subscription.find_publishers = lambda: [one for one in self.publishers if _fit(one, subscription)]
+        subscription.matched_ends = lambda: [one for one in self.publishers if _fit(one, subscription)]
         for publisher in self.publishers:
             if not _is_wanted(publisher, subscription) or self._report_mismatch(publisher, subscription):
                 continue
@@ -72,7 +72,7 @@ class Topic:
             end.connect(())
             return
         self.subscriptions.remove(end)
-        end.find_publishers = tuple
+        end.matched_ends = tuple
         for publisher in self.publishers:
             self._connect(publisher)
 
