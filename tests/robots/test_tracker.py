@@ -73,11 +73,7 @@ class House:
         await anyio.sleep(0.15)
 
     def news(self) -> list[RobotPose]:
-        found = []
-        while (pose := self.poses.mailbox.take()) is not None:
-            assert isinstance(pose, RobotPose)
-            found.append(pose)
-        return found
+        return list(iter(self.poses.take, None))
 
     async def ask(self, robot: str = "") -> WhereIsRobotResponse:
         return await self.where.call(WhereIsRobotRequest(robot=robot))
