@@ -5,11 +5,11 @@ All of SQLite happens in a worker thread. Without a file it does nothing.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import anyio
 from anyio import to_thread
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from homebot.support.kept_file import KeptFile
 
 __all__ = ["IndexPersistence"]
+
+T = TypeVar("T")
 
 LOADED = "discovery.index_file_loaded"
 BAD_RECORD = "discovery.index_record_rejected"
@@ -256,19 +258,16 @@ def _records_of(rows: Iterable[IndexRow]) -> Records:
 
 
 def _understood(records: Records) -> _SavedState:
-    entries: list[Entry] = []
-    tombstones: list[Tombstone] = []
-    rejected = 0
-    for device_id, text in records.devices:
-        try:
-            entries.append(read_entry(device_id, text))
-        except WireError:
-            rejected += 1
-    for device_id, text in records.tombstones:
-        try:
-            tombstones.append(read_tombstone(device_id, text))
-        except WireError:
-            rejected += 1
+    entries, tombstones = _read_each(records.devices, read_entry), _read_each(records.tombstones, read_tombstone)
+    rejected = len(records.devices) + len(records.tombstones) - len(entries) - len(tombstones)
     entries.sort(key=lambda one: (one.first_seen.sec, one.first_seen.nanosec, one.id))
     tombstones.sort(key=lambda one: (one.at, one.id))
     return _SavedState(tuple(entries), tuple(tombstones), dict(records.owner), rejected)
+
+
+def _read_each(rows: Iterable[tuple[str, str]], read: Callable[[str, str], T]) -> list[T]:
+    found = []
+    for device_id, text in rows:
+        with suppress(WireError):
+            found.append(read(device_id, text))
+    return found

@@ -142,10 +142,9 @@ class CommandServer:
             )
             is_new = not self._listeners.has(request.topic, request.listener)
             publisher = self._listeners.add(request.topic, key, name, request.listener)
-        except RefusedError as exc:
-            return SubscribeToTopicResponse(success=False, message=exc.reason, data_topic="")
         except HomebotError as exc:
-            return SubscribeToTopicResponse(success=False, message=str(exc), data_topic="")
+            reason = exc.reason if isinstance(exc, RefusedError) else str(exc)
+            return SubscribeToTopicResponse(success=False, message=reason, data_topic="")
         missed: tuple[RawMessage, ...] = ()
         if is_new:
             since = begin_of(request.since, self._clock)

@@ -7,21 +7,19 @@ from collections.abc import Iterable
 from functools import partial
 from hashlib import blake2b
 from secrets import token_bytes
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from homebot.conventions.description import Publication, TakesCode
 from homebot.devices.gateway_messages import Command
 from homebot.errors import HomebotError, LinkError, RefusedError, UnableError, WrongCodeError
 from homebot.gateways.announced.announcement import AnnouncedPart
 from homebot.gateways.announced.engine import GatewayEngine
+from homebot.gateways.mqtt.responses import Responses
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties, ReasonCode
 from homebot.mqtt.topics import validate_topic
 from homebot.support.bounded_map import BoundedMap
-
-if TYPE_CHECKING:
-    from homebot.gateways.mqtt.responses import Responses
 
 __all__ = ["CommandPublisher", "SentSecrets"]
 

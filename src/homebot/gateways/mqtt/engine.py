@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Awaitable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import anyio
 import anyio.lowlevel
@@ -34,6 +34,7 @@ from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.offers import Offers, publishers_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
 from homebot.gateways.mqtt.reserved import ReservedTopics
+from homebot.gateways.mqtt.responses import Responses
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber
@@ -42,9 +43,6 @@ from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES
 from homebot.mqtt.topics import validate_topic
 from homebot.support.isolation import run_as
-
-if TYPE_CHECKING:
-    from homebot.gateways.mqtt.responses import Responses
 
 __all__ = ["AnnouncedDevices"]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import platform
 import re
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import anyio
 import anyio.lowlevel
@@ -28,6 +28,7 @@ from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.registry import TopicReaders
+from homebot.gateways.mqtt.responses import Responses
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node, QoSProfile
 from homebot.mqtt.client import MqttSubscription
@@ -36,9 +37,6 @@ from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.options import MqttOptions
 from homebot.support.isolation import isolated, run_as
-
-if TYPE_CHECKING:
-    from homebot.gateways.mqtt.responses import Responses
 
 __all__ = ["MqttGateway"]
 
@@ -183,8 +181,6 @@ class MqttGateway(Gateway):
                 del batch  # while it waits for the next one: all that a broker retains is tens of megabytes
 
     def _asked_responses(self) -> Responses:
-        from homebot.gateways.mqtt.responses import Responses  # noqa: PLC0415 - likewise
-
         answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)
         topic = f"homebot/responses/{_topic_level(self._settings.client_id)}"
         return Responses(self.node.name, topic, self.node.graph.clock, answers.publish)
