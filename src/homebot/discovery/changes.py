@@ -140,8 +140,8 @@ class ChangeQueue:
         """Return the oldest changes, and the disputes they caused, and forget them."""
         if at_most is None:
             self.end_growth()
-        taken = self.pending if at_most is None else self.pending[:at_most]
-        self.pending = [] if at_most is None else self.pending[at_most:]
+        taken = self.pending[:at_most]
+        del self.pending[: len(taken)]
         found: list[DeviceChange] = []
         self.of_links.clear()
         for one in taken:
@@ -152,8 +152,8 @@ class ChangeQueue:
 
     def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
         """Return the changes of states, oldest first, and forget them; changes of a removed part are left out."""
-        taken = self.states if at_most is None else self.states[:at_most]
-        self.states = [] if at_most is None else self.states[at_most:]
+        taken = self.states[:at_most]
+        del self.states[: len(taken)]
         found: list[StateChange] = []
         for entry, parts, readings, whole, told_at, live in taken:
             current, stream = readings, whole

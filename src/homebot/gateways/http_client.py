@@ -24,7 +24,7 @@ import anyio
 from yarl import URL
 
 from homebot.conventions.payload import compact_json, parse_json, shown
-from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.address_guard import AddressGuard
 from homebot.gateways.event_stream import EventStreamParser
 from homebot.gateways.http_address import parse_url, shown_url
@@ -100,9 +100,7 @@ class HttpClient:
         self._tls = tls
         self._time_limit = time_limit
         self._max_bytes = max_bytes
-        self._has_login = login is not None
         self._session: aiohttp.ClientSession | None = None
-        self._is_closed = False
 
     async def __aenter__(self) -> Self:
         self._session = aiohttp.ClientSession(
@@ -123,7 +121,6 @@ class HttpClient:
         self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
     ) -> None:
         session, self._session = self._session, None
-        self._is_closed = True
         if session is not None:
             with anyio.CancelScope(shield=True):
                 await session.close()
@@ -195,7 +192,7 @@ class HttpClient:
             async with response:
                 if etag and response.status == 304:
                     return HttpAnswer(304, "", b"", _fields(response))
-                check_status(f"{method} {shown_url(where)}", response.status, has_login=self._has_login)
+                check_status(f"{method} {shown_url(where)}", response.status, has_login=self._login is not None)
                 data = await _body(where, response, self._max_bytes if max_bytes is None else max_bytes)
                 return HttpAnswer(response.status, _media_type(response), data, _fields(response))
 
@@ -240,7 +237,7 @@ class HttpClient:
         async with self._within("GET", where, self._time_limit):
             response = await self._opened().get(where, headers=headers, max_redirects=_REDIRECTS)
         async with response:
-            check_status(f"GET {shown_url(where)}", response.status, has_login=self._has_login)
+            check_status(f"GET {shown_url(where)}", response.status, has_login=self._login is not None)
             if response.status == 204:
                 raise RefusedError(f"GET {shown_url(where)}", "there are no events any more", 204)
             if (found := _media_type(response)) != "text/event-stream":
@@ -258,10 +255,8 @@ class HttpClient:
         return made
 
     def _opened(self) -> aiohttp.ClientSession:
-        if self._session is None and self._is_closed:
-            raise LinkError("the connection was closed")
         if self._session is None:
-            raise UsageError("an HttpClient is used as `async with HttpClient(guard=…) as client:`")
+            raise LinkError("the connection was closed")
         return self._session
 
     @asynccontextmanager
@@ -270,7 +265,7 @@ class HttpClient:
             with (
                 anyio.fail_after(time_limit),
                 staying_at(where),
-                translated_errors(what, shown_url(where), has_login=self._has_login),
+                translated_errors(what, shown_url(where), has_login=self._login is not None),
             ):
                 yield
         except TimeoutError:
