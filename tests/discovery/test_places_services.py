@@ -11,25 +11,10 @@ from tests.discovery import directory_house
 from tests.discovery.announcements import announce, part_of
 from tests.discovery.directory_house import House
 
-from homebot.devices import Devices
+from homebot.devices import Devices, names
+from homebot.devices import places_messages as messages
 from homebot.devices.approval_messages import ApproveDevice
 from homebot.devices.handles import Light
-from homebot.devices.names import (
-    ALIAS_DEVICE,
-    APPROVE_DEVICE,
-    EXPORT_PLACES,
-    GET_PLACES,
-    IMPORT_PLACES,
-    TAG_DEVICE,
-)
-from homebot.devices.places_messages import (
-    AliasDevice,
-    ExportPlaces,
-    GetPlaces,
-    ImportPlaces,
-    RoomInfo,
-    TagDevice,
-)
 from homebot.discovery import OwnerFacts
 from homebot.places import read_places
 
@@ -60,7 +45,7 @@ async def test_what_a_preview_showed_is_approved_and_nothing_else() -> None:
     lock = announce("lock/door", bolt, ids=("mac:aabbccddeeff",), name="Door", gateway="mqtt")
     other = lock.model_copy(update={"parts": (bolt.model_copy(update={"writes": ("garage/set",)}),)})
     async with directory() as house:
-        client = house.asker.create_client(ApproveDevice, APPROVE_DEVICE)
+        client = house.asker.create_client(ApproveDevice, names.APPROVE_DEVICE)
         await house.hears(lock)
         shown = await client.call(ApproveDevice.Request(device="door", is_preview=True))
         assert shown.commands == ("l: lock to door/set",)
@@ -79,10 +64,14 @@ async def test_handles_are_found_and_followed_by_what_the_owner_states() -> None
         assert not await devices.find(Light, area="downstairs")
         placed = await house.place("desk_lamp", "kitchen")
         assert (placed.success, placed.room) == (True, "Kitchen")
-        tag = house.asker.create_client(TagDevice, TAG_DEVICE)
-        assert (await tag.call(TagDevice.Request(device="desk_lamp", tag="Night light"))).tags == ("Night light",)
-        alias = house.asker.create_client(AliasDevice, ALIAS_DEVICE)
-        assert (await alias.call(AliasDevice.Request(device="desk_lamp", alias="Corner"))).aliases == ("Corner",)
+        tag = house.asker.create_client(messages.TagDevice, names.TAG_DEVICE)
+        assert (await tag.call(messages.TagDevice.Request(device="desk_lamp", tag="Night light"))).tags == (
+            "Night light",
+        )
+        alias = house.asker.create_client(messages.AliasDevice, names.ALIAS_DEVICE)
+        assert (await alias.call(messages.AliasDevice.Request(device="desk_lamp", alias="Corner"))).aliases == (
+            "Corner",
+        )
         for found in (
             await devices.find(Light, area="downstairs"),
             await devices.find(Light, area="HOME"),
@@ -118,21 +107,23 @@ async def test_a_refusal_is_answered_in_words() -> None:
         assert (await house.place("desk_lamp", "Kichen", is_new=True)).success
         assert (await house.place("desk_lamp", "")).room == "Study"
         assert "no command stated the room" in (await house.place("desk_lamp", "")).message
-        tag = house.asker.create_client(TagDevice, TAG_DEVICE)
-        assert not (await tag.call(TagDevice.Request(device="desk_lamp", tag="x", remove=True))).success
-        alias = house.asker.create_client(AliasDevice, ALIAS_DEVICE)
-        assert not (await alias.call(AliasDevice.Request(device="desk_lamp", alias="x", remove=True))).success
-        assert not (await alias.call(AliasDevice.Request(device="desk_lamp", alias=" "))).success
+        tag = house.asker.create_client(messages.TagDevice, names.TAG_DEVICE)
+        assert not (await tag.call(messages.TagDevice.Request(device="desk_lamp", tag="x", remove=True))).success
+        alias = house.asker.create_client(messages.AliasDevice, names.ALIAS_DEVICE)
+        assert not (await alias.call(messages.AliasDevice.Request(device="desk_lamp", alias="x", remove=True))).success
+        assert not (await alias.call(messages.AliasDevice.Request(device="desk_lamp", alias=" "))).success
 
 
 async def test_rooms_are_answered_with_both_ends_of_each_door() -> None:
     async with directory() as house:
-        answer = await house.asker.create_client(GetPlaces, GET_PLACES).call(GetPlaces.Request())
+        answer = await house.asker.create_client(messages.GetPlaces, names.GET_PLACES).call(
+            messages.GetPlaces.Request()
+        )
         assert (answer.home, answer.rooms) == (
             "Home",
             (
-                RoomInfo(name="Hall", floor="Downstairs", doors=("Kitchen",)),
-                RoomInfo(name="Kitchen", floor="Downstairs", doors=("Hall",)),
+                messages.RoomInfo(name="Hall", floor="Downstairs", doors=("Kitchen",)),
+                messages.RoomInfo(name="Kitchen", floor="Downstairs", doors=("Hall",)),
             ),
         )
 
@@ -142,10 +133,14 @@ async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(t
     async with directory() as house:
         await house.hears(LAMP)
         await house.place("desk_lamp", "Hall")
-        exported = (await house.asker.create_client(ExportPlaces, EXPORT_PLACES).call(ExportPlaces.Request())).text
+        exported = (
+            await house.asker.create_client(messages.ExportPlaces, names.EXPORT_PLACES).call(
+                messages.ExportPlaces.Request()
+            )
+        ).text
     async with directory(file, {}) as house:
-        importer = house.asker.create_client(ImportPlaces, IMPORT_PLACES)
-        answer = await importer.call(ImportPlaces.Request(text=exported))
+        importer = house.asker.create_client(messages.ImportPlaces, names.IMPORT_PLACES)
+        answer = await importer.call(messages.ImportPlaces.Request(text=exported))
         assert (answer.success, answer.added) == (
             True,
             ("room Hall", "room Kitchen", "mac:aabbccddeeff, which is not there yet"),
@@ -156,12 +151,14 @@ async def test_what_is_exported_here_is_imported_there_and_kept_over_a_restart(t
         device = await house.device("another_name")
         assert (device.area, device.outer_areas) == ("Hall", ("Downstairs", "Home"))
         await house.place("another_name", "Kitchen")
-        importer = house.asker.create_client(ImportPlaces, IMPORT_PLACES)
-        again = await importer.call(ImportPlaces.Request(text=exported))
+        importer = house.asker.create_client(messages.ImportPlaces, names.IMPORT_PLACES)
+        again = await importer.call(messages.ImportPlaces.Request(text=exported))
         assert (again.added, again.kept) == ((), ("another_name stays in Kitchen; the file says Hall",))
-        assert (await importer.call(ImportPlaces.Request(text=exported, replaces=True))).added == ("another_name",)
+        assert (await importer.call(messages.ImportPlaces.Request(text=exported, replaces=True))).added == (
+            "another_name",
+        )
         assert (await house.device("another_name")).area == "Hall"
-        wrong = await importer.call(ImportPlaces.Request(text='[places.rooms.Hall]\nfloor = "Kitchen"'))
+        wrong = await importer.call(messages.ImportPlaces.Request(text='[places.rooms.Hall]\nfloor = "Kitchen"'))
         assert wrong.message == "places.rooms.Hall.floor: 'Kitchen' is a room"
         assert (await house.device("another_name")).outer_areas == ("Downstairs", "Home")
 

@@ -9,38 +9,10 @@ from tests.discovery.announcements import announce, part_of, tell
 from tests.discovery.directory_house import directory
 
 from homebot.clock import LoopClock, ManualClock
-from homebot.devices import (
-    DEVICE_STATES,
-    FIND_DEVICES,
-    GET_CHANGES,
-    QUERY_DEVICES,
-    FindDevices,
-    Follow,
-    GetChanges,
-    KeyValue,
-    QueryDevices,
-    Sighting,
-    StateChange,
-)
+from homebot.devices import Follow, KeyValue, Sighting, StateChange, names, services
 from homebot.devices.gateway_messages import Report
 from homebot.devices.health import GetHealth
-from homebot.devices.names import (
-    DISCOVERY_HEALTH,
-    FORGET_DEVICE,
-    LIST_DEVICES,
-    MERGE_DEVICES,
-    SPLIT_DEVICE,
-    GatewayNames,
-)
 from homebot.devices.query import QueryTerm, parse_query, query_terms
-from homebot.devices.services import (
-    FindDevicesRequest,
-    FindDevicesResponse,
-    ForgetDevice,
-    ListDevices,
-    MergeDevices,
-    SplitDevice,
-)
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
@@ -64,22 +36,22 @@ async def test_a_query_is_answered_with_reasons_in_portions(lamp: Sighting) -> N
             for one in range(4)
         ]
         await house.hears(lamp, *others, tell(lamp, "on_off", True, part="l"))
-        ask = house.asker.create_client(QueryDevices, QUERY_DEVICES)
+        ask = house.asker.create_client(services.QueryDevices, names.QUERY_DEVICES)
 
-        found = await ask.call(QueryDevices.Request(query=query_terms(parse_query("on lights"))))
+        found = await ask.call(services.QueryDevices.Request(query=query_terms(parse_query("on lights"))))
         assert (found.success, found.total) == (True, 1)
         assert [(one.device.id, one.reasons) for one in found.results] == [
             ("desk_lamp", ("it is a light", "on_off is true", "it reported recently"))
         ]
-        some = await ask.call(QueryDevices.Request(query=query_terms(parse_query("light")), offset=1, limit=2))
+        some = await ask.call(services.QueryDevices.Request(query=query_terms(parse_query("light")), offset=1, limit=2))
         assert (some.total, [one.device.id for one in some.results]) == (5, ["other_0", "other_1"])
-        assert len((await ask.call(QueryDevices.Request())).results) == 5
+        assert len((await ask.call(services.QueryDevices.Request())).results) == 5
 
 
 async def test_a_query_that_is_not_understood_is_answered_with_the_reason() -> None:
     async with directory() as house:
-        answer = await house.asker.create_client(QueryDevices, QUERY_DEVICES).call(
-            QueryDevices.Request(query=(QueryTerm(kind="not"),))
+        answer = await house.asker.create_client(services.QueryDevices, names.QUERY_DEVICES).call(
+            services.QueryDevices.Request(query=(QueryTerm(kind="not"),))
         )
         assert not answer.success
         assert "ends after term 1" in answer.message
@@ -88,9 +60,9 @@ async def test_a_query_that_is_not_understood_is_answered_with_the_reason() -> N
 async def test_devices_are_found_by_any_word_for_what_they_are(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp)
-        find = house.asker.create_client(FindDevices, FIND_DEVICES)
+        find = house.asker.create_client(services.FindDevices, names.FIND_DEVICES)
         for word in ("light", "lights", "lamp", ""):
-            assert [one.id for one in (await find.call(FindDevices.Request(service_type=word))).devices] == [
+            assert [one.id for one in (await find.call(services.FindDevices.Request(service_type=word))).devices] == [
                 "desk_lamp"
             ]
 
@@ -100,10 +72,10 @@ async def test_devices_are_found_by_their_ids(lamp: Sighting) -> None:
     async with directory() as house:
         other = lamp.model_copy(update={"key": "k", "identifiers": ("id:other",), "name": "Other"})
         await house.hears(lamp, other)
-        find = house.asker.create_client(FindDevices, FIND_DEVICES)
+        find = house.asker.create_client(services.FindDevices, names.FIND_DEVICES)
 
         async def found(*ids: str, service_type: str = "") -> list[str]:
-            answer = await find.call(FindDevices.Request(ids=ids, service_type=service_type))
+            answer = await find.call(services.FindDevices.Request(ids=ids, service_type=service_type))
             return [device.id for device in answer.devices]
 
         assert await found("other") == ["other"]
@@ -122,9 +94,9 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
         ]
         lamp = lamp.model_copy(update={"metadata": (*lamp.metadata, KeyValue(key="position", value="6,1.5"))})
         await house.hears(lamp, *others, tell(lamp, "on_off", True, part="l"))
-        ask = house.asker.create_client(ListDevices, LIST_DEVICES)
+        ask = house.asker.create_client(services.ListDevices, names.LIST_DEVICES)
 
-        (found,) = (await ask.call(ListDevices.Request(ids=("desk_lamp",)))).devices
+        (found,) = (await ask.call(services.ListDevices.Request(ids=("desk_lamp",)))).devices
         assert found.model_dump(mode="json") == {
             "id": "desk_lamp",
             "name": "Desk lamp",
@@ -136,11 +108,11 @@ async def test_devices_are_listed_in_short_and_in_slices(lamp: Sighting) -> None
             "states": [{"part": "l", "capability": "on_off", "value": True}],
             "position": [6.0, 1.5],
         }
-        first = await ask.call(ListDevices.Request(limit=1000))
-        rest = await ask.call(ListDevices.Request(offset=200))
+        first = await ask.call(services.ListDevices.Request(limit=1000))
+        rest = await ask.call(services.ListDevices.Request(offset=200))
         assert (len(first.devices), len(rest.devices), first.total, rest.total) == (200, 11, 211, 211)
         assert len({one.id for one in (*first.devices, *rest.devices)}) == 211
-        wrong = await ask.call(ListDevices.Request(query=query_terms(parse_query("in studi"))))
+        wrong = await ask.call(services.ListDevices.Request(query=query_terms(parse_query("in studi"))))
         assert (wrong.success, wrong.devices) == (False, ())
 
 
@@ -148,7 +120,7 @@ async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_device
     """One for every twenty of them at least; the answer holds them all."""
     count = 300
     async with directory() as house, anyio.create_task_group() as tasks:
-        find = house.asker.create_client(FindDevices, FIND_DEVICES)
+        find = house.asker.create_client(services.FindDevices, names.FIND_DEVICES)
         turns = 0
 
         async def take_turns() -> None:
@@ -161,7 +133,7 @@ async def test_others_get_turns_while_an_answer_waits_for_hundreds_of_new_device
             lamp = announce(f"light/lamp{number}", part_of(), ids=(f"mac:{number:012x}",), name=f"Lamp {number}")
             house.directory.index.observe(lamp, 0.0)
         tasks.start_soon(take_turns)
-        response = await find.call(FindDevices.Request(query=query_terms(parse_query("lamp"))))
+        response = await find.call(services.FindDevices.Request(query=query_terms(parse_query("lamp"))))
         assert len(response.devices) == count
         assert turns >= count / 20
         tasks.cancel_scope.cancel()
@@ -182,11 +154,11 @@ async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends()
         anyio.create_task_group() as tasks,
     ):
         DirectoryServices(node, index, IndexPersistence(node, index, None), publish).register()
-        find = asker.create_client(FindDevices, FIND_DEVICES)
-        answers: list[FindDevicesResponse] = []
+        find = asker.create_client(services.FindDevices, names.FIND_DEVICES)
+        answers: list[services.FindDevicesResponse] = []
 
         async def ask() -> None:
-            answers.append(await find.call(FindDevicesRequest()))
+            answers.append(await find.call(services.FindDevicesRequest()))
 
         for turn in range(100):
             for number in range(15):
@@ -204,30 +176,30 @@ async def test_who_asks_in_a_flood_of_large_devices_is_answered_before_it_ends()
 
 async def test_a_late_asker_is_told_what_happened_since(lamp: Sighting) -> None:
     async with directory() as house:
-        ask = house.asker.create_client(GetChanges, GET_CHANGES)
-        before = (await ask.call(GetChanges.Request(since=0))).sequence
+        ask = house.asker.create_client(services.GetChanges, names.GET_CHANGES)
+        before = (await ask.call(services.GetChanges.Request(since=0))).sequence
         await house.hears(lamp)
         await house.hears(lamp.model_copy(update={"name": "Reading lamp"}))
-        since = await ask.call(GetChanges.Request(since=before))
+        since = await ask.call(services.GetChanges.Request(since=before))
         assert since.complete
         assert [one.kind for one in since.changes] == ["appeared", "changed"]
         assert since.sequence == since.changes[-1].sequence
-        assert not (await ask.call(GetChanges.Request(since=-1))).complete
-        assert not (await ask.call(GetChanges.Request(since=since.sequence + 1))).complete
-        assert (await ask.call(GetChanges.Request(since=since.sequence))).changes == ()
+        assert not (await ask.call(services.GetChanges.Request(since=-1))).complete
+        assert not (await ask.call(services.GetChanges.Request(since=since.sequence + 1))).complete
+        assert (await ask.call(services.GetChanges.Request(since=since.sequence))).changes == ()
 
 
 async def test_a_forgotten_device_is_gone_until_it_speaks(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp)
-        forget = house.asker.create_client(ForgetDevice, FORGET_DEVICE)
-        answer = await forget.call(ForgetDevice.Request(device="desk_lamp"))
+        forget = house.asker.create_client(services.ForgetDevice, names.FORGET_DEVICE)
+        answer = await forget.call(services.ForgetDevice.Request(device="desk_lamp"))
         assert [(one.gateway, one.topic) for one in answer.announced_on] == [("mqtt", "homeassistant/l/config")]
         await house.hears(lamp.model_copy(update={"confirmed": False}))
         assert len(house.directory.index) == 0
         await house.hears(tell(lamp, "on_off", True, part="l"))
         assert [one.id for one in house.directory.index.devices()] == ["desk_lamp"]
-        assert not (await forget.call(ForgetDevice.Request(device="nobody"))).success
+        assert not (await forget.call(services.ForgetDevice.Request(device="nobody"))).success
 
 
 async def test_the_owner_splits_a_device_and_merges_it_again() -> None:
@@ -235,25 +207,25 @@ async def test_the_owner_splits_a_device_and_merges_it_again() -> None:
         own = announce("z", part_of(id="z"), convention="zigbee2mqtt", ids=("eui64:00158d0001abcdef",), name="Z lamp")
         foreign = announce("l", part_of(id="l"), ids=("eui64:00158d0001abcdef",), name="L lamp")
         await house.hears(own, foreign)
-        split = house.asker.create_client(SplitDevice, SPLIT_DEVICE)
-        merge = house.asker.create_client(MergeDevices, MERGE_DEVICES)
-        assert (await split.call(SplitDevice.Request(device="z_lamp"))).devices == ("z_lamp", "l_lamp")
-        again = await split.call(SplitDevice.Request(device="z_lamp"))
+        split = house.asker.create_client(services.SplitDevice, names.SPLIT_DEVICE)
+        merge = house.asker.create_client(services.MergeDevices, names.MERGE_DEVICES)
+        assert (await split.call(services.SplitDevice.Request(device="z_lamp"))).devices == ("z_lamp", "l_lamp")
+        again = await split.call(services.SplitDevice.Request(device="z_lamp"))
         assert (again.success, again.message) == (
             False,
             "a split of z_lamp was refused: nothing was merged into it",
         )
-        merged = await merge.call(MergeDevices.Request(devices=("l_lamp", "z_lamp")))
+        merged = await merge.call(services.MergeDevices.Request(devices=("l_lamp", "z_lamp")))
         assert (merged.success, merged.device) == (True, "z_lamp")
         assert [one.id for one in house.directory.index.devices()] == ["z_lamp"]
-        alone = await merge.call(MergeDevices.Request(devices=("z_lamp",)))
+        alone = await merge.call(services.MergeDevices.Request(devices=("z_lamp",)))
         assert (alone.success, alone.message) == (False, "a merge was refused: it takes two different devices")
 
 
 async def test_health_counts(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp, tell(lamp, "on_off", True, part="unknown"))
-        health = await house.asker.create_client(GetHealth, DISCOVERY_HEALTH).call(GetHealth.Request())
+        health = await house.asker.create_client(GetHealth, names.DISCOVERY_HEALTH).call(GetHealth.Request())
         counts = {one.name: one.count for one in health.counts}
         assert (counts["devices"], counts["unknown_parts"], counts["index_file_failures"]) == (1, 1, 0)
 
@@ -261,7 +233,7 @@ async def test_health_counts(lamp: Sighting) -> None:
 async def test_new_values_are_told_only_while_somebody_listens(lamp: Sighting) -> None:
     async with directory() as house:
         await house.hears(lamp, tell(lamp, "level", 10.0, part="l"))
-        states = house.asker.create_subscription(StateChange, DEVICE_STATES, qos_profile=10)
+        states = house.asker.create_subscription(StateChange, names.DEVICE_STATES, qos_profile=10)
         await house.hears(tell(lamp, "level", 20.0, part="l", at=2.0))
         change = states.take()
         assert change is not None
@@ -305,11 +277,11 @@ async def test_a_live_query_that_is_not_understood_is_refused_at_once() -> None:
 
 async def test_a_restarted_directory_knows_what_devices_told(lamp: Sighting) -> None:
     """Gateways keep announcements and reports for late joiners; the one is read before the other."""
-    graph, names = Graph(LoopClock(0.0)), GatewayNames("mqtt")
+    graph, own = Graph(LoopClock(0.0)), names.GatewayNames("mqtt")
     kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     async with Node(graph, "mqtt", namespace="/gateway") as gateway:
-        gateway.create_publisher(Report, names.readings, kept).publish(tell(lamp, "level", 30.0, part="l"))
-        gateway.create_publisher(Sighting, names.received_topics, kept).publish(lamp)
+        gateway.create_publisher(Report, own.readings, kept).publish(tell(lamp, "level", 30.0, part="l"))
+        gateway.create_publisher(Sighting, own.received_topics, kept).publish(lamp)
         async with Node(graph, "discovery") as node, anyio.create_task_group() as tasks:
             made = Directory(node, DirectorySettings())
             await tasks.start(made.serve)
