@@ -31,7 +31,7 @@ class LastMessageCache:
     def __init__(self, max_total: int = MAX_TOTAL, max_each: int = MAX_EACH) -> None:
         self._max_total = max_total
         self._max_each = max_each
-        self._kept: OrderedDict[str, tuple[bytes, bool, Time, float]] = OrderedDict()
+        self._kept: OrderedDict[str, CachedMessage] = OrderedDict()
         self._total = 0
 
     def put(self, topic: str, payload: bytes, at: Time, heard_at: float, *, retained: bool) -> None:
@@ -39,15 +39,14 @@ class LastMessageCache:
         kept, length = self._kept, len(payload)
         before = kept.pop(topic, None)
         if length > self._max_each:
-            self._total -= 0 if before is None else len(before[0]) + len(topic)
+            self._total -= 0 if before is None else len(before.payload) + len(topic)
             return
-        kept[topic] = payload, retained, at, heard_at  # one for each message: a named tuple takes three times as long
-        self._total += length + len(topic) if before is None else length - len(before[0])
+        kept[topic] = CachedMessage(payload, retained, at, heard_at)
+        self._total += length + len(topic) if before is None else length - len(before.payload)
         while self._total > self._max_total:
             oldest, lost = kept.popitem(last=False)
-            self._total -= len(lost[0]) + len(oldest)
+            self._total -= len(lost.payload) + len(oldest)
 
     def get(self, topic: str) -> CachedMessage | None:
         """Return the last word on *topic*, or None."""
-        word = self._kept.get(topic)
-        return None if word is None else CachedMessage(*word)
+        return self._kept.get(topic)
