@@ -2,7 +2,6 @@ from random import Random
 
 from homebot.gateways.announced.work_budget import (
     BURST,
-    CALM,
     LONGEST_WAIT,
     MESSAGE_WORK,
     RATE,
@@ -99,20 +98,6 @@ def test_payloads_like_the_accepted_announcement_are_recognized() -> None:
     assert not offenders.resembles("hello/list", b'[{"ieee_address": "0x1"')
     assert not offenders.resembles("hello/list", b"garbage")
     assert not offenders.resembles("hello/other", b"[]")
-
-
-def test_confinement_begins_once_and_is_over_when_all_was_quiet() -> None:
-    offenders = WorkBudgets(prefix_of(FILTERS))
-    spend(offenders, "hello/x", 5.0)
-    first = offenders.defer("hello/#", 5.0)
-    assert first is not None
-    assert (first.why, first.offences) == ("why", SHARED_BURST // MESSAGE_WORK)
-    assert offenders.defer("hello/#", 7.0) is None
-    assert offenders.quiet_in("hello/#", 7.0) == CALM
-    assert offenders.quarantined() == (first,)
-    assert offenders.release("hello/#") is first
-    assert offenders.release("hello/#") is None
-    assert offenders.quarantined() == ()
 
 
 def test_the_work_is_bounded_in_any_order_of_messages() -> None:

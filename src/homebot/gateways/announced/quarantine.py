@@ -259,12 +259,16 @@ class PeerQuarantine(Generic[MessageT]):
         return tuple(self._message(budget) for budget in self.budgets.quarantined())
 
     def _defer(self, payer: str) -> None:
-        budget = self.budgets.defer(payer, self._reporter.now)
+        """Record that a message waits for the budget of *payer*, and begin its quarantine if none did before."""
+        budget, now = self.budgets.budget_of(payer), self._reporter.now
         if budget is None:
             return
-        if not self._scheduler.plan(("quarantine", payer), CALM, partial(self._release, payer)):
-            self.budgets.release(payer)  # it could not be told when that is over
-            return
+        budget.deferred_at = now
+        if budget.is_quarantined or not self._scheduler.plan(
+            ("quarantine", payer), CALM, partial(self._release, payer)
+        ):
+            return  # without a plan its end could not be told
+        budget.is_quarantined, budget.since = True, now
         self._counters.quarantines += 1
         self._events.publish(self._message(budget))
         self.log_limited(
@@ -275,15 +279,18 @@ class PeerQuarantine(Generic[MessageT]):
         )
 
     def _release(self, payer: str) -> None:
+        """End the quarantine of *payer* once all has been quiet for a while."""
         self._reporter.refresh_time()
-        left = self.budgets.quiet_in(payer, self._reporter.now)
+        budget = self.budgets.budget_of(payer)
+        if budget is None:
+            return
+        left = budget.quiet_at - self._reporter.now
         if left > 0:
             self._scheduler.plan(("quarantine", payer), left, partial(self._release, payer))
             return
-        budget = self.budgets.release(payer)
-        if budget is not None:
-            self._events.publish(self._message(budget).model_copy(update={"is_over": True}))
-            self._events.dispose(payer[:_LONGEST])
+        budget.is_quarantined = False
+        self._events.publish(self._message(budget).model_copy(update={"is_over": True}))
+        self._events.dispose(payer[:_LONGEST])
 
     def _message(self, budget: WorkBudget) -> Quarantine:
         passed = self._node.graph.clock.monotonic() - budget.since

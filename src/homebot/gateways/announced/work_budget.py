@@ -177,29 +177,9 @@ class WorkBudgets:
         known = self._accepted.get(source)
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 
-    def defer(self, payer: str, now: float) -> WorkBudget | None:
-        """Record that a message waits for the budget of *payer*; return it if none did before."""
-        budget = self._own.get(payer) or self._shared.get(payer)
-        if budget is None:
-            return None
-        budget.deferred_at = now
-        if budget.is_quarantined:
-            return None
-        budget.is_quarantined, budget.since = True, now
-        return budget
-
-    def quiet_in(self, payer: str, now: float) -> float:
-        """Return the seconds until all is quiet again with *payer* if nothing more comes."""
-        budget = self._own.get(payer) or self._shared.get(payer)
-        return 0.0 if budget is None else budget.quiet_at - now
-
-    def release(self, payer: str) -> WorkBudget | None:
-        """Record that no message waits for the budget of *payer* any more; return it if one did."""
-        budget = self._own.get(payer) or self._shared.get(payer)
-        if budget is None or not budget.is_quarantined:
-            return None
-        budget.is_quarantined = False
-        return budget
+    def budget_of(self, payer: str) -> WorkBudget | None:
+        """Return the budget of *payer*; None if it never broke a rule."""
+        return self._own.get(payer) or self._shared.get(payer)
 
     def quarantined(self) -> tuple[WorkBudget, ...]:
         """Return the budgets in quarantine."""
