@@ -9,7 +9,6 @@ A time called *now* is in seconds of a clock that is never set; *wall* is in sec
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import asdict
 from typing import TYPE_CHECKING, final
 
@@ -23,9 +22,7 @@ from homebot.discovery.merging.merger import DeviceMerger
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.discovery.pending import PendingReports
 from homebot.discovery.search.postings import PostedValue
-from homebot.discovery.source_record import SourceKey
 from homebot.discovery.states import SettingChanges, StateRecorder
-from homebot.errors import RefusedError
 
 if TYPE_CHECKING:
     from homebot.discovery.places_editor import PlacesEditor
@@ -55,6 +52,7 @@ class DeviceIndex:
         decisions: Decisions of the owner on which announcements are one device, for the index file.
         settings: Settings that changed and were not taken yet.
         observe, report: Those of :class:`SightingIntake`.
+        split, merge: Those of :class:`DeviceMerger`.
         record_link: That of :class:`StateRecorder`.
     """
 
@@ -75,7 +73,7 @@ class DeviceIndex:
         self.deadlines = self._liveness.deadlines
         self.next_deadline = self.deadlines.next
         self._merger = DeviceMerger(table, self._liveness, self._pending)
-        self.decisions = self._merger.decisions
+        self.decisions, self.split, self.merge = self._merger.decisions, self._merger.split, self._merger.merge
         self.settings = SettingChanges(table)
         states = StateRecorder(table, self._liveness, self._merger.trust, self.settings)
         self.record_link = states.record_link
@@ -197,46 +195,6 @@ class DeviceIndex:
         from homebot.discovery.places_exchange import PlacesExchange  # noqa: PLC0415 - with the first file
 
         return PlacesExchange(self.table, self.places)
-
-    def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
-        """Make several devices of one, because the owner says so; return their ids, that of the one first.
-
-        Args:
-            key: Gateway and key of the announcement that is not about it; None to make one device of each.
-
-        Raises:
-            RefusedError: There is no such device or announcement, nothing was merged into it, or there are too many
-                decisions.
-        """
-        entry = self._entry(device_id)
-        if key is not None and key not in entry.sources:
-            known = ", ".join(f"{gateway} {name}" for gateway, name in entry.sources)
-            raise RefusedError(f"a split of {device_id}", f"it has no announcement {' '.join(key)}; it has {known}")
-        self._liveness.now = now
-        return tuple(one.id for one in self._merger.split(entry, key))
-
-    def merge(self, device_ids: Iterable[str], now: float) -> str:
-        """Make several devices one, because the owner says so; return the id that it has, that of the oldest.
-
-        All endpoints of it may have its commands from now on.
-
-        Args:
-            device_ids: The devices; one alone where an endpoint of it only claims to be it.
-
-        Raises:
-            RefusedError: There is no such device, nothing is to be merged, or there are too many decisions.
-        """
-        entries = tuple(self._entry(device_id) for device_id in dict.fromkeys(device_ids))
-        if not entries or (len(entries) == 1 and not entries[0].claimed):
-            raise RefusedError("a merge", "it takes two different devices")
-        self._liveness.now = now
-        return self._merger.merge(entries).id
-
-    def _entry(self, device_id: str) -> Entry:
-        entry = self.table.entries.get(device_id)
-        if entry is None:
-            raise RefusedError(f"a change of {device_id!r}", "there is no device of that id")
-        return entry
 
     def entry(self, device_id: str) -> Entry | None:
         """Return the entry of the device, for the index file."""

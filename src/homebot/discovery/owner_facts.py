@@ -142,18 +142,6 @@ class OwnerFacts:
                 del self._by_name[name]
             statement.names = {}
 
-    def approve(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
-        """Approve the announcements of a device as they are; return the differences from the approvals before."""
-        changes = self.approvals.put(sources, now)
-        self.is_unsaved, self.is_empty = True, False
-        return changes
-
-    def disapprove(self, sources: Iterable[SourceRecord]) -> bool:
-        """Take back the approvals of announcements; return whether there were any."""
-        found = self.approvals.discard(sources)
-        self.is_unsaved = self.is_unsaved or found
-        return found
-
     def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
         """Replace the statements of commands and imports on a device that is not there yet.
 

@@ -195,14 +195,17 @@ class PlacesEditor:
         entry = self._entry(device_id)
         if digest:
             self.check_shown(device_id, digest)
-        changes = self._table.owner.approve(entry.sources.values(), now)
+        owner = self._table.owner
+        changes = owner.approvals.put(entry.sources.values(), now)
+        owner.is_unsaved, owner.is_empty = True, False
         self.restate((entry,), "the owner approved it")
         return changes
 
     def disapprove(self, device_id: str) -> None:
         """Take back the approval of a device; if it has none, nothing happens."""
         entry = self._entry(device_id)
-        if self._table.owner.disapprove(entry.sources.values()):
+        if self._table.owner.approvals.discard(entry.sources.values()):
+            self._table.owner.is_unsaved = True
             self.restate((entry,), "the owner took back the approval")
 
     def commands(self, device_id: str) -> dict[SourceKey, tuple[str, ...]]:

@@ -163,13 +163,20 @@ class DeviceMerger:
             else:
                 self._split(group, why)
 
-    def split(self, entry: Entry, key: SourceKey | None) -> tuple[Entry, ...]:
-        """Make several devices of *entry*, because the owner says so; return them, *entry* first.
+    def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
+        """Make several devices of one, because the owner says so; return their ids, that of the one first.
 
         Args:
-            key: The announcement that is not about it, with those of the same identity; None for each of them to be a
-                device of its own. RefusedError is raised where all have the same identity.
+            key: The announcement that is not about it, with those of the same identity; None to split off each.
+
+        Raises:
+            RefusedError: There is no such device or announcement, nothing was merged, or decisions are too many.
         """
+        entry = self._entry(device_id)
+        if key is not None and key not in entry.sources:
+            known = ", ".join(f"{gateway} {name}" for gateway, name in entry.sources)
+            raise RefusedError(f"a split of {device_id}", f"it has no announcement {' '.join(key)}; it has {known}")
+        self._liveness.now = now
         keys = tuple(entry.sources)
         shared = [identifier for identifier, _ in self.identities.shared(keys)]
         if not shared:
@@ -180,10 +187,23 @@ class DeviceMerger:
         if len(rest) > 1:
             self.decisions.merge(rest)
         self._decide(keys, shared, "the owner split it")
-        return tuple(dict.fromkeys((entry, *(self._table.owners[one] for one in keys))))
+        return tuple(dict.fromkeys((entry.id, *(self._table.owners[one].id for one in keys))))
 
-    def merge(self, entries: Iterable[Entry]) -> Entry:
-        """Make *entries* one device, because the owner says so; return it."""
+    def merge(self, device_ids: Iterable[str], now: float) -> str:
+        """Make several devices one, because the owner says so; return the id that it has, that of the oldest.
+
+        All endpoints of it may have its commands from now on.
+
+        Args:
+            device_ids: The devices; one alone where an endpoint of it only claims to be it.
+
+        Raises:
+            RefusedError: There is no such device, nothing is to be merged, or there are too many decisions.
+        """
+        entries = tuple(self._entry(device_id) for device_id in dict.fromkeys(device_ids))
+        if not entries or (len(entries) == 1 and not entries[0].claimed):
+            raise RefusedError("a merge", "it takes two different devices")
+        self._liveness.now = now
         keys = tuple(next(iter(entry.sources)) for entry in entries)
         if len(keys) > 1:
             self.decisions.merge(keys)
@@ -191,6 +211,12 @@ class DeviceMerger:
         entry = self._table.owners[keys[0]]
         if entry.claimed:
             self._set_trusted(entry, entry.claimed, "the owner confirmed all its endpoints")
+        return entry.id
+
+    def _entry(self, device_id: str) -> Entry:
+        entry = self._table.entries.get(device_id)
+        if entry is None:
+            raise RefusedError(f"a change of {device_id!r}", "there is no device of that id")
         return entry
 
     def trust(self, entry: Entry, endpoints: frozenset[EndpointKey]) -> None:
