@@ -121,7 +121,7 @@ async def test_a_house_that_is_announced_at_once_with_many_broken_devices_is_kno
         assert house.gateway.counters.announcements_rejected == 1500
         assert house.gateway.counters.announcements == 3000
         for number in range(1500):
-            assert house.gateway._described._registry.get(f"simple:{number}") is not None
+            assert house.gateway._described._registry.by_key.get(f"simple:{number}") is not None
 
 
 async def test_a_device_withdrawn_in_a_flood_is_gone_and_does_not_come_back() -> None:

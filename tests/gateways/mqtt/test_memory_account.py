@@ -84,7 +84,7 @@ def test_registered_announcements_take_room_and_give_it_back(
             else:
                 standing[key] = one
         assert registry.memory == taken(standing) <= MOST
-        assert {stored.described.key for stored in registry.all()} == set(standing)
+        assert {stored.described.key for stored in registry.by_key.values()} == set(standing)
     for key in tuple(standing):
         registry.remove(f"test:{key}")
     assert registry.memory == 0
@@ -224,7 +224,7 @@ def test_long_announcements_have_an_account_of_their_own(steps: list[tuple[str, 
                 with pytest.raises(WireError, match="too long for its parts"):
                     registry.put(one, length)
         assert registry.excess == sum(standing.values()) <= MOST_EXCESS
-        assert {stored.described.key for stored in registry.all()} == set(standing)
+        assert {stored.described.key for stored in registry.by_key.values()} == set(standing)
 
 
 def test_an_honest_newcomer_is_taken_when_long_ones_have_taken_all_room() -> None:
@@ -237,4 +237,4 @@ def test_an_honest_newcomer_is_taken_when_long_ones_have_taken_all_room() -> Non
             refused += 1
     assert refused
     registry.put(choosing("honest"), 2_000)
-    assert registry.get("test:honest") is not None
+    assert registry.by_key.get("test:honest") is not None

@@ -95,7 +95,7 @@ def test_each_topic_finds_its_present_readers(
             }
     for key in KEYS:
         registry.remove(f"test:{key}")
-    assert (len(registry), len(topics.users), registry._parts) == (0, 0, 0)
+    assert (len(registry.by_key), len(topics.users), registry._parts) == (0, 0, 0)
     assert all(registry.route(topic) is None for topic in TOPICS)
 
 
@@ -147,7 +147,7 @@ def test_too_many_parts_are_refused_and_what_stood_stays() -> None:
     registry.put(described("one", ("s/a",)))
     with pytest.raises(WireError, match="has 1001 parts; 1,000 is the limit"):
         registry.put(described("one", *[("s/b",)] * 1001))
-    assert registry.get("test:one") is not None
+    assert registry.by_key.get("test:one") is not None
     assert len(topics.users) == 1
 
 
@@ -178,7 +178,7 @@ def test_a_description_that_fails_leaves_nothing_behind() -> None:
     registry, topics = empty()
     with pytest.raises(TypeError):
         registry.put(described("one", ("s/a",), 5))  # type: ignore[arg-type] # as a faulty plug-in might
-    assert (len(registry), len(topics.users), registry._parts) == (0, 0, 0)
+    assert (len(registry.by_key), len(topics.users), registry._parts) == (0, 0, 0)
     assert registry.route("s/a") is None
 
 

@@ -166,14 +166,6 @@ class DeviceRegistry:
         """Bytes that all that stand take, about."""
         return _ANNOUNCEMENT * len(self.by_key) + _PART * self._parts + _DEVICE * len(self._devices)
 
-    def get(self, key: str) -> StoredAnnouncement | None:
-        """Return the announcement registered under *key*."""
-        return self.by_key.get(key)
-
-    def all(self) -> tuple[StoredAnnouncement, ...]:
-        """Return all registered announcements, oldest first."""
-        return tuple(self.by_key.values())
-
     def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
         """Register *described*, replacing an earlier one of the same key.
 
@@ -217,9 +209,6 @@ class DeviceRegistry:
         if stored is not None:
             self._forget(stored)
         return stored
-
-    def __len__(self) -> int:
-        return len(self.by_key)
 
     def _enter(
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None

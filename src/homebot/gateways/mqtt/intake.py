@@ -233,7 +233,7 @@ class AnnouncementHandler:
 
     def _withdraw(self, convention: Convention, withdrawn: DeviceWithdrawn) -> None:
         device = withdrawn.device
-        stored = self._registry.get(f"{convention.name}:{withdrawn.key}" if device is None else device.full_key)
+        stored = self._registry.by_key.get(f"{convention.name}:{withdrawn.key}" if device is None else device.full_key)
         if stored is None:
             if device is not None:
                 unknown = StoredAnnouncement(self._registry.gateway, device.full_key, device)

@@ -135,7 +135,7 @@ class Subscriber:
                 for birth in convention.birth_messages():
                     await self._publish(connection, birth)
             if not is_first:
-                for stored in self._registry.all():
+                for stored in self._registry.by_key.values():
                     self.ask(stored)
             is_first = False
 
