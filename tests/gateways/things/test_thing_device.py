@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
+from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -55,6 +56,12 @@ def lamp(**changes: Any) -> dict[str, Any]:
     } | changes
 
 
+def sensor(**hrefs: str) -> dict[str, Any]:
+    properties = {name: {"type": "number", "readOnly": True, "forms": [{"href": href}]} for name, href in hrefs.items()}
+    return lamp(properties=properties, actions={}, events={})
+
+
+ALL_AT_ONCE = {"forms": [{"href": "/all", "op": "readallproperties"}]}
 ON, BRIGHTNESS, HOT, BLINK = (
     "web://lamp/things/1/on",
     "web://lamp/brightness",
@@ -147,6 +154,14 @@ class Rig:
         with anyio.move_on_after(seconds):
             await self.thing.run()
 
+    @asynccontextmanager
+    async def running(self) -> AsyncIterator[None]:
+        async with anyio.create_task_group() as tasks:
+            tasks.start_soon(self.thing.run)
+            await anyio.sleep(1)
+            yield
+            tasks.cancel_scope.cancel()
+
 
 def command(capability: str, value: PlainValue, part: str = "") -> Command:
     return Command(key="k", part=part, capability=capability, value=Value.of(value))
@@ -177,12 +192,9 @@ async def test_values_are_observed_where_they_are_pushed_and_asked_for_otherwise
 
 async def test_a_pushed_change_is_reported() -> None:
     rig = Rig()
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(rig.thing.run)
-        await anyio.sleep(1)
+    async with rig.running():
         rig.port.push(ON, b"true")
         await anyio.sleep(1)
-        tasks.cancel_scope.cancel()
     assert rig.host.values["", "on_off"] is True
 
 
@@ -195,24 +207,18 @@ async def test_an_observation_without_the_current_value_is_completed_by_a_read()
 async def test_a_property_that_cannot_be_observed_after_all_is_polled() -> None:
     rig = Rig()
     rig.port.values[ON] = RefusedError("observing", "no")
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(rig.thing.run)
-        await anyio.sleep(1)
+    async with rig.running():
         rig.port.values[ON] = b"true"
         await anyio.sleep(30)
-        tasks.cancel_scope.cancel()
     assert rig.host.values["", "on_off"] is True
 
 
 async def test_a_command_is_spelt_and_what_is_polled_is_read_again_at_once() -> None:
     rig = Rig()
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(rig.thing.run)
-        await anyio.sleep(1)
+    async with rig.running():
         await rig.thing.perform(command("level", 100.0))
         await rig.thing.perform(command("push", True, "blink"))
         await anyio.sleep(1)
-        tasks.cancel_scope.cancel()
     assert rig.port.written == [(BRIGHTNESS, b"254"), (ON, b"true"), (BLINK, b"")]
     assert rig.host.values["", "level"] == 100.0
 
@@ -279,15 +285,10 @@ async def test_an_answer_that_names_its_property_is_unwrapped() -> None:
 
 
 async def test_affordances_of_one_address_share_one_request() -> None:
-    both = lamp(
-        properties={
-            name: {"type": "number", "readOnly": True, "forms": [{"href": "/brightness"}]}
-            for name in ("temperature", "humidity")
-        },
-        actions={},
-        events={},
+    rig = Rig(
+        sensor(temperature="/brightness", humidity="/brightness"),
+        values={BRIGHTNESS: b'{"temperature": 21.5, "humidity": 40}'},
     )
-    rig = Rig(both, values={BRIGHTNESS: b'{"temperature": 21.5, "humidity": 40}'})
     await rig.run_for(1)
     assert rig.port.reads == [BRIGHTNESS]
     assert rig.host.values == {("temperature", "temperature"): 21.5, ("humidity", "humidity"): 40.0}
@@ -295,16 +296,8 @@ async def test_affordances_of_one_address_share_one_request() -> None:
 
 async def test_all_properties_are_asked_for_at_once_where_the_thing_offers_that() -> None:
     """One request for all that is polled; the thing may leave out what it does not know."""
-    two = lamp(
-        properties={
-            name: {"type": "number", "readOnly": True, "forms": [{"href": f"/{name}"}]}
-            for name in ("temperature", "humidity", "pressure")
-        },
-        actions={},
-        events={},
-        forms=[{"href": "/all", "op": "readallproperties"}],
-    )
-    rig = Rig(two, values={"web://lamp/all": b'{"temperature": 21.5, "humidity": 40}'})
+    three = sensor(temperature="/temperature", humidity="/humidity", pressure="/pressure") | ALL_AT_ONCE
+    rig = Rig(three, values={"web://lamp/all": b'{"temperature": 21.5, "humidity": 40}'})
     await rig.run_for(1)
     assert rig.port.reads == ["web://lamp/all"]
     assert rig.host.values == {("temperature", "temperature"): 21.5, ("humidity", "humidity"): 40.0}
@@ -312,15 +305,7 @@ async def test_all_properties_are_asked_for_at_once_where_the_thing_offers_that(
 
 
 async def test_where_all_at_once_is_refused_each_is_asked_for() -> None:
-    two = lamp(
-        properties={
-            name: {"type": "number", "readOnly": True, "forms": [{"href": f"/{name}"}]}
-            for name in ("temperature", "humidity")
-        },
-        actions={},
-        events={},
-        forms=[{"href": "/all", "op": "readallproperties"}],
-    )
+    two = sensor(temperature="/temperature", humidity="/humidity") | ALL_AT_ONCE
     values = {"web://lamp/temperature": b"1", "web://lamp/humidity": b"2"}
     for refusal in (RefusedError("reading", "404"), b"[]"):
         rig = Rig(two, values={"web://lamp/all": refusal, **values})
@@ -331,13 +316,10 @@ async def test_where_all_at_once_is_refused_each_is_asked_for() -> None:
 
 async def test_one_bad_push_does_not_end_the_observation() -> None:
     rig = Rig()
-    async with anyio.create_task_group() as tasks:
-        tasks.start_soon(rig.thing.run)
-        await anyio.sleep(1)
+    async with rig.running():
         for payload in (b"x" * 300_000, b'"perhaps"', b"true"):
             rig.port.push(ON, payload)
             await anyio.sleep(1)
-        tasks.cancel_scope.cancel()
     assert rig.host.values["", "on_off"] is True
     assert len(rig.host.rejected) == 2
     assert ON not in rig.port.reads
