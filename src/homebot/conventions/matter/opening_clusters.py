@@ -33,7 +33,9 @@ __all__ = ["OPENING_ROWS", "is_covering"]
 VALVE, LOCK, COVERING, CLOSURE, DIMENSION = 129, 257, 258, 260, 261
 
 _MOVES = ("open", "closed", "opening", "closing", "stopped")
-_STATUS: Final = 10
+_STATUS, _LIFT, _TILT = 10, (14, 8), (15, 9)
+"""The shares are in hundredths of a percent, or in percent."""
+
 _HAS_LIFT, _KNOWS_LIFT, _KNOWS_TILT = 1 << 0, 1 << 2, 1 << 4
 _COVERING_COMMANDS: Final = {"open": "UpOrOpen", "closed": "DownOrClose", "stopped": "StopMotion"}
 
@@ -69,14 +71,6 @@ def _open_percent(endpoint: MatterEndpoint, hundredths: int, percent: int) -> fl
     return None if closed is None else 100 - closed
 
 
-def _read_lift(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    return _open_percent(endpoint, 14, 8)
-
-
-def _read_tilt(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    return _open_percent(endpoint, 15, 9)
-
-
 def _closed(percent: float) -> int:
     """Return the hundredths of a percent by which a covering is closed that is open by *percent*."""
     return 10_000 - round(percent * 100)
@@ -92,9 +86,9 @@ def _read_covering_movement(endpoint: MatterEndpoint, _raw: object) -> PlainValu
         return None
     if status & 3 in {1, 2}:
         return "opening" if status & 3 == 1 else "closing"
-    lift = _read_lift(endpoint, None) if features & _KNOWS_LIFT else None
+    lift = _open_percent(endpoint, *_LIFT) if features & _KNOWS_LIFT else None
     if lift is None and features & _KNOWS_TILT and not features & _HAS_LIFT:
-        lift = _read_tilt(endpoint, None)
+        lift = _open_percent(endpoint, *_TILT)
     return "stopped" if lift is None else "closed" if lift == 0 else "open"
 
 
@@ -126,10 +120,6 @@ def _read_valve(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
 
 def _valve_orders(_at: MatterEndpoint) -> dict[str, MatterOrder]:
     return {"open": ClusterInvocation(VALVE, "Open"), "closed": ClusterInvocation(VALVE, "Close")}
-
-
-def _read_flow(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
-    return endpoint.number(VALVE, _VALVE_LEVEL, 0, 100)
 
 
 def _write_flow(_at: MatterEndpoint, command: Command) -> MatterOrders:
@@ -189,8 +179,8 @@ _WRITE_LIFT: Final = partial(_write_share, "GoToLiftPercentage", "liftPercent100
 _WRITE_TILT: Final = partial(_write_share, "GoToTiltPercentage", "tiltPercent100thsValue")
 
 OPENING_ROWS: Final = (
-    ClusterRow(COVERING, None, "position", _read_lift, _WRITE_LIFT, _KNOWS_LIFT),
-    ClusterRow(COVERING, None, "tilt", _read_tilt, _WRITE_TILT, _KNOWS_TILT),
+    ClusterRow(COVERING, None, "position", lambda one, _raw: _open_percent(one, *_LIFT), _WRITE_LIFT, _KNOWS_LIFT),
+    ClusterRow(COVERING, None, "tilt", lambda one, _raw: _open_percent(one, *_TILT), _WRITE_TILT, _KNOWS_TILT),
     ClusterRow(COVERING, None, "movement", _read_covering_movement, orders=_covering_orders, options=_MOVES),
     ClusterRow(
         LOCK, _LOCK_STATE, "lock", choice(_LOCK_STATES), _write_lock, options=lambda one: tuple(_lock_commands(one))
@@ -199,7 +189,14 @@ OPENING_ROWS: Final = (
         LOCK, _DOOR_STATE, "contact", choice(_DOOR_STATES), None, _HAS_DOOR, lambda one: one.has(LOCK, _LOCK_STATE)
     ),
     ClusterRow(VALVE, _VALVE_STATE, "valve", _read_valve, orders=_valve_orders, options=_MOVES[:-1]),
-    ClusterRow(VALVE, _VALVE_STATE, "position", _read_flow, _write_flow, _HAS_LEVEL),
+    ClusterRow(
+        VALVE,
+        _VALVE_STATE,
+        "position",
+        lambda one, _raw: one.number(VALVE, _VALVE_LEVEL, 0, 100),
+        _write_flow,
+        _HAS_LEVEL,
+    ),
     ClusterRow(VALVE, _VALVE_FAULT, "problem", any_bit()),  # it is stuck, leaks or is not connected
     ClusterRow(
         CLOSURE,
