@@ -156,7 +156,8 @@ def _run(argv: Sequence[str]) -> int:
             print(f"homebot: {problem}", file=sys.stderr)
             return _WRONG_COMMAND_LINE
         command: Callable[[argparse.Namespace], int] = options.command
-        return _flushed(command(options))
+        code = command(options)
+        sys.stdout.flush()
     except HomebotError as exc:
         print(f"homebot: {exc}", file=sys.stderr)
         return 1
@@ -169,10 +170,6 @@ def _run(argv: Sequence[str]) -> int:
             return 0
         print(f"homebot: {exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", file=sys.stderr)
         return 1
-
-
-def _flushed(code: int) -> int:
-    sys.stdout.flush()
     return code
 
 

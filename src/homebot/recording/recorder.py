@@ -133,8 +133,10 @@ class Recorder:
             names = GatewayNames(gateway)
             listen = partial(self._node.create_subscription, qos_profile=_ALL_KEPT, from_node=names.node)
             listen(GatewayState, names.state, partial(self._on_state, gateway))
-            sightings = listen(Sighting, names.received_topics, self._on_sighting)
-            self._subscriptions += (sightings, listen(Report, names.readings, self._on_report))
+            self._subscriptions += (
+                listen(Sighting, names.received_topics, lambda one: self._record(one.seen_at.to_seconds(), one)),
+                listen(Report, names.readings, lambda one: self._record(one.received_at.to_seconds(), one)),
+            )
         except InvalidNameError:
             return  # such a name has no publisher
 
@@ -153,12 +155,6 @@ class Recorder:
 
     def _on_state(self, gateway: str, state: GatewayState) -> None:
         self._record(self._clock.now(), GatewayNews(gateway=gateway, state=state))
-
-    def _on_sighting(self, sighting: Sighting) -> None:
-        self._record(sighting.seen_at.to_seconds(), sighting)
-
-    def _on_report(self, report: Report) -> None:
-        self._record(report.received_at.to_seconds(), report)
 
     def _on_raw(self, message: RawMessage) -> None:
         payload = without_secrets(message.payload)

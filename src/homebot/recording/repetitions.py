@@ -56,7 +56,8 @@ class Repetitions:
         if last is None or not _is_same(last, message):
             return message
         kind, gateway, key, stream = source
-        return Repetition(of=kind, gateway=gateway, key=key, stream=stream, at=_at(message))
+        at = message.seen_at if isinstance(message, Sighting) else message.received_at
+        return Repetition(of=kind, gateway=gateway, key=key, stream=stream, at=at)
 
     def whole(self, message: Message) -> Message:
         """Return the message behind a :class:`Repetition`, and any other unchanged.
@@ -71,9 +72,9 @@ class Repetitions:
         source = message.of, message.gateway, message.key, message.stream
         match self._last.get(source):
             case Sighting() as last:
-                expires_at = _time(_nanoseconds(message.at) + _lasts(last))
+                sec, nanosec = divmod(_nanoseconds(message.at) + _lasts(last), _SECOND)
                 again: Sighting | Report = last.model_copy(
-                    update={"seen_at": message.at, "expires_at": expires_at, "heard_at": 0.0}
+                    update={"seen_at": message.at, "expires_at": Time(sec=sec, nanosec=nanosec), "heard_at": 0.0}
                 )
             case Report() as last:
                 again = last.model_copy(update={"received_at": message.at, "heard_at": 0.0})
@@ -102,17 +103,9 @@ def _is_same(last: Sighting | Report, message: Sighting | Report) -> bool:
     return True
 
 
-def _at(message: Sighting | Report) -> Time:
-    return message.seen_at if isinstance(message, Sighting) else message.received_at
-
-
 def _lasts(sighting: Sighting) -> int:
     return _nanoseconds(sighting.expires_at) - _nanoseconds(sighting.seen_at)
 
 
 def _nanoseconds(time: Time) -> int:
     return time.sec * _SECOND + time.nanosec
-
-
-def _time(nanoseconds: int) -> Time:
-    return Time(sec=nanoseconds // _SECOND, nanosec=nanoseconds % _SECOND)

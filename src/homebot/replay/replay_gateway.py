@@ -75,13 +75,11 @@ class ReplayGateway(Gateway):
             case GatewayNews(state=state):
                 self._publish_told_state(state)
             case Sighting():
-                self.publish_sighting(
-                    message.model_copy(update={"heard_at": self._heard_at(message.seen_at.to_seconds())})
-                )
+                heard_at = self._heard_at(message.seen_at.to_seconds())
+                self.publish_sighting(message.model_copy(update={"heard_at": heard_at}))
             case Report():
-                self.reports.publish(
-                    message.model_copy(update={"heard_at": self._heard_at(message.received_at.to_seconds())})
-                )
+                heard_at = self._heard_at(message.received_at.to_seconds())
+                self.reports.publish(message.model_copy(update={"heard_at": heard_at}))
                 if any(one.capability in EVENTS for one in message.readings):
                     self.reports.dispose(message.stream)  # it happened once
             case RawMessage():

@@ -54,7 +54,8 @@ class FreshCode:
             return self._load_file(name, *plugins.file_and_class(path))
         if module_name not in sys.modules or module_name.partition(".")[0] == _OWN:
             return plugins.load_plugin(group, name)
-        return self._load(name, module_name, class_name, lambda: _import(module_name))
+        importlib.invalidate_caches()
+        return self._load(name, module_name, class_name, lambda: importlib.import_module(module_name))
 
     def _load_file(self, name: str, file: Path, class_name: str | None) -> type[Any]:
         plugins.check_file(file, name)
@@ -72,11 +73,9 @@ class FreshCode:
                 raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - one way back for all
         except (Exception, SystemExit) as exc:
             self.restore()
-            raise (
-                exc
-                if isinstance(exc, PluginError)
-                else PluginError(name, f"cannot be loaded: {plugins.error_text(exc)}")
-            ) from exc
+            if isinstance(exc, PluginError):
+                raise
+            raise PluginError(name, f"cannot be loaded: {plugins.error_text(exc)}") from exc
         return kind
 
     def restore(self) -> None:
@@ -109,11 +108,6 @@ def source_of(kind: type[object]) -> Path | None:
 
 def _modules_of(prefix: str) -> tuple[str, ...]:
     return tuple(name for name in sys.modules if name == prefix or name.startswith(f"{prefix}."))
-
-
-def _import(name: str) -> ModuleType:
-    importlib.invalidate_caches()
-    return importlib.import_module(name)
 
 
 @contextmanager

@@ -112,7 +112,8 @@ def _version(name: str) -> int | None:
 
 def _config_files(path: Path, tables: Mapping[str, object], *, with_secrets: bool) -> tuple[dict[str, Path], list[str]]:
     """Return the files of the configuration, by their names in the archive, and those that are left out."""
-    found = {path.name: any(_inline_secrets(tables)), **dict(_named_files(path.parent, tables))}
+    has_secret = any(key in _SECRETS or _URL_WITH_PASSWORD.match(value) for key, value in _values(tables))
+    found = {path.name: has_secret, **dict(_named_files(path.parent, tables))}
     taken = {f"config/{name}": path.parent / name for name, is_secret in found.items() if with_secrets or not is_secret}
     return taken, [] if with_secrets else [name for name, is_secret in found.items() if is_secret]
 
@@ -127,10 +128,6 @@ def _values(tables: object, key: str = "") -> Iterator[tuple[str, str]]:
             yield from _values(value, key)
     elif isinstance(tables, str):
         yield key, tables
-
-
-def _inline_secrets(tables: Mapping[str, object]) -> Iterator[bool]:
-    yield from (key in _SECRETS or _URL_WITH_PASSWORD.match(value) is not None for key, value in _values(tables))
 
 
 def _named_files(folder: Path, tables: Mapping[str, object]) -> Iterator[tuple[str, bool]]:

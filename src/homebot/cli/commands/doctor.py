@@ -24,7 +24,7 @@ from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device, GatewayState
-    from homebot.devices.health import Count, HealthResponse, PartFailure, Quarantine
+    from homebot.devices.health import HealthResponse, PartFailure
 
 __all__ = ["add_arguments", "gateway_finding", "health_findings"]
 
@@ -191,34 +191,20 @@ def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Ite
     for text in health.notes:
         yield FindingKind.NOTE, FindingRow("", text)
     for count in health.counts:
-        if everything or _is_fault(count):
-            yield FindingKind.LOSS if _is_ill(count) else FindingKind.COUNT, _count(count)
+        if everything or (count.count and _is_one_of(_FAULTS, count.name)):
+            kind = FindingKind.LOSS if count.count and _is_one_of(_ILLS, count.name) else FindingKind.COUNT
+            yield kind, FindingRow(count.name.replace("_", " "), str(count.count))
     for failure in health.failures:
         yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
     for one in health.quarantined:
-        yield FindingKind.QUARANTINE, _quarantine(one, now)
-
-
-def _is_fault(one: Count) -> bool:
-    return bool(one.count) and _is_one_of(_FAULTS, one.name)
-
-
-def _is_ill(one: Count) -> bool:
-    return bool(one.count) and _is_one_of(_ILLS, one.name)
-
-
-def _count(one: Count) -> FindingRow:
-    return FindingRow(one.name.replace("_", " "), str(one.count))
+        text = f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}"
+        yield FindingKind.QUARANTINE, FindingRow(one.offender, text)
 
 
 def _failure(one: PartFailure, now: float) -> FindingRow:
     times = "once" if one.count == 1 else f"{one.count} times"
     outcome = f"; now {one.outcome}" if one.outcome else ""
     return FindingRow(one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}")
-
-
-def _quarantine(one: Quarantine, now: float) -> FindingRow:
-    return FindingRow(one.offender, f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}")
 
 
 class _DeviceCheck(NamedTuple):

@@ -83,7 +83,8 @@ def _history(door: DoorClient, options: argparse.Namespace) -> int:
     request = _devices(door, text) | {"since": from_seconds(since), "until": from_seconds(until)}
     if options.energy:
         return _print_energy(_ask(door, READ_ENERGY, request), options)
-    request |= {"capability": options.capability, "points": min(options.points or _points(options), _MOST)}
+    points = _WIDEST if options.plot else _MOST if options.csv or options.json else _ROWS
+    request |= {"capability": options.capability, "points": min(options.points or points, _MOST)}
     found = cast("ReadHistoryResponse", _ask(door, READ_HISTORY, request))
     if not found.series and (name := options.capability) and name not in CAPABILITIES:
         raise PeerError(f"nothing has a value {name!r}; {did_you_mean(name, CAPABILITIES, _SEE_VALUES)}")
@@ -108,12 +109,6 @@ def _time_asked(door: DoorClient, options: argparse.Namespace) -> tuple[float, f
     if since >= until:
         raise UsageError("--until leaves nothing of --since; give a shorter one")
     return since, until
-
-
-def _points(options: argparse.Namespace) -> int:
-    if options.plot:
-        return _WIDEST
-    return _MOST if options.csv or options.json else _ROWS
 
 
 def _devices(door: DoorClient, text: str) -> dict[str, object]:
@@ -160,8 +155,9 @@ def _print_series(found: ReadHistoryResponse, since: float, until: float, *, is_
 
 def _print_table(one: HistorySeries, length: float) -> None:
     if one.words:
+        flags = {"true": True, "false": False}
         rows = [
-            (_clock(at, length), _word(one.capability, word), _span_text(end - at))
+            (_clock(at, length), value_text(one.capability, flags.get(word, word)), _span_text(end - at))
             for at, word, end in zip(one.times, one.words, one.ends, strict=True)
         ]
         print_table(("SINCE", "STATE", "FOR"), rows)
@@ -217,10 +213,6 @@ def _print_csv(head: Sequence[str], rows: Iterator[Sequence[object]] | Sequence[
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(head)
     writer.writerows(rows)
-
-
-def _word(capability: str, word: str) -> str:
-    return value_text(capability, {"true": True, "false": False}.get(word, word))
 
 
 def _number(value: float) -> str:

@@ -6,7 +6,7 @@ import argparse
 import asyncio
 import json
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -91,11 +91,16 @@ def _replay(options: argparse.Namespace) -> int:
         return _TROUBLE
     _warn(recording, replayed, has_log=options.log)
     names = part_names([*recording.devices.values(), *replayed.devices])
+    start = recording.header.started_at.to_seconds()
     if not options.diff:
-        _print_commands(recording, replayed.commands, names, as_json=options.json)
+        for one in replayed.commands:
+            print(json.dumps(_command_json(one, start, names)) if options.json else _command_text(one, start, names))
         return 0
     diff = command_diff(recording.commands, replayed.commands, replayed.issuers, recording.ends_at)
-    _print_diff(recording, diff, names, as_json=options.json)
+    for odd in diff.different:
+        print(json.dumps(_difference_json(odd, start, names)) if options.json else difference_text(odd, start, names))
+    if not options.json:
+        print(_summary_text(diff))
     return 1 if diff.different else 0
 
 
@@ -108,22 +113,6 @@ def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
     if recording.end or not recording.is_whole:
         why = recording.end or "homebot or the recorder stopped before it was over"
         print(f"homebot: the recording ends early: {why}", file=sys.stderr)
-
-
-def _print_commands(
-    recording: Recording, commands: Iterable[TimedCommand], names: Mapping[str, str], *, as_json: bool
-) -> None:
-    start = recording.header.started_at.to_seconds()
-    for one in commands:
-        print(json.dumps(_command_json(one, start, names)) if as_json else _command_text(one, start, names))
-
-
-def _print_diff(recording: Recording, diff: CommandDiff, names: Mapping[str, str], *, as_json: bool) -> None:
-    start = recording.header.started_at.to_seconds()
-    for one in diff.different:
-        print(json.dumps(_difference_json(one, start, names)) if as_json else difference_text(one, start, names))
-    if not as_json:
-        print(_summary_text(diff))
 
 
 def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:

@@ -189,7 +189,29 @@ def run(options: argparse.Namespace) -> int:
         _recording(options.record) as record_into,
         _log(options.log_format, is_quiet=view is not None),
     ):
-        return _run_apart(options, config, house, lost_lines, record_into, view)
+        atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
+        with gc_paused():
+            from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
+
+        # A simulated house begins each time as it is described, so there is nothing to remember.
+        is_kept = house is None and not options.ephemeral
+
+        def read() -> Config:
+            return configuration(options)[0]
+
+        make_runtime = partial(
+            Runtime,
+            config,
+            house=house,
+            robot=ROBOT_OF_THE_SIMULATED_HOUSE,
+            index_file=index_place(config) if is_kept else None,
+            lost_lines=lost_lines,
+            record_into=record_into,
+            is_dry_run=options.dry_run,
+            read_config=read,
+            watches_apps=options.reload,
+        )
+        return on_an_event_loop(_run(make_runtime, options.seconds, read, view))
 
 
 @contextmanager
@@ -216,36 +238,6 @@ def _recording(path: str | None) -> Iterator[LineSink | None]:
 
     with RecordingFile(Path(path)) as file:
         yield FileSink(file)
-
-
-def _run_apart(
-    options: argparse.Namespace,
-    config: Config,
-    house: World | None,
-    lost_lines: Callable[[], int],
-    record_into: LineSink | None,
-    view: _View | None = None,
-) -> int:
-    atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
-    with gc_paused():
-        from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
-
-    # A simulated house begins each time as it is described, so there is nothing to remember.
-    is_kept = house is None and not options.ephemeral
-    index_file = index_place(config) if is_kept else None
-    make_runtime = partial(
-        Runtime,
-        config,
-        house=house,
-        robot=ROBOT_OF_THE_SIMULATED_HOUSE,
-        index_file=index_file,
-        lost_lines=lost_lines,
-        record_into=record_into,
-        is_dry_run=options.dry_run,
-        read_config=lambda: configuration(options)[0],
-        watches_apps=options.reload,
-    )
-    return on_an_event_loop(_run(make_runtime, options.seconds, lambda: configuration(options)[0], view))
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:

@@ -159,7 +159,8 @@ def _install(options: argparse.Namespace) -> int:
     if options.only_print:
         print(text, end="")
         return 0
-    file = _folder(is_user=options.user) / "homebot.service"
+    of_user = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "systemd" / "user"
+    file = (of_user if options.user else Path("/etc/systemd/system")) / "homebot.service"
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(text, encoding="utf-8")
@@ -171,12 +172,6 @@ def _install(options: argparse.Namespace) -> int:
     if options.user:
         print("  loginctl enable-linger       so that it runs while you are not logged in")
     return 0
-
-
-def _folder(*, is_user: bool) -> Path:
-    if not is_user:
-        return Path("/etc/systemd/system")
-    return Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config") / "systemd" / "user"
 
 
 def _quoted(path: str) -> str:
