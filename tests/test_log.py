@@ -282,30 +282,22 @@ def test_characters_that_turn_the_direction_of_text_are_shown_and_not_obeyed() -
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_forgotten_await_is_an_error_that_names_the_call_and_its_place() -> None:
-    class Lamp:
-        async def turn_off(self) -> None:
-            pytest.fail("nobody awaits it")
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("test.<locals>.Lamp.turn_off", "Lamp.turn_off() was called without await, so it did nothing: "),
+        ("Door.hold.__aenter__", "Door.hold() was called without `async with`, so it did nothing: "),
+    ],
+)
+def test_a_forgotten_await_is_an_error_that_names_the_call_and_its_place(name: str, told: str) -> None:
+    async def forgotten() -> None:
+        pytest.fail("nobody awaits it")
 
+    forgotten.__qualname__ = name
     out = io.StringIO()
     configure_logging("json", stream=out)
-    Lamp().turn_off()  # type: ignore[unused-coroutine]
+    forgotten()  # type: ignore[unused-coroutine]
     line = json.loads(out.getvalue())
     assert (line["level"], line["event"]) == ("error", "python.forgotten_await")
-    assert "Lamp.turn_off() was called without await, so it did nothing: " in line["message"]
+    assert told in line["message"]
     assert "test_log.py:" in line["message"]
-
-
-@pytest.mark.filterwarnings("default")
-def test_a_forgotten_block_is_an_error_that_says_async_with() -> None:
-    class Door:
-        async def __aenter__(self) -> None:
-            pytest.fail("nobody enters it")
-
-    Door.__aenter__.__qualname__ = "Door.hold.__aenter__"
-    out = io.StringIO()
-    configure_logging("json", stream=out)
-    Door().__aenter__()  # type: ignore[unused-coroutine]
-    line = json.loads(out.getvalue())
-    assert (line["level"], line["event"]) == ("error", "python.forgotten_await")
-    assert "Door.hold() was called without `async with`, so it did nothing: " in line["message"]

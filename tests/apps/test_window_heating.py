@@ -30,9 +30,10 @@ def target(world: World, device: str = "study_heat") -> float:
     return thermostat.target
 
 
-async def test_the_heating_is_lowered_while_a_window_is_open_and_restored_after_it() -> None:
-    """In its own room alone."""
-    world = airing()
+@pytest.mark.parametrize("faults", [{}, {"lossy": {"share": 0.3}}])
+async def test_the_heating_is_lowered_while_a_window_is_open_and_restored_after_it(faults: Table) -> None:
+    """In its own room alone; commands without an answer are sent again."""
+    world = airing(faults=faults)
     async with virtual_house_of("window_heating", world=world) as house:
         await house.run_for("10m")
         await house.press("study_window", "open")
@@ -87,18 +88,6 @@ async def test_a_deaf_thermostat_is_told_about() -> None:
             assert target(world) == 21.0
     told = [line["message"] for line in lines if line["event"] == "control.command"]
     assert told == ["study_heat → heating setpoint 12, by app_1: no answer within 10 s"]
-
-
-async def test_a_lossy_thermostat_is_lowered_and_restored_all_the_same() -> None:
-    """Commands without an answer are sent again."""
-    world = airing(faults={"lossy": {"share": 0.3}})
-    async with virtual_house_of("window_heating", world=world) as house:
-        await house.press("study_window", "open")
-        await house.run_for("5m")
-        assert target(world) == 12.0
-        await house.press("study_window", "close")
-        await house.run_for("5m")
-        assert target(world) == 21.0
 
 
 async def test_what_was_lowered_stays_so_when_its_run_ends() -> None:
