@@ -58,11 +58,8 @@ class LoopClock:
         is_real = type(loop).time is asyncio.BaseEventLoop.time
         self.monotonic = time.monotonic if is_real else loop.time
         self._offset = (time.time() if epoch is None else epoch) - self.monotonic()
-        self.now = time.time if epoch is None and is_real else self._of_loop
+        self.now = time.time if epoch is None and is_real else lambda: self._offset + self.monotonic()
         self.asleep = _seconds_asleep if is_real and _SINCE_BOOT is not None else float
-
-    def _of_loop(self) -> float:
-        return self._offset + self.monotonic()
 
 
 @final

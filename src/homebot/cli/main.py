@@ -133,16 +133,12 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
     )
     add_door_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for name in _needed_commands(argv):
+    # Of a command that is known, neither the list of all nor similar ones are needed.
+    for name in (argv[0],) if argv and argv[0] in COMMANDS else COMMANDS:
         command = add_verb(commands, name, COMMANDS[name])
         if argv is None or name in argv:
             _add_arguments(name, command)
     return parser
-
-
-def _needed_commands(argv: Sequence[str] | None) -> Sequence[str]:
-    """Return the command that *argv* begins with: then the list of all, or of similar ones, is not needed."""
-    return (argv[0],) if argv and argv[0] in COMMANDS else tuple(COMMANDS)
 
 
 def _run(argv: Sequence[str]) -> int:

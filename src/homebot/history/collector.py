@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from homebot.clock import Clock
     from homebot.devices.device import Device, DeviceChange, StateChange
     from homebot.devices.value import PlainValue
-    from homebot.messages import Time
 
 __all__ = ["Collector"]
 
@@ -93,13 +92,15 @@ class Collector:
             for capability in part.part.capabilities
         }
         if change.kind == "removed" or device.freshness == "stale" or device.reachable.state == "no":
-            self._end_device(device.id)
+            now = self._now()
+            for one in self._followed.get(device.id, {}).values():
+                self._end(one, now)
         else:
             self._begin_device(device)
 
     def on_values(self, change: StateChange) -> None:
         """Collect new values of a device."""
-        at = _milliseconds(change.told_at)
+        at = change.told_at.sec * 1000 + change.told_at.nanosec // 1_000_000
         for reading in change.readings:
             self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
 
@@ -147,11 +148,6 @@ class Collector:
                 value = state.value.plain()
                 if state.live or not isinstance(value, float):
                     self._record(device.id, state.part, state.capability, value, now)
-
-    def _end_device(self, device_id: str) -> None:
-        now = self._now()
-        for one in self._followed.get(device_id, {}).values():
-            self._end(one, now)
 
     def _end(self, followed: _CollectedValue, at: int) -> None:
         if followed.opened_at:
@@ -237,7 +233,3 @@ class Collector:
 
     def _now(self) -> int:
         return round(self._clock.now() * 1000)
-
-
-def _milliseconds(time: Time) -> int:
-    return time.sec * 1000 + time.nanosec // 1_000_000

@@ -186,7 +186,7 @@ def _pub(door: DoorClient, options: argparse.Namespace) -> int:
     ros_type = options.type or topic_type(door, options.topic)
     if not ros_type:
         raise no_such_topic(door, options.topic)
-    gateway = _gateway_of(options.topic)
+    gateway = found[1] if (found := _OUT.fullmatch(options.topic)) else ""
     publisher = GatewayPublisher(door) if gateway else None
     if publisher is not None:
         publisher.check(gateway)
@@ -226,12 +226,6 @@ def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> No
 def _command_addresses(devices: Collection[Device]) -> set[str]:
     known = {end.command_address for device in devices for end in device.endpoints}
     return known | {topic for device in devices for part in device.parts for topic in part.part.writes}
-
-
-def _gateway_of(topic: str) -> str:
-    """Return the gateway that takes commands on *topic*; empty if it is no such topic."""
-    found = _OUT.fullmatch(topic)
-    return found[1] if found else ""
 
 
 def _hz(door: DoorClient, options: argparse.Namespace) -> int:
