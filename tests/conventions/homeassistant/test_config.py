@@ -11,14 +11,6 @@ def config(**fields: object) -> DiscoveryConfig:
     return DiscoveryConfig("light", "lamp", fields)
 
 
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [("ON", "ON"), (True, "True"), (False, "False"), (1, "1"), (1.0, "1.0"), (None, "default"), ("", "")],
-)
-def test_a_text_is_spelled_as_python_does(value: object, text: str) -> None:
-    assert config(k=value).text("k", "default") == text
-
-
 def test_the_fields_of_commands_say_which_of_them_share_a_topic_and_not_which_topic() -> None:
     kinds = ("command_topic", "set_position_topic", "tilt_command_topic")
     told = [config(**dict(zip(kinds, topics, strict=True))).of_commands() for topics in ("abb", "aba", "cdd", "abc")]
@@ -32,16 +24,6 @@ def test_the_fields_of_commands_say_which_of_them_share_a_topic_and_not_which_to
 )
 def test_a_flag_has_many_words(value: object, flag: object) -> None:
     assert config(k=value).flag("k", default=True) is flag
-
-
-@pytest.mark.parametrize(("value", "whole"), [(7, 7), ("7", 7), (7.9, 7), (True, 1), (None, 3)])
-def test_a_whole_number_may_be_a_text_or_have_a_fraction(value: object, whole: int) -> None:
-    assert config(k=value).integer("k", 3, least=0, most=10) == whole
-
-
-@pytest.mark.parametrize(("value", "options"), [(["a", 1], ("a", "1")), ("a", ("a",)), (None, ()), ([], ())])
-def test_options_are_texts_and_one_needs_no_list(value: object, options: tuple[str, ...]) -> None:
-    assert config(k=value).options("k") == options
 
 
 @pytest.mark.parametrize(
@@ -89,14 +71,6 @@ def test_a_source_reads_the_encoding_of_its_config(encoding: str, payload: bytes
     assert source.text(payload) == text
 
 
-def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None:
-    one = config(state_topic="a", value_template="{{ value_json.n + more }}")
-    source = one.source("state_topic", variables={"more": 2})
-    assert source is not None
-    assert source.text(b'{"n": 3}') == "5"
-    assert source.without_payload().text(b"{}") is None
-
-
 @pytest.mark.parametrize(
     ("template", "payload", "text"),
     [
@@ -135,3 +109,16 @@ def test_a_command_without_template_takes_none_from_a_nameless_field() -> None:
 def test_null_and_absent_are_one_for_a_text_and_two_for_a_payload() -> None:
     assert config(k=None).payload("k", "OPEN") is None
     assert config().payload("k", "OPEN") == "OPEN"
+
+
+@pytest.mark.parametrize(("value", "whole"), [(7, 7), ("7", 7), (7.9, 7), (True, 1), (None, 3)])
+def test_a_whole_number_may_be_a_text_or_have_a_fraction(value: object, whole: int) -> None:
+    assert config(k=value).integer("k", 3, least=0, most=10) == whole
+
+
+def test_a_source_gives_its_template_the_message_and_its_own_variables() -> None:
+    one = config(state_topic="a", value_template="{{ value_json.n + more }}")
+    source = one.source("state_topic", variables={"more": 2})
+    assert source is not None
+    assert source.text(b'{"n": 3}') == "5"
+    assert source.without_payload().text(b"{}") is None

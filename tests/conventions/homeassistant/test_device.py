@@ -52,16 +52,6 @@ def test_only_a_uuid_that_is_made_of_a_hardware_address_ends_with_one(version: i
     assert len(read_device({"identifiers": [uuid]}, {}).identifiers) == count
 
 
-def test_a_config_without_device_has_no_identifiers() -> None:
-    device = read_device({}, {})
-    assert (device.identifiers, device.name, device.area, device.facts) == ((), "", "", {})
-
-
-@pytest.mark.parametrize("identifiers", ["0AFFD2", ["0AFFD2"], 57, [57]])
-def test_one_identifier_need_not_be_in_a_list(identifiers: object) -> None:
-    assert len(read_device({"identifiers": identifiers}, {}).identifiers) == 1
-
-
 def test_an_empty_identifier_is_left_out() -> None:
     """As in Home Assistant: firmware announces itself before it knows its hardware address."""
     fields = {"identifiers": ["", "relay-7"], "connections": [["mac", ""], ["mac", "a8:03:2a:be:54:dc"]]}

@@ -20,24 +20,39 @@ def parts(component: str, fields: Mapping[str, object]) -> tuple[DescribedPart, 
     return homeassistant_parts(component, config)
 
 
+CODES = [
+    *(
+        "PIN code",
+        "Last used pin code",
+        "User code",
+        "Wi-Fi password",
+        "Guest passcode",
+        "Guest PIN",
+        "PIN",
+        "Entry pin",
+    ),
+    *("Door code 2", "Access codes", "Disarm code", "Wi-Fi QR code", "API key", "Access token", "Bindkey"),
+]
+OTHERS = [
+    *(
+        "Error code",
+        "Barcode",
+        "Country code",
+        "User",
+        "Encode",
+        "Superuser codec",
+        "Alarm code",
+        "Pin 4",
+        "GPIO PIN 4",
+    ),
+    *("Door PINS", "Key", "Outdoor code", "Network keyboard", "Master pin mode"),
+]
+
+
 @pytest.mark.parametrize(
     "fields",
     [
-        {"name": "PIN code"},
-        {"name": "Last used pin code"},
-        {"name": "User code"},
-        {"name": "Wi-Fi password"},
-        {"name": "Guest passcode"},
-        {"name": "Guest PIN"},
-        {"name": "PIN"},
-        {"name": "Entry pin"},
-        {"name": "Door code 2"},
-        {"name": "Access codes"},
-        {"name": "Disarm code"},
-        {"name": "Wi-Fi QR code"},
-        {"name": "API key"},
-        {"name": "Access token"},
-        {"name": "Bindkey"},
+        *({"name": name} for name in CODES),
         {"name": "x", "value_template": "{{ value_json.networkKey }}"},
         {"unique_id": "lock_master_code"},
         {"unique_id": "0x1_action_code_zigbee2mqtt"},
@@ -57,20 +72,7 @@ def test_a_code_or_password_is_not_read(fields: Mapping[str, object]) -> None:
 @pytest.mark.parametrize(
     "fields",
     [
-        {"name": "Error code"},
-        {"name": "Barcode"},
-        {"name": "Country code"},
-        {"name": "User"},
-        {"name": "Encode"},
-        {"name": "Superuser codec"},
-        {"name": "Alarm code"},
-        {"name": "Pin 4"},
-        {"name": "GPIO PIN 4"},
-        {"name": "Door PINS"},
-        {"name": "Key"},
-        {"name": "Outdoor code"},
-        {"name": "Network keyboard"},
-        {"name": "Master pin mode"},
+        *({"name": name} for name in OTHERS),
         {"name": "Battery", "unique_id": "pin_code_pad_battery"},
         {"name": "Pin code pad", "device_class": "battery"},
     ],

@@ -33,34 +33,6 @@ def rendered(source: str, payload: str) -> str | None:
 
 
 @pytest.mark.parametrize(
-    ("source", "variables", "text"),
-    [
-        ("{{ value }}", {"value": 50}, "50"),
-        ("{{ value }}", {"value": "ON"}, "ON"),
-        ('{ "position": {{ position }} }', {"value": 10, "position": 45}, '{ "position": 45 }'),
-        (
-            '{"state": "{{ state }}", "b": {{ brightness }}}',
-            {"state": "on", "brightness": 128},
-            '{"state": "on", "b": 128}',
-        ),
-        ("{{ '#%02x%02x%02x' | format(red, green, blue) }}", {"red": 255, "green": 128, "blue": 0}, "#ff8000"),
-        ("{%- if brightness is defined -%}dim {{ brightness }}{%- else -%}on{%- endif -%}", {"brightness": 7}, "dim 7"),
-        ("{%- if brightness is defined -%}dim {{ brightness }}{%- else -%}on{%- endif -%}", {}, "on"),
-        ("{{ (value / 100 * (max - min) + min) | round | int }}", {"value": 50, "min": 1, "max": 9}, "5"),
-        ("{{ {'open': 'OPEN', 'close': 'CLOSE'}[value] }}", {"value": "open"}, "OPEN"),
-        (
-            '{{ {"action": value, "code": code} | to_json }}',
-            {"value": "LOCK", "code": None},
-            '{"action":"LOCK","code":null}',
-        ),
-        ("LOCK", {"value": "x"}, "LOCK"),
-    ],
-)
-def test_a_command_is_rendered_from_its_variables(source: str, variables: dict[str, object], text: str) -> None:
-    assert compile_template(source).render(variables) == text
-
-
-@pytest.mark.parametrize(
     ("source", "text"),
     [
         # Home Assistant gives the address of a Python method here, or refuses the whole template.
