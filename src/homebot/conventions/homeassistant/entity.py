@@ -17,7 +17,7 @@ from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.part_builder import BytesPart
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
-from homebot.devices.part import Capability, Category
+from homebot.devices.part import Category
 from homebot.errors import WireError
 
 __all__ = ["Entity", "Scale"]
@@ -186,13 +186,10 @@ class Entity(BytesPart):
             state.
         """
         if self._config.flag("optimistic") or (self._readers and self._readers.keys() <= self._writes.keys()):
-            self._capabilities = {name: _echoed(one) for name, one in self._capabilities.items()}
+            for name, one in self._capabilities.items():
+                if one.readable and one.settable:
+                    self._capabilities[name] = one.model_copy(update={"echoed": True})
         return super().build(payloads or (self._config.of_commands() if self._writes else None), digest=digest)
-
-
-def _echoed(capability: Capability) -> Capability:
-    is_echoed = capability.readable and capability.settable
-    return capability.model_copy(update={"echoed": True}) if is_echoed else capability
 
 
 _CATEGORIES: Mapping[str, Category] = {"": "", "config": "config", "diagnostic": "diagnostic"}

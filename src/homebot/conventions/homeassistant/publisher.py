@@ -173,7 +173,7 @@ class HomeAssistantPublisher:
         if entity.component == "tag":
             config = {key: config[key] for key in ("device", "origin", "topic")}
         else:
-            config["name"] = " ".join(one for one in (part.name, _title(entity.name)) if one) or None
+            config["name"] = " ".join(one for one in (part.name, entity.name.replace("_", " ")) if one) or None
             config["unique_id"] = f"{self._owner}_{self._object_id(offer, part, entity)}"
             if part.category:
                 config["entity_category"] = "diagnostic" if entity.component in _WATCHED else part.category
@@ -204,10 +204,6 @@ class HomeAssistantPublisher:
             "suggested_area": offer.area,
         }
         return {key: value for key, value in facts.items() if value}
-
-
-def _title(name: str) -> str:
-    return name.replace("_", " ")
 
 
 def _slug(text: str) -> str:

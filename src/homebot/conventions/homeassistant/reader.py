@@ -130,12 +130,8 @@ def _shared_availability(
     if whole is None and all(part.availability == described[0].availability for part in described):
         whole = described[0].availability
     if whole is not None:
-        described = tuple([_without(whole, one) for one in described])
+        described = tuple([one._replace(availability=None) if one.availability == whole else one for one in described])
     return described, whole
-
-
-def _without(whole: Availability, part: DescribedPart) -> DescribedPart:
-    return part if part.availability is None or part.availability != whole else part._replace(availability=None)
 
 
 def _facts(parts: _Parts) -> dict[str, str]:

@@ -90,22 +90,14 @@ def _timestamp(moment: datetime) -> float:
     return _no_clock() if moment.tzinfo is None else moment.timestamp()
 
 
-def _timedelta(_: Run, **parts: float) -> timedelta:
-    return timedelta(**parts)
-
-
 _TIME_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "as_datetime": _as_datetime,
     "as_timestamp": _as_timestamp,
     "strptime": _strptime,
-    "timedelta": _timedelta,
+    "timedelta": lambda _, **parts: timedelta(**parts),
     **dict.fromkeys(("as_local", "now", "utcnow"), _no_clock),
 }
 """By name; each takes the run first."""
-
-
-def _namespace(_: Run, **attributes: object) -> Namespace:
-    return Namespace(attributes)
 
 
 def _map(run: Run, value: object, *arguments: object, **named: object) -> object:
@@ -146,7 +138,7 @@ FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     **NUMBER_FUNCTIONS,
     **TEXT_FUNCTIONS,
     **_TIME_FUNCTIONS,
-    "namespace": _namespace,
+    "namespace": lambda _, **attributes: Namespace(attributes),
 }
 """By name; each takes the run first."""
 

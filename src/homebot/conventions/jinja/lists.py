@@ -25,16 +25,8 @@ def _of_kind(*kinds: type) -> Callable[..., object]:
     return lambda _, value: isinstance(value, kinds)
 
 
-def _divisible(_: Run, value: object, by: object) -> bool:
-    return BINARY["Mod"](value, by) == 0
-
-
 def _remains(remainder: int) -> Callable[..., object]:
     return lambda _, value: BINARY["Mod"](value, 2) == remainder
-
-
-def _contains(_: Run, value: object, one: object) -> object:
-    return ORDER["in"](one, value)
 
 
 _ORDERS: Final = {
@@ -51,10 +43,10 @@ _ORDERS: Final = {
 CHECKS: Final[dict[str, Callable[..., object]]] = {
     **{name: _order(operator) for operator, names in _ORDERS.items() for name in names},
     "boolean": _of_kind(bool),
-    "contains": _contains,
+    "contains": lambda _, value, one: ORDER["in"](one, value),
     "datetime": _of_kind(datetime),
     "defined": lambda _, value: not isinstance(value, Undefined),
-    "divisibleby": _divisible,
+    "divisibleby": lambda _, value, by: BINARY["Mod"](value, by) == 0,
     "even": _remains(0),
     "false": lambda _, value: value is False,
     "float": _of_kind(float),
@@ -203,10 +195,6 @@ def _end(index: int) -> Callable[..., object]:
     return end
 
 
-def _reverse(run: Run, value: object) -> object:
-    return value[::-1] if isinstance(value, str) else values_of(run, value)[::-1]
-
-
 def _length(_: Run, value: object) -> int:
     if isinstance(value, (str, bytes, list, tuple, dict, Undefined)):
         return len(value)
@@ -246,10 +234,6 @@ def _dictionary(run: Run, *values: object, **named: object) -> object:
     return _python_dict(*[value if isinstance(value, dict) else values_of(run, value) for value in values], **named)
 
 
-def _zip(run: Run, *lists: object) -> object:
-    return list(zip(*[values_of(run, one) for one in lists], strict=False))
-
-
 _INDEX = re.compile("[0-9]{1,5}", re.ASCII)
 _python_sorted: Callable[..., object] = sorted
 _python_dict: Callable[..., object] = dict
@@ -267,7 +251,7 @@ LIST_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "min": _LEAST,
     "reject": _selecting(expected=False, of_attribute=False),
     "rejectattr": _selecting(expected=False, of_attribute=True),
-    "reverse": _reverse,
+    "reverse": lambda run, value: value[::-1] if isinstance(value, str) else values_of(run, value)[::-1],
     "select": _selecting(expected=True, of_attribute=False),
     "selectattr": _selecting(expected=True, of_attribute=True),
     "sort": _sort,
@@ -282,6 +266,6 @@ LIST_FUNCTIONS: Final[dict[str, Callable[..., object]]] = {
     "min": _of_arguments(_LEAST),
     "range": _range,
     "tuple": _of(tuple),
-    "zip": _zip,
+    "zip": lambda run, *lists: list(zip(*[values_of(run, one) for one in lists], strict=False)),
 }
 """By name; each takes the run first."""

@@ -105,10 +105,6 @@ def _padding(pad: Callable[..., str]) -> Callable[..., str]:
     return padded
 
 
-def _strftime(value: datetime, template: str) -> str:
-    return value.strftime(strftime_format(template))
-
-
 _TEXT_METHODS = (
     "capitalize count endswith find index isalnum isalpha isdecimal isdigit islower isnumeric isupper lower lstrip "
     "partition removeprefix removesuffix rfind rpartition rstrip splitlines startswith strip swapcase title upper"
@@ -135,7 +131,7 @@ METHODS: Final[dict[type, dict[str, Callable[..., object]]]] = {
     datetime: {
         "isoformat": datetime.isoformat,
         "isoweekday": datetime.isoweekday,
-        "strftime": _strftime,
+        "strftime": lambda value, template: value.strftime(strftime_format(template)),
         "timestamp": datetime.timestamp,
         "weekday": datetime.weekday,
     },
@@ -165,10 +161,6 @@ def _replace(_: Run, value: object, old: object, new: object, count: object = No
 
 def _trim(_: Run, value: object, characters: object = None) -> str:
     return text(value).strip(None if characters is None else text(characters))
-
-
-def _center(_: Run, value: object, width: object = 80) -> object:
-    return METHODS[str]["center"](text(value), whole(width))
 
 
 def _truncate(
@@ -264,10 +256,6 @@ def _layout(layout: object) -> str:
     return shape
 
 
-def _ord(_: Run, value: object) -> int:
-    return ord(text(value))
-
-
 def _of_text(make: Callable[[str], str]) -> Callable[..., object]:
     return lambda _, value: make(text(value))
 
@@ -286,14 +274,14 @@ TEXT_FILTERS: Final[dict[str, Callable[..., object]]] = {
     "base64_decode": _base64_decode,
     "base64_encode": _base64_encode,
     "capitalize": _of_text(str.capitalize),
-    "center": _center,
+    "center": lambda _, value, width=80: METHODS[str]["center"](text(value), whole(width)),
     "d": _default,
     "default": _default,
     "format": _format,
     "from_json": _from_json,
     "is_defined": _is_defined,
     "lower": _of_text(str.lower),
-    "ord": _ord,
+    "ord": lambda _, value: ord(text(value)),
     "replace": _replace,
     "string": _of_text(str),
     "title": _title,

@@ -6,7 +6,6 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.long_json import parse_list
@@ -41,7 +40,7 @@ class Zigbee2MqttReader:
 
     def __init__(self, bases: tuple[str, ...]) -> None:
         self.rejected = 0
-        self._devices: dict[str, dict[str, _KnownDevice]] = {base: {} for base in bases}
+        self._devices: dict[str, dict[str, DeviceAnnounced]] = {base: {} for base in bases}
         self._settings = {base: BridgeSettings() for base in bases}
         self._without_json: set[str] = set()
         self._listless = dict.fromkeys(bases, False)  # bridges without a list yet: whether they sent their settings
@@ -88,7 +87,7 @@ class Zigbee2MqttReader:
         self._listless.pop(base, None)
         if not payload:
             self._devices[base] = {}
-            yield from (DeviceWithdrawn(one.described.key, "its bridge's list was removed") for one in before.values())
+            yield from (DeviceWithdrawn(one.key, "its bridge's list was removed") for one in before.values())
             return
         entries: list[object] = []
         for entry in parse_list(payload, MAX_BRIDGE_BYTES):
@@ -96,16 +95,16 @@ class Zigbee2MqttReader:
             if len(entries) > MAX_DEVICES:
                 raise WireError(f"{topic}: it lists more than the limit of {MAX_DEVICES} devices")
             yield None
-        devices: dict[str, _KnownDevice] = {}
+        devices: dict[str, DeviceAnnounced] = {}
         for _ in self._describe_all(base, topic, entries, devices):
             yield None
         self._devices[base] = devices
         listed = {ieee_address(entry) for entry in entries}
         yield from (_withdrawn(one, ieee in listed) for ieee, one in before.items() if ieee not in devices)
-        yield from (one.described for one in devices.values())
+        yield from devices.values()
 
     def _describe_all(
-        self, base: str, topic: str, entries: list[object], found: dict[str, _KnownDevice]
+        self, base: str, topic: str, entries: list[object], found: dict[str, DeviceAnnounced]
     ) -> Iterator[None]:
         """Describe the entries into *found*. A device with a broken entry retains its last description."""
         topics: set[str] = set()
@@ -120,15 +119,15 @@ class Zigbee2MqttReader:
             except WireError as error:
                 problems.append(error)
                 old = self._devices[base].get(ieee)
-                if ieee in found or old is None or old.topic in topics:
+                if ieee in found or old is None or _topic_of(old) in topics:
                     continue
                 found[ieee] = old
             else:
                 if device.is_coordinator or device.is_disabled:
                     continue
-                found[ieee] = _KnownDevice(device.topic, self._describe(base, topic, device, via))
-            topics.add(found[ieee].topic)
-            room -= len(found[ieee].described.parts)
+                found[ieee] = self._describe(base, topic, device, via)
+            topics.add(_topic_of(found[ieee]))
+            room -= len(found[ieee].parts)
         if problems and not found:
             raise problems[0]
         self.rejected += len(problems)
@@ -146,13 +145,13 @@ class Zigbee2MqttReader:
             facts={**device.facts, **({"via_device": via} if via else {}), "origin": "Zigbee2MQTT"},
             owns=tuple(dict.fromkeys((device.topic, f"{base}/{device.ieee}"))),
         )
-        return self._with_settings(base, device.ieee, device.topic, described)
+        return self._with_settings(base, device.ieee, described)
 
-    def _with_settings(self, base: str, ieee: str, topic: str, described: DeviceAnnounced) -> DeviceAnnounced:
+    def _with_settings(self, base: str, ieee: str, described: DeviceAnnounced) -> DeviceAnnounced:
         """Return *described* with the availability and the room that the bridge's settings give it."""
         settings = self._settings[base]
         return described._replace(
-            availability=settings.availability(base, ieee, topic), area=settings.areas.get(ieee, "")
+            availability=settings.availability(base, ieee, _topic_of(described)), area=settings.areas.get(ieee, "")
         )
 
     def _read_info(self, base: str, payload: bytes) -> Iterator[AnnouncementEvent | None]:
@@ -167,20 +166,12 @@ class Zigbee2MqttReader:
             return
         self._settings[base] = settings
         changed = {
-            ieee: _KnownDevice(one.topic, described)
+            ieee: described
             for ieee, one in self._devices[base].items()
-            if (described := self._with_settings(base, ieee, one.topic, one.described)) != one.described
+            if (described := self._with_settings(base, ieee, one)) != one
         }
         self._devices[base].update(changed)
-        yield from (one.described for one in changed.values())
-
-
-@dataclass(frozen=True, slots=True)
-class _KnownDevice:
-    """A device of the last list, and the topic on which it publishes."""
-
-    topic: str
-    described: DeviceAnnounced
+        yield from changed.values()
 
 
 def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: int) -> BridgeDevice:
@@ -195,6 +186,11 @@ def _read(base: str, entry: object, topics: set[str], *, is_known: bool, room: i
     return device
 
 
+def _topic_of(described: DeviceAnnounced) -> str:
+    """Return the topic on which a device publishes."""
+    return described.owns[0]
+
+
 def _bridge_name(entries: list[object]) -> str:
     """Return the device id of the bridge, from its coordinator's address."""
     for entry in entries:
@@ -203,7 +199,7 @@ def _bridge_name(entries: list[object]) -> str:
     return ""
 
 
-def _withdrawn(one: _KnownDevice, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
+def _withdrawn(one: DeviceAnnounced, is_listed: bool) -> DeviceWithdrawn:  # noqa: FBT001 - only called above
     if is_listed:
-        return DeviceWithdrawn(one.described.key, "it was disabled, or its name was taken")
-    return DeviceWithdrawn(one.described.key, "it left its bridge", is_final=True)
+        return DeviceWithdrawn(one.key, "it was disabled, or its name was taken")
+    return DeviceWithdrawn(one.key, "it left its bridge", is_final=True)

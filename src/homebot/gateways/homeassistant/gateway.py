@@ -145,8 +145,7 @@ class HomeAssistantGateway(LinkedGateway):
             await self.devices.report(key, {"press": press}, part)
 
     async def _on_registry(self, event: Mapping[str, object]) -> None:
-        registry = text_of(event.get("event_type")).removesuffix("_registry_updated")
-        self._mark_stale(registry)
+        self._mark_stale(text_of(event.get("event_type")).removesuffix("_registry_updated"))
 
     def _mark_stale(self, *registries: str) -> None:
         self._stale.update(registries)

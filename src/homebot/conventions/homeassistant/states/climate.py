@@ -27,6 +27,7 @@ from homebot.conventions.homeassistant.states.rows import (
     percent,
     read_number,
     read_text,
+    read_while_on,
     sensed,
 )
 from homebot.conventions.thermostat_modes import climate_type, setpoints_of
@@ -180,16 +181,11 @@ def _write_oscillation(_info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "oscillate", "oscillating": require_bool("oscillation", value)}
 
 
-def _read_speed(info: Fields, state: Fields) -> PlainValue:
-    """Read the speed; Home Assistant has none of a fan that is off."""
-    return 0.0 if state.get("state") == "off" else read_number("percentage", 1.0, 0, 100)(info, state)
-
-
 FAN: Final = EntityComponent(
     "fan",
     (
         SWITCH,
-        replace(percent("fan_speed", "percentage", "set_percentage", when=has(1)), read=_read_speed),
+        replace(percent("fan_speed", "percentage", "set_percentage", when=has(1)), read=read_while_on("percentage")),
         EntityRow("oscillation", read_flag("oscillating"), _write_oscillation, "", has(2)),
         EntityRow("direction", read_text("direction"), _write_direction, "", has(4)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(8)),

@@ -50,6 +50,7 @@ from homebot.conventions.homeassistant.states.rows import (
     read_number,
     read_state,
     read_text,
+    read_while_on,
     reported,
 )
 from homebot.conventions.lamp import LightFeatures, WhiteRange
@@ -101,11 +102,6 @@ def _lamp_row(name: str, read: Callable[[Fields, Fields], PlainValue]) -> Entity
     )
 
 
-def _read_level(info: Fields, state: Fields) -> PlainValue:
-    """Read the brightness; Home Assistant has none of a lamp that is off."""
-    return 0.0 if state.get("state") == "off" else read_number("brightness", 100 / 255, 0, 100)(info, state)
-
-
 def _read_color(_info: Fields, state: Fields) -> PlainValue:
     color = state.get("hs_color")
     if state.get("color_mode") not in _COLORS or not isinstance(color, list) or len(color) != 2:
@@ -124,7 +120,7 @@ _LIGHT: Final = EntityComponent(
     "light",
     (
         EntityRow("on_off", SWITCH.read, _write_lamp("on_off")),
-        _lamp_row("level", _read_level),
+        _lamp_row("level", read_while_on("brightness", 100 / 255)),
         _lamp_row("color_temperature", _read_white),
         _lamp_row("color", _read_color),
         _lamp_row("effect", read_text("effect")),

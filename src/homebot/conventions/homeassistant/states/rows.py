@@ -34,6 +34,7 @@ __all__ = [
     "read_number",
     "read_state",
     "read_text",
+    "read_while_on",
     "reported",
     "sensed",
 ]
@@ -56,6 +57,12 @@ def read_number(field: str, factor: float = 1.0, least: float = -1e15, most: flo
         return None if number is None or not least <= number * factor <= most else round(number * factor, 6)
 
     return read
+
+
+def read_while_on(field: str, factor: float = 1.0) -> ReadField:
+    """Return a reader of percents, which Home Assistant does not have of what is off."""
+    read = read_number(field, factor, 0, 100)
+    return lambda info, state: 0.0 if state.get("state") == "off" else read(info, state)
 
 
 def read_text(field: str) -> ReadField:
