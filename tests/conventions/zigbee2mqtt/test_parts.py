@@ -476,29 +476,6 @@ def test_a_garage_door_without_pulse_has_a_movement() -> None:
     assert told(opener, "movement", "closed") == {"trigger": False}
 
 
-def test_equal_parts_of_several_devices_are_described_once_and_each_on_its_own_topics() -> None:
-    exposes = [feature("numeric", "level", value_min=0, value_max=9, endpoint="l1", key="level_l1"), WHITE]
-    entries = [
-        {
-            "ieee_address": f"0x00158d000000000{number}",
-            "friendly_name": f"room {number}",
-            "power_source": power,
-            "definition": {"model": "m", "exposes": exposes},
-        }
-        for number, power in enumerate(("Mains", "Mains", "Battery"))
-    ]
-    mains, other, asleep = (build_parts(read_bridge_device("zigbee2mqtt", one)) for one in entries)
-    assert mains[0].part.capabilities is other[0].part.capabilities
-    assert mains[0].part.payloads == other[0].part.payloads != ""
-    for number, parts in enumerate((mains, other, asleep)):
-        topic = f"zigbee2mqtt/room {number}"
-        assert [(one.part.reads, one.part.writes) for one in parts] == [((topic,), (f"{topic}/set",))] * 2
-        assert parts[0].codec.read(topic, b'{"level_l1": 5}', retained=False) == {"number": 5.0}
-        assert [one.topic for one in parts[0].codec.write("number", 5.0)] == [f"{topic}/set"]
-        with pytest.raises(RefusedError):
-            parts[0].codec.write("number", 10.0)
-
-
 def test_a_gas_valve_is_a_valve_and_no_setting() -> None:
     """The model SiHAS GCM-300Z (zigbee-herdsman-converters)."""
     valve, timeout = built(

@@ -12,7 +12,6 @@ from types import MappingProxyType
 from typing import TypeAlias
 
 from homebot.conventions.bounded_dict import BoundedDict
-from homebot.conventions.description import DescribedPart
 from homebot.conventions.payload import clean_text
 from homebot.devices.part import Category
 from homebot.support.folding import words_of
@@ -100,11 +99,6 @@ class Expose:
     def options(self) -> Mapping[str, Scalar]:
         """Options of an enum: the value in the spelling of the device, by its text."""
         return MappingProxyType({_option(value): value for value in self.values})
-
-    @cached_property
-    def shapes(self) -> dict[object, tuple[DescribedPart, ...]]:
-        """Its parts, once they were described, by all that they depend on beside it and the topic of the device."""
-        return {}
 
     def of_commands(self) -> tuple[object, ...]:
         """Return the fields from which the payloads of its commands follow."""

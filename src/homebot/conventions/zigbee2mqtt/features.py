@@ -50,11 +50,6 @@ class Zigbee2MqttTopics:
         """The topic of its commands."""
         return f"{self._base}/set"
 
-    def below(self) -> dict[str, str]:
-        """Return all of them, each by its part behind the topic of the state."""
-        behind = self._base.removeprefix(self.state)
-        return {one: f"{self.state}{one}" for one in ("", f"{behind}/set", f"{behind}/get")}
-
     def of(self, expose: Expose) -> Zigbee2MqttTopics:
         """Return the topics of *expose*."""
         if expose.endpoint not in self.bare_endpoints:

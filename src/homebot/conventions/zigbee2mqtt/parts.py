@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from homebot.conventions.command_values import push_writer
 from homebot.conventions.description import DescribedPart
-from homebot.conventions.part_builder import is_movable, moved, with_own_ids
+from homebot.conventions.part_builder import with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text
 from homebot.conventions.secrets import names_secret
 from homebot.conventions.zigbee2mqtt.bridge_device import BridgeDevice
@@ -41,7 +41,6 @@ def build_parts(device: BridgeDevice) -> tuple[DescribedPart, ...]:
 
 _MOST_PARTS = 500
 _MOST_RAW = 20
-_MOST_SHAPES = 8
 _MAX_RAW = 255
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
 _THERMOMETERS = ("temperature", "local_temperature")
@@ -72,7 +71,6 @@ class _PartsBuilder:
     def __init__(self, device: BridgeDevice, topics: Zigbee2MqttTopics, exposes: tuple[Expose, ...]) -> None:
         self._device = device
         self._topics = topics
-        self._shape = replace(topics, state="")
         self._exposes = exposes
         self._names = {expose.name for expose in exposes}
         self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
@@ -87,9 +85,7 @@ class _PartsBuilder:
 
     def parts(self) -> Iterable[DescribedPart]:
         for expose in map(_key_lock_as_setting, self._exposes):
-            topics = self._topics.of(expose)
-            depends_on_others = self._auxiliary or expose.type in SPECIFIC_TYPES
-            yield from self._parts_of(topics, expose) if depends_on_others else self._moved_parts_of(topics, expose)
+            yield from self._parts_of(self._topics.of(expose), expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
         for number, name in self._device.scenes.items():
@@ -112,18 +108,6 @@ class _PartsBuilder:
         role = _ROLES.get((expose.type, expose.name), "")
         is_of_endpoint = role == "effect" and expose.endpoint
         return role if role in self._possible_roles and expose.is_settable and not is_of_endpoint else ""
-
-    def _moved_parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
-        """Return :meth:`_parts_of`, described once for all devices that have the expose."""
-        own = topics.below()
-        shape = self._shape.of(expose)
-        parts = expose.shapes.get(shape)
-        if parts is None:
-            parts = tuple(self._parts_of(shape, expose))
-            if len(expose.shapes) >= _MOST_SHAPES or not all(is_movable(part, own) for part in parts):
-                return self._parts_of(topics, expose)
-            expose.shapes[shape] = parts
-        return [moved(part, own) for part in parts]
 
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
