@@ -56,13 +56,9 @@ class HomeAssistantLink:
     Args:
         connection: An open WebSocket.
         on_invalid: Takes each invalid frame, and the reason.
-
-    Attributes:
-        version: The version of Home Assistant, once it has greeted.
     """
 
     def __init__(self, connection: ClientConnection, on_invalid: Callable[[bytes, str], None]) -> None:
-        self.version = ""
         self._connection = connection
         self._on_invalid = on_invalid
         self._calls = PendingCalls[_Frame]("Home Assistant")
@@ -153,10 +149,10 @@ class HomeAssistantLink:
             raise RefusedError("the login to Home Assistant", "the token was revoked, has expired or is another's")
         if frame.get("type") != kind:
             raise WireError("the server at this address is not Home Assistant")
-        self.version = text_of(frame.get("ha_version"), 40)
-        numbers = [int(one) if one.isdecimal() else 0 for one in self.version.split(".")[:2]]
+        version = text_of(frame.get("ha_version"), 40)
+        numbers = [int(one) if one.isdecimal() else 0 for one in version.split(".")[:2]]
         if tuple(numbers) < OLDEST:
-            raise WireError(f"it is Home Assistant {self.version}; homebot needs {OLDEST[0]}.{OLDEST[1]} or later")
+            raise WireError(f"it is Home Assistant {version}; homebot needs {OLDEST[0]}.{OLDEST[1]} or later")
 
     async def _parsed(self, payload: bytes) -> _Frame:
         frame = await parse_long_json(payload, MAX_FRAME_BYTES)

@@ -31,36 +31,19 @@ GETTABLE = 4
 FULL = PUBLISHED | SETTABLE | GETTABLE
 
 
-def _numeric(name: str, access: int, unit: str = "", **more: object) -> dict[str, object]:
-    spelled = {"type": "numeric", "name": name, "property": name, "label": name, "access": access, **more}
-    return {**spelled, "unit": unit} if unit else spelled
-
-
-def _binary(name: str, access: int, on: object, off: object) -> dict[str, object]:
-    return {
-        "type": "binary",
-        "name": name,
-        "property": name,
-        "label": name,
-        "access": access,
-        "value_on": on,
-        "value_off": off,
-    }
-
-
-def _enum(name: str, access: int, *values: str) -> dict[str, object]:
-    return {"type": "enum", "name": name, "property": name, "label": name, "access": access, "values": list(values)}
+def _expose(kind: str, name: str, access: int, **more: object) -> dict[str, object]:
+    return {"type": kind, "name": name, "property": name, "label": name, "access": access, **more}
 
 
 _COVER: tuple[dict[str, object], ...] = (
     {
         "type": "cover",
         "features": [
-            _enum("state", PUBLISHED | SETTABLE, "OPEN", "CLOSE", "STOP"),
-            _numeric("position", FULL, "%", value_min=0, value_max=100),
+            _expose("enum", "state", PUBLISHED | SETTABLE, values=["OPEN", "CLOSE", "STOP"]),
+            _expose("numeric", "position", FULL, unit="%", value_min=0, value_max=100),
         ],
     },
-    _enum("moving", PUBLISHED, "UP", "STOP", "DOWN"),
+    _expose("enum", "moving", PUBLISHED, values=["UP", "STOP", "DOWN"]),
 )
 
 EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
@@ -69,9 +52,9 @@ EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
             {
                 "type": "light",
                 "features": [
-                    _binary("state", FULL, "ON", "OFF"),
-                    _numeric("brightness", FULL, value_min=0, value_max=254),
-                    _numeric("color_temp", FULL, "mired", value_min=112, value_max=666),
+                    _expose("binary", "state", FULL, value_on="ON", value_off="OFF"),
+                    _expose("numeric", "brightness", FULL, value_min=0, value_max=254),
+                    _expose("numeric", "color_temp", FULL, unit="mired", value_min=112, value_max=666),
                 ],
             },
         ),
@@ -81,23 +64,34 @@ EXPOSES: Mapping[str, tuple[dict[str, object], ...]] = MappingProxyType(
             {
                 "type": "lock",
                 "features": [
-                    _binary("state", FULL, "LOCK", "UNLOCK"),
-                    _enum("lock_state", PUBLISHED, "not_fully_locked", "locked", "unlocked"),
+                    _expose("binary", "state", FULL, value_on="LOCK", value_off="UNLOCK"),
+                    _expose("enum", "lock_state", PUBLISHED, values=["not_fully_locked", "locked", "unlocked"]),
                 ],
             },
         ),
-        "contact": (_binary("contact", PUBLISHED, on=False, off=True),),
-        "motion": (_binary("occupancy", PUBLISHED, on=True, off=False),),
-        "lux": (_numeric("illuminance", PUBLISHED, "lx"),),
-        "power_meter": (_numeric("power", PUBLISHED, "W"), _numeric("energy", PUBLISHED, "kWh")),
+        "contact": (_expose("binary", "contact", PUBLISHED, value_on=False, value_off=True),),
+        "motion": (_expose("binary", "occupancy", PUBLISHED, value_on=True, value_off=False),),
+        "lux": (_expose("numeric", "illuminance", PUBLISHED, unit="lx"),),
+        "power_meter": (
+            _expose("numeric", "power", PUBLISHED, unit="W"),
+            _expose("numeric", "energy", PUBLISHED, unit="kWh"),
+        ),
         "thermostat": (
             {
                 "type": "climate",
                 "features": [
-                    _numeric("occupied_heating_setpoint", FULL, "°C", value_min=5, value_max=30, value_step=0.5),
-                    _numeric("local_temperature", PUBLISHED | GETTABLE, "°C"),
-                    _enum("system_mode", FULL, "heat"),
-                    _enum("running_state", PUBLISHED | GETTABLE, "idle", "heat"),
+                    _expose(
+                        "numeric",
+                        "occupied_heating_setpoint",
+                        FULL,
+                        unit="°C",
+                        value_min=5,
+                        value_max=30,
+                        value_step=0.5,
+                    ),
+                    _expose("numeric", "local_temperature", PUBLISHED | GETTABLE, unit="°C"),
+                    _expose("enum", "system_mode", FULL, values=["heat"]),
+                    _expose("enum", "running_state", PUBLISHED | GETTABLE, values=["idle", "heat"]),
                 ],
             },
         ),
