@@ -360,25 +360,14 @@ def test_a_lamp_that_cannot_fade_gets_no_transition() -> None:
 
 def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> None:
     """It finds ``state_l2`` by the names of endpoints; ``occupied_heating_setpoint_3`` it does not find at all."""
-    entry = {
-        "ieee_address": "0x00158d0001abcdef",
-        "friendly_name": "a",
-        "endpoints": {"1": {}, "2": {"name": "l2"}, "3": {}},
-        "definition": {
-            "model": "m",
-            "exposes": [
-                {"type": "switch", "endpoint": "l2", "features": [onoff("_l2")]},
-                {
-                    "type": "climate",
-                    "endpoint": "3",
-                    "features": [feature("numeric", "occupied_heating_setpoint", key="occupied_heating_setpoint_3")],
-                },
-                feature("numeric", "floor_min", key="floor_min_3", endpoint="3"),
-                feature("numeric", "code_1"),
-            ],
-        },
-    }
-    relay, valve, floor, code = build_parts(read_bridge_device("zigbee2mqtt", entry))
+    target = feature("numeric", "occupied_heating_setpoint", key="occupied_heating_setpoint_3")
+    relay, valve, floor, code = built(
+        {"type": "switch", "endpoint": "l2", "features": [onoff("_l2")]},
+        {"type": "climate", "endpoint": "3", "features": [target]},
+        feature("numeric", "floor_min", key="floor_min_3", endpoint="3"),
+        feature("numeric", "code_1"),
+        endpoints={"1": {}, "2": {"name": "l2"}, "3": {}},
+    )
     assert relay.codec.write("on_off", True) == (Publication(f"{TOPIC}/set", b'{"state_l2":"ON"}'),)
     (setpoint,) = valve.codec.write("heating_setpoint", 20.0)
     assert setpoint == Publication(f"{TOPIC}/3/set", b'{"occupied_heating_setpoint":20}')

@@ -6,14 +6,13 @@ Source: Home Assistant core 2025.4, ``components/mqtt/cover.py`` and ``valve.py`
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
 
 from homebot.conventions.command_values import Writer, number_writer, option_writer, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.entity_rows import opening_type
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
-from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
+from homebot.conventions.homeassistant.topics import CommandTopic
 from homebot.conventions.payload import NO_READINGS, Readings, fields_of, number_of
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -49,15 +48,15 @@ def build_cover(config: DiscoveryConfig) -> DescribedPart:
     tilt = config.source("tilt_status_topic", "tilt_status_template", cover.variables)
     entity = Entity(config, opening_type(config.values))
     has_position = entity.read_text_from(cover.position, cover.read_position)
-    has_state = entity.usable(cover.state) is not None
-    if cover.state is not None and has_state:
-        entity.read_from(cover.state.topic, partial(cover.read_state, cover.state))
+    state = entity.usable(cover.state)
+    if state is not None:
+        entity.read_from(state.topic, cover.read_state)
     has_tilt = entity.read_text_from(tilt, cover.read_tilt)
 
     move = config.command("command_topic", template_key="")
     payloads = _payloads(config, stop="STOP")
     writer = option_writer("movement", payloads, lambda movement: move.publish(payloads[movement])) if move else None
-    entity.add_capability("movement", readable=has_state or has_position, writer=writer if payloads else None)
+    entity.add_capability("movement", readable=state is not None or has_position, writer=writer if payloads else None)
     entity.add_commands(move)
     for name, variable, key, scale, readable in (
         ("position", "position", "set_position", cover.scale, has_position),
@@ -98,9 +97,9 @@ class _Cover:
         self._movement: str | None = None
         self._is_settling = False  # stopped, perhaps before the report of its position
 
-    def read_state(self, state: ValueSource, payload: bytes) -> Readings:
+    def read_state(self, payload: bytes) -> Readings:
         """Read the state; a stopped cover is closed at position 0 in the same message, and otherwise open."""
-        text = state.text(payload)
+        text = self.state.text(payload) if self.state is not None else None
         if text is None or text not in self._states:
             return NO_READINGS
         before, self._movement = self._movement, self._states[text]
