@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
+from tests.conventions.announced_parts import homeassistant_parts
 
-from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
-from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
+from homebot.conventions.description import DescribedPart, Publication
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.value import PlainValue
@@ -45,11 +45,7 @@ def name(answer: Answer) -> str:
 
 
 def described(answer: Answer) -> DescribedPart:
-    convention = HomeAssistantDiscovery(HomeAssistantSettings())
-    topic = f"homeassistant/{answer['component']}/device/config"
-    (device,) = convention.read_message(topic, json.dumps(answer["config"]).encode(), retained=True)
-    assert isinstance(device, DeviceAnnounced)
-    return device.parts[0]
+    return homeassistant_parts(answer["component"], answer["config"])[0]
 
 
 def same(ours: PlainValue, theirs: PlainValue | list[float], tolerance: float) -> bool:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 
 import pytest
+from tests.conventions.announced_parts import announced
 
-from homebot.conventions.description import DeviceAnnounced, DeviceWithdrawn, Publication
+from homebot.conventions.description import DeviceWithdrawn
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
@@ -25,12 +26,6 @@ def publisher() -> HomeAssistantPublisher:
 def offer(*capabilities: Capability, name: str = "Robot", **fields: object) -> ExposedDevice:
     part = Part(id="robot", service_type="x_robot", capabilities=capabilities)
     return ExposedDevice.model_validate({"id": "robot1", "name": name, "parts": (part,), **fields})
-
-
-def understood(config: Publication) -> DeviceAnnounced:
-    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(config.topic, config.payload, retained=True)
-    assert isinstance(heard, DeviceAnnounced)
-    return heard
 
 
 def test_nothing_is_published_unless_it_is_wanted() -> None:
@@ -55,8 +50,8 @@ def test_every_capability_of_the_vocabulary_can_be_offered() -> None:
             configs = publisher().publications(offer(Capability(name=name, settable=settable)))
             is_unseen = known.kind == "numbers" or (name in {"push", "scene", "locate"} and not settable)
             assert len(configs) == (not is_unseen)
-            for config in configs:
-                understood(config)
+            heard = [(config.topic, config.payload.decode()) for config in configs]
+            assert len(announced(HomeAssistantDiscovery(HomeAssistantSettings()), *heard)) == len(configs)
 
 
 def test_a_withdrawn_part_is_removed_and_takes_no_command() -> None:
