@@ -35,12 +35,12 @@ from homebot.conventions.table_codec import json_object
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 
-__all__ = ["build_json_light", "build_template_light", "read_white_range"]
+__all__ = ["JsonLight", "build_json_light", "build_template_light", "read_white_range"]
 
 
 def build_json_light(config: DiscoveryConfig) -> DescribedPart:
     """Describe a lamp that uses JSON."""
-    light = _JsonLight(config)
+    light = JsonLight(config)
     entity = Entity(config, "light")
     state_topic = config.state_topic()
     light.lamp.add_to(entity, _REPORTED if state_topic else (), light.publish)
@@ -66,8 +66,11 @@ def _flagged_modes(config: DiscoveryConfig) -> frozenset[str]:
     return colors or frozenset({"brightness" if config.flag("brightness") else "onoff"})
 
 
-class _JsonLight:
-    """Reader and writer of JSON. A colour is read in the reported mode, or in the only mode with a value."""
+class JsonLight:
+    """Reader and writer of JSON. A colour is read in the reported mode, or in the only mode with a value.
+
+    The same object reports a lamp and commands it, so that a published lamp is read and written by it as well.
+    """
 
     def __init__(self, config: DiscoveryConfig) -> None:
         self.command = config.required_command(template_key="")
@@ -78,6 +81,11 @@ class _JsonLight:
         self.lamp = LightFeatures(_modes(config), read_white_range(config), effects, any_effect=any_effect)
 
     def publish(self, light: LightCommand) -> Publications:
+        """Encode a command."""
+        return self.command.publish(compact_json(self.message(light)))
+
+    def message(self, light: LightCommand) -> dict[str, object]:
+        """Return the object of a command, or of a state."""
         message: dict[str, object] = {"state": "ON" if light.on else "OFF"}
         if light.color:
             message["color"] = dict(zip(CHANNELS[light.mode], light.color, strict=True))
@@ -89,9 +97,10 @@ class _JsonLight:
             message["color_temp"] = light.kelvin if self._in_kelvin else kelvin_mired(light.kelvin)
         if light.effect:
             message["effect"] = light.effect
-        return self.command.publish(compact_json(message))
+        return message
 
     def read(self, payload: bytes) -> Readings:
+        """Read a state, or a command."""
         message = json_object(payload)
         if message is None:
             return NO_READINGS
