@@ -124,7 +124,7 @@ def _typedef(message_type: type[Message]) -> TypeDef:
         type=_short(message_type.ros_type),
         fieldnames=tuple(field.name for field in fields),
         fieldtypes=tuple(_short(field.ros_type) for field in fields),
-        fieldarraylen=tuple(_array_length(field) for field in fields),
+        fieldarraylen=tuple(field.size or 0 if field.is_array else -1 for field in fields),
         examples=tuple(_example(field) for field in fields),
         constnames=tuple(constants),
         constvalues=tuple(constants.values()),
@@ -134,10 +134,6 @@ def _typedef(message_type: type[Message]) -> TypeDef:
 def _short(ros_type: str) -> str:
     package, slash, rest = ros_type.partition("/")
     return f"{package}{slash}{rest.rpartition('/')[2]}"
-
-
-def _array_length(field: FieldDefinition) -> int:
-    return -1 if not field.is_array else field.size or 0
 
 
 def _example(field: FieldDefinition) -> str:
