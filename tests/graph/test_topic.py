@@ -44,10 +44,7 @@ def text(data: object) -> String:
 
 def waiting(subscription: Subscription[String]) -> list[str]:
     """Take all that waits."""
-    got = []
-    while (message := subscription.take()) is not None:
-        got.append(message.data)
-    return got
+    return [message.data for message in iter(subscription.take, None)]
 
 
 async def test_every_subscription_gets_every_message_itself(node: Node) -> None:
