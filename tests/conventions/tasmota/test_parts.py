@@ -45,14 +45,99 @@ def told(part: DescribedPart, capability: str, value: PlainValue, transition: fl
     return publication.topic, publication.payload.decode()
 
 
-def test_relays_are_numbered_and_the_first_may_go_without() -> None:
-    parts = built(rl=[1, 1], fn=["D", "Heater"])
-    assert [one.part.name for one in parts.values()] == ["", "Heater"]
-    assert heard(parts["power_1"], "s/RESULT", {"POWER": "ON"}) == {"on_off": True}
-    assert heard(parts["power_2"], "s/RESULT", {"POWER": "ON"}) == {}
-    assert heard(parts["power_2"], "t/STATE", {"POWER1": "ON", "POWER2": "OFF"}) == {"on_off": False}
-    assert told(parts["power_2"], "on_off", value=True) == ("c/Power2", "ON")
-    assert parts["power_1"].state_requests == (Publication("c/STATE", b""),)
+THINGS: dict[str, tuple[dict[str, Any], str, str, list[tuple[str, Any, object]]]] = {
+    "the first relay may go without its number": (
+        {"rl": [1, 1], "fn": ["D", "Heater"]}, "power_1", "switch", [("s/RESULT", {"POWER": "ON"}, {"on_off": True})],
+    ),
+    "other relays have numbers and names": (
+        {"rl": [1, 1], "fn": ["D", "Heater"]}, "power_2", "switch Heater",
+        [("s/RESULT", {"POWER": "ON"}, {}), ("t/STATE", {"POWER1": "ON", "POWER2": "OFF"}, {"on_off": False}),
+         ("on_off", True, "c/Power2 ON")],
+    ),
+    "a device has words of its own": (
+        {"rl": [1], "state": ["Aus", "An", "Um", "Halt"]}, "power_1", "switch",
+        [("s/RESULT", {"POWER": "An"}, {"on_off": True}), ("s/RESULT", {"POWER": "ON"}, {}),
+         ("on_off", False, "c/Power1 Aus")],
+    ),
+    "a dimmer is off at no level alone": (
+        {"rl": [2], "lt_st": 1}, "light_1", "light",
+        [("level", 0.1, "c/Backlog NoDelay;Dimmer 1"), ("level", 0.0, "c/Backlog NoDelay;Power1 OFF"),
+         ("s/RESULT", {"POWER": "OFF", "Dimmer": 0}, {"on_off": False})],
+    ),
+    "whites are kelvin": (
+        {"rl": [2], "lt_st": 2, "so": {"82": 1}}, "light_1", "light",
+        [("t/STATE", {"CT": 250}, {"color_temperature": 4000.0}),
+         ("color_temperature", 4_000.0, "c/Backlog NoDelay;Power1 ON;NoDelay;CT 250")],
+    ),
+    "colours and whites of one lamp alternate": (
+        {"rl": [2], "lt_st": 5}, "light_1", "light",
+        [("t/STATE", {"HSBColor": "240,100,40", "White": 0, "CT": 380},
+          {"color": (240.0, 100.0), "color_temperature": None}),
+         ("t/STATE", {"HSBColor": "240,100,40", "White": 40, "CT": 380}, {"color_temperature": 2631.0, "color": None}),
+         ("color", (240.4, 50.0), "c/Backlog NoDelay;Power1 ON;NoDelay;HsbColor1 240;NoDelay;HsbColor2 50"),
+         ("effect", "Random", "c/Backlog NoDelay;Power1 ON;NoDelay;Scheme 4"),
+         ("t/STATE", {"Scheme": 2}, {"effect": "Cycle up"})],
+    ),
+    "a shutter that stopped nowhere known": (
+        {"rl": [3, 3]}, "shutter_1", "window_covering",
+        [("s/STATUS10", {"StatusSNS": {"Shutter1": {"Direction": 0}}}, {"movement": "stopped"})],
+    ),
+    "a shutter the wrong way round": (
+        {"rl": [3, 3], "sho": [1], "sht": [[0, 0, 0]]}, "shutter_1", "window_covering",
+        [("s/RESULT", {"Shutter1": {"Position": 30, "Direction": 1}}, {"position": 70.0, "movement": "closing"}),
+         ("position", 70.0, "c/ShutterPosition1 30"), ("tilt", 50.0, None)],
+    ),
+    "a ceiling fan goes on at its last speed": (
+        {"rl": [2, 0, 0], "if": 1}, "fan", "fan",
+        [("on_off", True, "c/FanSpeed 2"), ("s/RESULT", {"FanSpeed": 3}, {"on_off": True, "fan_speed": 100.0}),
+         ("t/STATE", {"FanSpeed": 0}, {"on_off": False, "fan_speed": 0.0}), ("on_off", True, "c/FanSpeed 3"),
+         ("fan_speed", 34.0, "c/FanSpeed 2")],
+    ),
+    # Home Assistant shows them as switches: *all on* there would set the fan between two speeds.
+    "a relay of a fan's speeds is read only": (
+        {"rl": [1, 1, 1, 1], "if": 1}, "power_3", "x_binary_sensor diagnostic",
+        [("t/STATE", {"POWER1": "OFF", "POWER3": "ON"}, {"state": True}), ("on_off", True, None),
+         ("state", True, None)],
+    ),
+    "a switch that is followed is a state": (
+        {"swc": [-1, 1], "swn": [None, "Door"]}, "switch_2", "x_binary_sensor Door",
+        [("s/RESULT", {"Door": {"Action": "ON"}}, {"state": True}), ("t/SENSOR", {"Door": "OFF"}, {"state": False}),
+         ("s/STATUS10", {"StatusSNS": {"Door": "ON"}}, {"state": True}),
+         ("s/RESULT", {"Door": {"Action": "HOLD"}}, {})],
+    ),
+    "a push switch reports presses": (
+        {"swc": [5]}, "switch_1_press", "generic_switch Switch1",
+        [("s/RESULT", {"Switch1": {"Action": "TOGGLE"}}, {"press": "single"}),
+         ("s/RESULT", {"Switch1": {"Action": "HOLD"}}, {"press": "hold"}),
+         ("s/RESULT", {"Switch1": {"Action": "ON"}}, {})],
+    ),
+    "a meter may report fewer phases than announced": (
+        {"sensors": {"ENERGY": {"Power": [1, 2]}}}, "ENERGY_Power_0", "electrical_meter ENERGY Power 0",
+        [("t/SENSOR", {"ENERGY": {"Power": 5}}, {"power": 5.0}),
+         ("t/SENSOR", {"ENERGY": {"Power": None}}, {"power": None})],
+    ),
+    "a phase that is not reported has no power": (
+        {"sensors": {"ENERGY": {"Power": [1, 2]}}}, "ENERGY_Power_1", "electrical_meter ENERGY Power 1",
+        [("t/SENSOR", {"ENERGY": {"Power": 5}}, {}), ("t/SENSOR", {"ENERGY": {"Power": [5]}}, {})],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("device", "part_id", "is_a", "said"), THINGS.values(), ids=THINGS)
+def test_a_part_is_read_and_told(
+    device: dict[str, Any], part_id: str, is_a: str, said: list[tuple[str, Any, object]]
+) -> None:
+    """What it reads, or the publication of a command, or none where it refuses."""
+    part = built(**device)[part_id]
+    assert " ".join(filter(None, (part.part.service_type, part.part.name, part.part.category))) == is_a
+    for where, value, expected in said:
+        if "/" in where:
+            assert heard(part, where, value) == expected
+        elif expected is None:
+            with pytest.raises(RefusedError):
+                part.codec.write(where, value)
+        else:
+            assert " ".join(told(part, where, value)) == expected
 
 
 @pytest.mark.parametrize(
@@ -74,44 +159,6 @@ def test_option_4_gives_each_answer_a_topic_of_its_own(
     device: dict[str, Any], part: str, topic: str, message: object, expected: dict[str, object]
 ) -> None:
     assert heard(built(**device, so={"4": 1, "73": 1})[part], topic, message) == expected
-
-
-def test_a_device_has_words_of_its_own() -> None:
-    relay = only(rl=[1], state=["Aus", "An", "Um", "Halt"])
-    assert heard(relay, "s/RESULT", {"POWER": "An"}) == {"on_off": True}
-    assert heard(relay, "s/RESULT", {"POWER": "ON"}) == {}
-    assert told(relay, "on_off", value=False) == ("c/Power1", "Aus")
-
-
-def test_commands_of_a_dimmer_are_one_backlog() -> None:
-    lamp = only(rl=[2], lt_st=1)
-    assert told(lamp, "on_off", value=True) == ("c/Backlog", "NoDelay;Power1 ON")
-    assert told(lamp, "level", 50.0) == ("c/Backlog", "NoDelay;Dimmer 50")
-    assert told(lamp, "level", 0.1) == ("c/Backlog", "NoDelay;Dimmer 1")
-    assert told(lamp, "level", 0.0) == ("c/Backlog", "NoDelay;Power1 OFF")
-    assert heard(lamp, "t/STATE", {"POWER": "ON", "Dimmer": 40}) == {"on_off": True, "level": 40.0}
-    assert heard(lamp, "s/RESULT", {"POWER": "OFF", "Dimmer": 0}) == {"on_off": False}
-
-
-def test_another_processor_has_another_dimmer_and_does_not_fade() -> None:
-    assert told(only(rl=[2], lt_st=1, ty=1), "level", 50.0, 2.0)[1] == "NoDelay;Dimmer3 50"
-
-
-def test_whites_are_kelvin() -> None:
-    lamp = only(rl=[2], lt_st=2, so={"82": 1})
-    assert lamp.part.capabilities[2].bounds == (2625.0, 5000.0)
-    assert heard(lamp, "t/STATE", {"CT": 250}) == {"color_temperature": 4000.0}
-    assert told(lamp, "color_temperature", 4_000.0)[1] == "NoDelay;Power1 ON;NoDelay;CT 250"
-
-
-def test_colours_and_whites_of_one_lamp_alternate() -> None:
-    lamp = only(rl=[2], lt_st=5)
-    color = {"HSBColor": "240,100,40", "White": 0, "CT": 380}
-    assert heard(lamp, "t/STATE", color) == {"color": (240.0, 100.0), "color_temperature": None}
-    assert heard(lamp, "t/STATE", {**color, "White": 40}) == {"color_temperature": 2631.0, "color": None}
-    assert told(lamp, "color", (240.4, 50.0))[1] == "NoDelay;Power1 ON;NoDelay;HsbColor1 240;NoDelay;HsbColor2 50"
-    assert told(lamp, "effect", "Random")[1] == "NoDelay;Power1 ON;NoDelay;Scheme 4"
-    assert heard(lamp, "t/STATE", {"Scheme": 2})["effect"] == "Cycle up"
 
 
 @pytest.mark.parametrize("color", [1, "a,b,c", "1,2", "361,1,1", "1," * 999, None])
@@ -157,54 +204,15 @@ def test_a_shutter_has_two_outputs(outputs: tuple[int, ...], count: int) -> None
     assert count_shutters(outputs) == count
 
 
-def test_reports_and_commands_of_a_shutter() -> None:
-    shutter = only(rl=[3, 3], sht=[[-90, 90, 20]])
-    assert heard(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": -1, "Tilt": 0}}) == {
-        "position": 30.0,
-        "movement": "closing",
-        "tilt": 50.0,
-    }
-    assert heard(shutter, "t/SENSOR", {"Shutter1": {"Position": 0, "Direction": 0}})["movement"] == "closed"
-    assert heard(shutter, "s/STATUS10", {"StatusSNS": {"Shutter1": {"Direction": 0}}}) == {"movement": "stopped"}
-    assert told(shutter, "movement", "open") == ("c/ShutterOpen1", "")
-    assert told(shutter, "movement", "stopped") == ("c/ShutterStop1", "")
-    assert told(shutter, "position", 30.0) == ("c/ShutterPosition1", "30")
-    assert told(shutter, "tilt", 75.0) == ("c/ShutterTilt1", "45")
-    assert shutter.state_requests == (Publication("c/STATUS", b"10"),)
+def test_parts_have_their_bounds_and_options_and_are_asked_for_their_state() -> None:
+    assert only(rl=[2], lt_st=2, so={"82": 1}).part.capabilities[2].bounds == (2625.0, 5000.0)
+    assert built(swc=[5])["switch_1_press"].part.capabilities[0].options == ("single", "hold")
+    assert only(rl=[1]).state_requests == (Publication("c/STATE", b""),)
+    assert only(rl=[3, 3]).state_requests == (Publication("c/STATUS", b"10"),)
 
 
-def test_a_shutter_may_be_the_wrong_way_round() -> None:
-    shutter = only(rl=[3, 3], sho=[1], sht=[[0, 0, 0]])
-    assert heard(shutter, "s/RESULT", {"Shutter1": {"Position": 30, "Direction": 1}}) == {
-        "position": 70.0,
-        "movement": "closing",
-    }
-    assert told(shutter, "position", 70.0) == ("c/ShutterPosition1", "30")
-    assert shutter.part.payloads != only(rl=[3, 3]).part.payloads  # an approval of the one is none of the other
-    assert "tilt" not in [one.name for one in shutter.part.capabilities]
-
-
-@pytest.mark.parametrize("outputs", [[2, 0, 0], [1, 1, 1, 1]])
-def test_a_ceiling_fan_is_a_lamp_and_a_fan(outputs: list[int]) -> None:
-    parts = built(rl=outputs, fan=1)
-    of_use = [(part_id, one.part.service_type) for part_id, one in parts.items() if not one.part.category]
-    assert of_use == [("power_1", "light"), ("fan", "fan")]
-    fan = parts["fan"]
-    assert told(fan, "on_off", value=True) == ("c/FanSpeed", "2")
-    assert heard(fan, "s/RESULT", {"FanSpeed": 3}) == {"on_off": True, "fan_speed": 100.0}
-    assert heard(fan, "t/STATE", {"FanSpeed": 0}) == {"on_off": False, "fan_speed": 0.0}
-    assert told(fan, "on_off", value=True) == ("c/FanSpeed", "3")
-    assert [told(fan, "fan_speed", percent)[1] for percent in (0.0, 10.0, 33.0, 34.0, 100.0)] == list("01123")
-
-
-def test_a_switch_that_is_followed_is_a_state() -> None:
-    parts = built(swc=[-1, 1], swn=[None, "Door"])
-    switch = parts["switch_2"]
-    assert switch.part.name == "Door"
-    assert heard(switch, "s/RESULT", {"Door": {"Action": "ON"}}) == {"state": True}
-    assert heard(switch, "t/SENSOR", {"Door": "OFF"}) == {"state": False}
-    assert heard(switch, "s/STATUS10", {"StatusSNS": {"Door": "ON"}}) == {"state": True}
-    assert heard(switch, "s/RESULT", {"Door": {"Action": "HOLD"}}) == {}
+def test_an_approval_of_a_shutter_is_none_of_one_the_wrong_way_round() -> None:
+    assert only(rl=[3, 3], sho=[1]).part.payloads != only(rl=[3, 3]).part.payloads
 
 
 def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
@@ -212,16 +220,6 @@ def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
     assert switch.expiries == (AutoExpiry("state", 1.0, value=False, only=True),)
     assert heard(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {"state": True}
     assert heard(switch, "s/RESULT", {"Switch1": {"Action": "ON"}}, retained=True) == {}
-
-
-def test_a_push_switch_reports_state_and_presses() -> None:
-    parts = built(swc=[5])
-    press = parts["switch_1_press"]
-    assert press.part.service_type == "generic_switch"
-    assert press.part.capabilities[0].options == ("single", "hold")
-    assert heard(press, "s/RESULT", {"Switch1": {"Action": "TOGGLE"}}) == {"press": "single"}
-    assert heard(press, "s/RESULT", {"Switch1": {"Action": "HOLD"}}) == {"press": "hold"}
-    assert heard(press, "s/RESULT", {"Switch1": {"Action": "ON"}}) == {}
 
 
 @pytest.mark.parametrize(
@@ -290,14 +288,6 @@ def test_the_temperature_inside_a_device_is_no_temperature_of_its_room(
     assert built({**sensors, "TempUnit": "C"})[part_id].part.category == category
 
 
-def test_a_meter_may_report_fewer_phases_than_announced() -> None:
-    parts = built({"ENERGY": {"Power": [1, 2]}})
-    assert heard(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {"power": 5.0}
-    assert heard(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": 5}}) == {}
-    assert heard(parts["ENERGY_Power_1"], "t/SENSOR", {"ENERGY": {"Power": [5]}}) == {}
-    assert heard(parts["ENERGY_Power_0"], "t/SENSOR", {"ENERGY": {"Power": None}}) == {"power": None}
-
-
 def test_other_leaves_are_left_out() -> None:
     assert built({"Time": "now", "Switch1": "ON", "PN532": {"UID": "1"}, "TempUnit": "C"}) == {}
     assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}) == ()
@@ -316,14 +306,3 @@ def test_the_signal_strength_is_a_diagnostic_part() -> None:
     assert (wifi.part.category, config.name) == ("diagnostic", MAC)
     assert heard(wifi, "t/STATE", {"Wifi": {"Signal": -65}}) == {"signal_strength": -65.0}
     assert heard(wifi, "t/STATE", {"Wifi": 1}) == {}
-
-
-def test_the_relays_of_a_fans_speeds_are_read_only() -> None:
-    """Home Assistant shows them as switches: *all on* there would set the fan between two speeds."""
-    parts = built(rl=[1, 1, 1, 1], fan=1)
-    relay = parts["power_3"]
-    assert (relay.part.service_type, relay.part.category) == ("x_binary_sensor", "diagnostic")
-    assert heard(relay, "t/STATE", {"POWER1": "OFF", "POWER3": "ON"}) == {"state": True}
-    assert not any(one.settable for one in relay.part.capabilities)
-    with pytest.raises(RefusedError):
-        relay.codec.write("on_off", True)
