@@ -19,7 +19,7 @@ from homebot.conventions.entity_rows import (
     options_of,
     whole_of,
 )
-from homebot.conventions.esphome.entity import choice_row, flag_row, number_of, numbers_of, read_named
+from homebot.conventions.esphome.entity import choice_row, flag_row, listed, number_of, numbers_of, read_named
 from homebot.conventions.thermostat_modes import climate_type
 from homebot.conventions.units import celsius_bounds, to_celsius, to_fahrenheit
 from homebot.devices.value import PlainValue
@@ -170,7 +170,6 @@ def _named_row(name: str, field: str, names: tuple[str, ...], standard: str, cus
 
 
 _VISUAL = ("visual_min_temperature", "visual_max_temperature")
-_swings_of = _named(_SWINGS, "supported_swing_modes")
 
 CLIMATE: Final = EntityComponent(
     lambda info: climate_type(_modes_of(info)),
@@ -192,17 +191,15 @@ CLIMATE: Final = EntityComponent(
             lambda _info, value, _code: {"target_humidity": require_number("humidity_setpoint", value, 0, 100, "%")},
             when=has_feature("feature_flags", _HAS_HUMIDITY),
         ),
-        choice_row("thermostat_mode", "mode", _modes_of, when=_modes_of),
+        choice_row("thermostat_mode", "mode", _modes_of),
         EntityRow("on_off", _read_on, _write_on, when=lambda info: "off" in _modes_of(info)),
         EntityRow("on_off", None, _write_on, when=lambda info: _modes_of(info) and "off" not in _modes_of(info)),
         EntityRow("thermostat_action", read_named("action", _ACTIONS), when=has_feature("feature_flags", _HAS_ACTION)),
         _named_row("fan_mode", "fan_mode", _FAN_MODES, "supported_fan_modes", "supported_custom_fan_modes"),
         _named_row("preset_mode", "preset", _PRESETS, "supported_presets", "supported_custom_presets"),
-        choice_row("swing_mode", "swing_mode", _swings_of, when=_swings_of),
+        choice_row("swing_mode", "swing_mode", _named(_SWINGS, "supported_swing_modes")),
     ),
 )
-
-_water_modes_of = _named(_WATER_MODES, "supported_modes")
 
 WATER_HEATER: Final = EntityComponent(
     "water_heater",
@@ -214,7 +211,7 @@ WATER_HEATER: Final = EntityComponent(
             when=has_feature("supported_features", _MEASURES),
             unit="°C",
         ),
-        choice_row("water_heater_mode", "mode", _water_modes_of, when=_water_modes_of),
+        choice_row("water_heater_mode", "mode", _named(_WATER_MODES, "supported_modes")),
         EntityRow(
             "on_off",
             lambda _info, state: bool(whole_of(state, "state") & _WATER_ON),
@@ -245,10 +242,6 @@ def _write_speed(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"state": True, "speed_level": level} if level else {"state": False}
 
 
-def _fan_presets(info: Fields) -> Mapping[str, object]:
-    return {one: one for one in options_of(info, "supported_preset_modes")}
-
-
 FAN: Final = EntityComponent(
     "fan",
     (
@@ -256,6 +249,6 @@ FAN: Final = EntityComponent(
         EntityRow("fan_speed", _read_speed, _write_speed, "supports_speed", _speed_levels),
         flag_row("oscillation", "oscillating", "supports_oscillation"),
         choice_row("direction", "direction", lambda _info: {"forward": 0, "reverse": 1}, "supports_direction"),
-        choice_row("preset_mode", "preset_mode", _fan_presets, when=_fan_presets),
+        choice_row("preset_mode", "preset_mode", listed("supported_preset_modes")),
     ),
 )

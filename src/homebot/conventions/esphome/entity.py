@@ -31,13 +31,13 @@ __all__ = [
     "choice_row",
     "flag_row",
     "key_of",
+    "listed",
     "number_of",
     "numbers_of",
     "percent_row",
     "read_named",
     "read_percent",
     "read_text",
-    "write_option",
     "write_percent",
 ]
 
@@ -143,9 +143,9 @@ def write_percent(name: str, field: str, **more: object) -> WriteField:
     return lambda _info, value, _code: {**more, field: require_number(name, value, 0, 100, "%") / 100}
 
 
-def write_option(name: str, field: str, listed: str, **more: object) -> WriteField:
-    """Return a writer of one of the texts in the field *listed* of the description, with *more* fields."""
-    return lambda info, value, _code: {**more, field: require_option(name, value, options_of(info, listed))}
+def listed(field: str) -> Callable[[Fields], Mapping[str, object]]:
+    """Return the choices that are the texts of a list of the description."""
+    return lambda info: {one: one for one in options_of(info, field)}
 
 
 def flag_row(name: str, field: str, needs: str = "") -> EntityRow:
@@ -159,16 +159,11 @@ def percent_row(name: str, field: str, needs: str = "") -> EntityRow:
 
 
 def choice_row(
-    name: str,
-    field: str,
-    choices: Callable[[Fields], Mapping[str, object]],
-    needs: str = "",
-    when: Callable[[Fields], object] | None = None,
-    **more: object,
+    name: str, field: str, choices: Callable[[Fields], Mapping[str, object]], needs: str = "", **more: object
 ) -> EntityRow:
     """Return the row of a field of state and command, with a value for each of the *choices* of the description.
 
-    A command has *more* fields.
+    An entity without choices has no such row. A command has *more* fields.
     """
 
     def read(info: Fields, state: Fields) -> PlainValue:
@@ -180,4 +175,4 @@ def choice_row(
         known = choices(info)
         return {**more, field: known[require_option(name, value, known)]}
 
-    return EntityRow(name, read, write, needs, when, lambda info: tuple(choices(info)))
+    return EntityRow(name, read, write, needs, choices, lambda info: tuple(choices(info)))

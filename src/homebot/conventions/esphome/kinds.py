@@ -6,6 +6,7 @@ Source: ESPHome 2026.10, ``components/api/api.proto``.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import UTC, date, datetime, time
 from functools import partial
 from typing import Final
@@ -34,12 +35,11 @@ from homebot.conventions.esphome.climate import CLIMATE, FAN, WATER_HEATER
 from homebot.conventions.esphome.entity import (
     choice_row,
     flag_row,
+    listed,
     number_of,
     percent_row,
     read_named,
-    read_percent,
     read_text,
-    write_option,
     write_percent,
 )
 from homebot.conventions.esphome.light import LIGHT
@@ -70,10 +70,6 @@ _PLAYER_VOLUME, _PLAYER_SWITCHES = 4, 128 | 256
 _PLAYER_COMMANDS = {True: {"command": 12}, False: {"command": 13}}
 _PASSWORD = 1
 _MOST_SECONDS = 2**32
-
-
-def _listed(field: str) -> Callable[[Fields], Mapping[str, object]]:
-    return lambda info: {one: one for one in options_of(info, field)}
 
 
 def _read_movement(_info: Fields, state: Fields) -> PlainValue:
@@ -203,13 +199,7 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
         "siren",
         (
             flag_row("on_off", "state"),
-            EntityRow(
-                "siren_tone",
-                None,
-                write_option("siren_tone", "tone", "tones", state=True),
-                when=_listed("tones"),
-                options=lambda info: options_of(info, "tones"),
-            ),
+            replace(choice_row("siren_tone", "tone", listed("tones"), state=True), read=None),
             EntityRow("volume", None, write_percent("volume", "volume", state=True), "supports_volume"),
         ),
     ),
@@ -226,12 +216,7 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
                 lambda _info, value, _code: _PLAYER_COMMANDS[require_bool("on_off", value)],
                 when=has_feature("feature_flags", _PLAYER_SWITCHES),
             ),
-            EntityRow(
-                "volume",
-                read_percent("volume"),
-                write_percent("volume", "volume"),
-                when=has_feature("feature_flags", _PLAYER_VOLUME),
-            ),
+            replace(percent_row("volume", "volume"), when=has_feature("feature_flags", _PLAYER_VOLUME)),
             EntityRow("value", read_named("state", _PLAYER_STATES)),
         ),
     ),
@@ -242,7 +227,7 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
     "sensor": EntityComponent(lambda info: quantity_of_entity(info).service_type, (quantity_row(_read_number),)),
     "text_sensor": EntityComponent("x_sensor", (EntityRow("value", read_text("state")),)),
     "number": number_component(_read_number, _number_bounds, lambda number: {"state": number}),
-    "select": EntityComponent("x_setting", (choice_row("option", "state", _listed("options")),)),
+    "select": EntityComponent("x_setting", (choice_row("option", "state", listed("options")),)),
     "text": text_component(read_text("state"), _write_text, _is_secret),
     "button": EntityComponent(
         "x_setting", (push_row("push", {}), push_row("locate", {}, lambda info: class_of(info) == "identify"))

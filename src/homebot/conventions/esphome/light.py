@@ -153,6 +153,6 @@ LIGHT: Final = EntityComponent(
             bounds=_kelvin_bounds,
         ),
         EntityRow("color", _read_color, _write_color, when=lambda info: _first_mode(_CHANNELS, info)),
-        choice_row("effect", "effect", _effects, when=_effects, state=True),
+        choice_row("effect", "effect", _effects, state=True),
     ),
 )
