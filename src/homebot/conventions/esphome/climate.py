@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Final, NamedTuple
+from typing import Final
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
 from homebot.conventions.entity_rows import (
@@ -63,37 +63,27 @@ def _read_celsius(field: str) -> ReadField:
     return read
 
 
-class _Target(NamedTuple):
-    """A setpoint: its capability, and the fields of the lowest and highest one.
+def _setpoint_row(capability: str, lowest: str, highest: str, field_of: Callable[[Fields], str]) -> EntityRow:
+    """Return the row of a setpoint; *field_of* returns its field in state and command, empty for none."""
 
-    Attributes:
-        field: Returns its field in state and command; empty if an entity has no such setpoint.
-    """
-
-    capability: str
-    low: str
-    high: str
-    field: Callable[[Fields], str]
-
-    def bounds(self, info: Fields) -> tuple[float, float] | tuple[()]:
-        low, high = number_of(info, self.low), number_of(info, self.high)
+    def bounds(info: Fields) -> tuple[float, float] | tuple[()]:
+        low, high = number_of(info, lowest), number_of(info, highest)
         if low is None or high is None or low >= high:
             return ()
         is_fahrenheit = whole_of(info, "temperature_unit") == _FAHRENHEIT
         return celsius_bounds(low, high) if is_fahrenheit else (_celsius(info, low), _celsius(info, high))
 
-    def read(self, info: Fields, state: Fields) -> PlainValue:
-        return _read_celsius(self.field(info))(info, state)
-
-    def write(self, info: Fields, value: PlainValue, _code: str) -> Fields:
-        celsius = require_number(self.capability, value, *(self.bounds(info) or _ANY_CELSIUS), "°C")
-        unit, low, high = whole_of(info, "temperature_unit"), number_of(info, self.low), number_of(info, self.high)
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        celsius = require_number(capability, value, *(bounds(info) or _ANY_CELSIUS), "°C")
+        unit, low, high = whole_of(info, "temperature_unit"), number_of(info, lowest), number_of(info, highest)
         number = {_FAHRENHEIT: to_fahrenheit(celsius), _KELVIN: celsius + _ZERO}.get(unit, celsius)
         number = min(max(number, low), high) if low is not None and high is not None else number
-        return {self.field(info): number}
+        return {field_of(info): number}
 
-    def row(self) -> EntityRow:
-        return EntityRow(self.capability, self.read, self.write, "", self.field, (), self.bounds, "°C")
+    def read(info: Fields, state: Fields) -> PlainValue:
+        return _read_celsius(field_of(info))(info, state)
+
+    return EntityRow(capability, read, write, "", field_of, (), bounds, "°C")
 
 
 def _has_pair(info: Fields) -> bool:
@@ -174,8 +164,8 @@ _VISUAL = ("visual_min_temperature", "visual_max_temperature")
 CLIMATE: Final = EntityComponent(
     lambda info: climate_type(_modes_of(info)),
     (
-        _Target("heating_setpoint", *_VISUAL, _heating_field).row(),
-        _Target("cooling_setpoint", *_VISUAL, _cooling_field).row(),
+        _setpoint_row("heating_setpoint", *_VISUAL, _heating_field),
+        _setpoint_row("cooling_setpoint", *_VISUAL, _cooling_field),
         EntityRow(
             "local_temperature",
             _read_celsius("current_temperature"),
@@ -204,7 +194,7 @@ CLIMATE: Final = EntityComponent(
 WATER_HEATER: Final = EntityComponent(
     "water_heater",
     (
-        _Target("heating_setpoint", "min_temperature", "max_temperature", _water_field).row(),
+        _setpoint_row("heating_setpoint", "min_temperature", "max_temperature", _water_field),
         EntityRow(
             "local_temperature",
             _read_celsius("current_temperature"),
