@@ -6,6 +6,7 @@ Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2.
 from __future__ import annotations
 
 import re
+from typing import NamedTuple
 
 from homebot.conventions.description import (
     AnnouncementEvent,
@@ -31,6 +32,12 @@ MAX_WAITING = 1_000
 """Most devices with ``sensors`` and without ``config``; the oldest is dropped and counted."""
 
 
+class _Known(NamedTuple):
+    config: TasmotaConfig
+    leaves: tuple[Leaf, ...]
+    device: DeviceAnnounced
+
+
 class TasmotaReader:
     """Reader of both messages of each device.
 
@@ -46,10 +53,8 @@ class TasmotaReader:
         self.rejected = 0
         self.forgotten = 0
         self._prefix = prefix
-        self._configs: dict[str, TasmotaConfig] = {}
-        self._leaves: dict[str, tuple[Leaf, ...]] = {}
         self._waiting: BoundedMap[str, tuple[Leaf, ...]] = BoundedMap(MAX_WAITING)
-        self._devices: dict[str, DeviceAnnounced] = {}
+        self._known: dict[str, _Known] = {}
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - announcements are retained
         """Return the description of a device; nothing before its ``config``."""
@@ -60,51 +65,43 @@ class TasmotaReader:
         return self._on_config(mac, payload) if kind == "config" else self._on_sensors(mac, payload)
 
     def _on_config(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
+        known = self._known.get(mac)
         if not payload:
-            if self._configs.pop(mac, None) is None:
-                return ()
-            self._leaves.pop(mac, None)
-            del self._devices[mac]
-            return (DeviceWithdrawn(mac, "its config was removed"),)
+            self._known.pop(mac, None)
+            return () if known is None else (DeviceWithdrawn(mac, "its config was removed"),)
         config = read_config(mac, payload)
-        if config == self._configs.get(mac):
-            return (self._devices[mac],)
-        if mac not in self._configs and len(self._configs) >= MAX_DEVICES:
+        if known is not None:
+            return (known.device,) if config == known.config else self._announce(mac, config, known.leaves)
+        if len(self._known) >= MAX_DEVICES:
             raise WireError(f"{mac} exceeds the limit of {MAX_DEVICES} devices")
-        self._configs[mac] = config
-        if mac in self._waiting:
-            self._leaves[mac] = self._waiting.pop(mac)
-        return (self._described(mac),)
+        return self._announce(mac, config, self._waiting.pop(mac, ()))
 
     def _on_sensors(self, mac: str, payload: bytes) -> tuple[AnnouncementEvent, ...]:
         leaves = read_leaves(parse_object(payload)) if payload else ()
-        if mac in self._configs:
-            if leaves == self._leaves.get(mac, ()):
-                return ()
-            self._leaves[mac] = leaves
-            return (self._described(mac),)
+        known = self._known.get(mac)
+        if known is not None:
+            return () if leaves == known.leaves else self._announce(mac, known.config, leaves)
         if len(self._waiting) == MAX_WAITING and mac not in self._waiting:
             self.forgotten += 1
         self._waiting[mac] = leaves
         return ()
 
-    def _described(self, mac: str) -> DeviceAnnounced:
-        config = self._configs[mac]
+    def _announce(self, mac: str, config: TasmotaConfig, leaves: tuple[Leaf, ...]) -> tuple[AnnouncementEvent, ...]:
         will = LastWillAvailability(f"{config.telemetry_base}LWT", config.online.encode(), config.offline.encode())
-        described = DeviceAnnounced(
+        device = DeviceAnnounced(
             key=mac,
             convention="tasmota",
             native=True,
             whole_device=True,
             identifiers=identifiers([in_pairs(mac)]),
             name=config.name,
-            parts=build_parts(config, self._leaves.get(mac, ())),
+            parts=build_parts(config, leaves),
             topic=f"{self._prefix}/{mac}/config",
             facts=config.facts,
             availability=None if config.is_sleeper else Availability((will,)),
         )
-        self._devices[mac] = described
-        return described
+        self._known[mac] = _Known(config, leaves, device)
+        return (device,)
 
 
 _TOPIC = re.compile("([0-9A-F]{12})/(config|sensors)")
