@@ -10,9 +10,8 @@ Sources: RFC 6762 (Multicast DNS), RFC 6763 (DNS-Based Service Discovery).
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
-from dataclasses import dataclass
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from typing import Literal
 
 import anyio
@@ -54,12 +53,6 @@ _SRV = 33  # RFC 2782
 _ADDRESS_TYPES = frozenset({1, 28})  # A (RFC 1035) and AAAA (RFC 3596)
 
 
-@dataclass(frozen=True, slots=True)
-class _Announced:
-    service: OwnService
-    info: ServiceInfo
-
-
 class MdnsNetwork(ServiceNetwork):
     """The network behind some interfaces, used as ``async with MdnsNetwork.opened(…) as network``."""
 
@@ -75,7 +68,7 @@ class MdnsNetwork(ServiceNetwork):
         self._on_news = on_news
         self._counters = counters
         self._browsers: dict[str, AsyncServiceBrowser] = {}
-        self._own: dict[str, _Announced] = {}
+        self._own: dict[str, tuple[OwnService, ServiceInfo]] = {}
 
     @classmethod
     @asynccontextmanager
@@ -91,16 +84,12 @@ class MdnsNetwork(ServiceNetwork):
         Raises:
             LinkError: It cannot be opened.
         """
-        try:
+        with _used_on(interfaces):
             zeroconf = AsyncZeroconf(zc=Zeroconf(interfaces=list(interfaces), ip_version=_version(interfaces)))
-        except (OSError, RuntimeError, Error) as exc:
-            raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
         network = cls(zeroconf, interfaces, on_news, counters)
         try:
-            try:
+            with _used_on(interfaces):
                 await zeroconf.zeroconf.async_wait_for_start()
-            except Error as exc:
-                raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
             yield network
         finally:
             with anyio.CancelScope(shield=True), anyio.move_on_after(_CLOSING):
@@ -109,12 +98,10 @@ class MdnsNetwork(ServiceNetwork):
     async def change_interfaces(self, interfaces: Interfaces) -> None:
         """Use other interfaces from now on, also for announced services."""
         self._interfaces = interfaces
-        try:
+        with _used_on(interfaces):
             await self._zeroconf.async_update_interfaces(list(interfaces), _version(interfaces))
-            for announced in tuple(self._own.values()):
-                await self._update(announced.service, announced.info.name)
-        except (OSError, RuntimeError, Error) as exc:
-            raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
+            for service, info in tuple(self._own.values()):
+                await self._update(service, info.name)
 
     def browse(self, service_type: str) -> None:
         """Look for services of a type from now on; for :data:`ENUMERATION`, for all types there are."""
@@ -179,16 +166,17 @@ class MdnsNetwork(ServiceNetwork):
         If another computer has a service of that name, a number is added to it (RFC 6762, section 9). A service that
         keeps its name is not withdrawn first: its peers keep it.
         """
-        full, known = full_type(service.service_type), self._own.get(service.service_type)
-        if known is not None and known.service.host == service.host and _label(known.info) == service.name:
-            await self._update(service, known.info.name)
-            return service.name
+        if service.service_type in self._own:
+            known, info = self._own[service.service_type]
+            if known.host == service.host and _label(info) == service.name:
+                await self._update(service, info.name)
+                return service.name
         await self.withdraw(service.service_type)
-        info = self._info(service, f"{service.name}.{base_type(full)}")
+        info = self._info(service, f"{service.name}.{base_type(full_type(service.service_type))}")
         try:
             sent = await self._zeroconf.async_register_service(info, allow_name_change=True)
             # Not before: until then the name may belong to another host.
-            self._own[service.service_type] = _Announced(service, info)
+            self._own[service.service_type] = service, info
             await sent
         except Error as exc:
             self._own.pop(service.service_type, None)
@@ -197,15 +185,15 @@ class MdnsNetwork(ServiceNetwork):
 
     async def withdraw(self, service_type: str) -> None:
         """Withdraw a service of homebot with a goodbye; does nothing if there is none of that type."""
-        announced = self._own.pop(service_type, None)
-        if announced is not None:
-            await (await self._zeroconf.async_unregister_service(announced.info))
+        if service_type in self._own:
+            _, info = self._own.pop(service_type)
+            await (await self._zeroconf.async_unregister_service(info))
 
     async def _update(self, service: OwnService, name: str) -> None:
         """Announce other records of a service under the name that it has; does nothing if they are the same."""
         info = self._info(service, name)
-        before = self._own[service.service_type].info
-        self._own[service.service_type] = _Announced(service, info)
+        _, before = self._own[service.service_type]
+        self._own[service.service_type] = service, info
         if (info.port, info.text, info.addresses) != (before.port, before.text, before.addresses):
             await (await self._zeroconf.async_update_service(info))
 
@@ -221,7 +209,7 @@ class MdnsNetwork(ServiceNetwork):
         )
 
     def _on_change(self, *, service_type: str, name: str, state_change: ServiceStateChange, **_: object) -> None:
-        if any(one.info.name.lower() == name.lower() for one in self._own.values()):
+        if any(info.name.lower() == name.lower() for _, info in self._own.values()):
             return
         kind: Literal["seen", "gone"] = "gone" if state_change is ServiceStateChange.Removed else "seen"
         self._on_news(ServiceNews(kind, service_type, name))
@@ -274,6 +262,14 @@ class MdnsNetwork(ServiceNetwork):
             await browser.async_cancel()
         self._browsers.clear()
         await self._zeroconf.async_close()
+
+
+@contextmanager
+def _used_on(interfaces: Interfaces) -> Iterator[None]:
+    try:
+        yield
+    except (OSError, RuntimeError, Error) as exc:
+        raise LinkError(f"mDNS cannot be used on {', '.join(map(str, interfaces))}: {exc}") from exc
 
 
 def _label(info: ServiceInfo) -> str:
