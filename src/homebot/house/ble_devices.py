@@ -53,6 +53,7 @@ class _RadioDevice(ServedDevice):
         self.radio = radio
         self.address = address_of(device.device_id)
         self._changed = anyio.Event()
+        self._name = _NAME, device.device_id.encode()[:_NAME_BYTES].decode(errors="ignore").encode()
 
     def show(self) -> None:
         self._changed.set()
@@ -99,13 +100,12 @@ class _BTHomeDevice(_RadioDevice):
     async def _advertise(self, peripheral: VirtualPeripheral, objects: bytes) -> None:
         self._count += 1
         body = bytes([0x00, self._count % 256]) + objects
-        flags = 0x40 | (0x04 if self.is_trigger_based else 0x00)
+        flags = 0x44 if self.is_trigger_based else 0x40
         data = bytes([flags]) + body
         if self.bind_key:
             address = bytes.fromhex(self.address.replace(":", ""))
             data = seal(self.bind_key, address, flags | 1, self._count, body)
-        name = self.device.device_id.encode()[:_NAME_BYTES].decode(errors="ignore").encode()
-        await peripheral.advertise([_FLAGS, (_SERVICE_DATA, _BTHOME + data), (_NAME, name)], EVERY, connectable=False)
+        await peripheral.advertise([_FLAGS, (_SERVICE_DATA, _BTHOME + data), self._name], EVERY, connectable=False)
 
 
 class BroadcastingSensor(_BTHomeDevice):
@@ -131,12 +131,7 @@ class BroadcastingButton(_BTHomeDevice):
     """A button that broadcasts BTHome v2 when it is pressed, and nothing before that."""
 
     is_trigger_based = True
-
-    def __init__(
-        self, device: SimulatedDeviceInfo, on_command: Callable[[str], None], radio: VirtualRadio, bind_key: bytes = b""
-    ) -> None:
-        super().__init__(device, on_command, radio, bind_key)
-        self._press = 0
+    _press = 0
 
     def press(self, how: str) -> None:
         """Send that it was pressed.
@@ -179,9 +174,8 @@ class BluetoothLight(_RadioDevice):
 
     async def send(self, peripheral: VirtualPeripheral) -> None:
         """Notify the connected client and advertise to all others."""
-        name = self.device.device_id.encode()[:_NAME_BYTES].decode(errors="ignore").encode()
         services = bytes.fromhex(LIGHT_SERVICE.replace("-", ""))[::-1]
-        await peripheral.advertise([_FLAGS, (_SERVICES_128, services), (_NAME, name)], EVERY, connectable=True)
+        await peripheral.advertise([_FLAGS, (_SERVICES_128, services), self._name], EVERY, connectable=True)
         await peripheral.notify(LIGHT_STATE, self._value())
 
     def _value(self) -> bytes:
