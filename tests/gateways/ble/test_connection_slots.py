@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import anyio
 import pytest
 from anyio.abc import TaskGroup
@@ -16,9 +14,9 @@ pytestmark = pytest.mark.virtual_time
 class Queue:
     """Devices that ask for slots, and those that got one, in order."""
 
-    def __init__(self, slots: ConnectionSlots, tasks: TaskGroup) -> None:
-        self.slots = slots
+    def __init__(self, count: int, tasks: TaskGroup) -> None:
         self.in_range: set[str] = set()
+        self.slots = ConnectionSlots(count, lambda key: key in self.in_range)
         self.got: list[str] = []
         self._tasks = tasks
 
@@ -29,16 +27,13 @@ class Queue:
         await anyio.wait_all_tasks_blocked()
 
     async def _take(self, key: str) -> None:
-        await self.slots.acquire(key, partial(self._is_near, key))
+        await self.slots.acquire(key)
         self.got.append(key)
-
-    def _is_near(self, key: str) -> bool:
-        return key in self.in_range
 
 
 async def test_slots_are_given_in_the_order_of_asking_one_opening_at_a_time() -> None:
     async with anyio.create_task_group() as tasks:
-        queue = Queue(ConnectionSlots(2), tasks)
+        queue = Queue(2, tasks)
         await queue.ask("a", "b", "c")
         assert queue.got == ["a"]
         for key, expected in (("a", ["a", "b"]), ("b", ["a", "b"])):
@@ -55,7 +50,7 @@ async def test_slots_are_given_in_the_order_of_asking_one_opening_at_a_time() ->
 
 async def test_a_device_with_a_command_comes_first_also_out_of_range() -> None:
     async with anyio.create_task_group() as tasks:
-        queue = Queue(ConnectionSlots(1), tasks)
+        queue = Queue(1, tasks)
         await queue.ask("a", "b")
         await queue.ask("far", far=True)
         queue.slots.prefer("far")
@@ -70,7 +65,7 @@ async def test_a_device_with_a_command_comes_first_also_out_of_range() -> None:
 
 async def test_a_device_out_of_range_delays_no_other_and_gets_its_slot_when_it_is_heard() -> None:
     async with anyio.create_task_group() as tasks:
-        queue = Queue(ConnectionSlots(2), tasks)
+        queue = Queue(2, tasks)
         await queue.ask("far", far=True)
         await queue.ask("near")
         queue.slots.opened("near")
@@ -84,11 +79,12 @@ async def test_a_device_out_of_range_delays_no_other_and_gets_its_slot_when_it_i
 @pytest.mark.parametrize("was_granted", [True, False])
 async def test_a_device_that_gives_up_leaves_its_place(was_granted: bool) -> None:  # noqa: FBT001 - a parameter
     async with anyio.create_task_group() as tasks:
-        queue = Queue(ConnectionSlots(1), tasks)
+        queue = Queue(1, tasks)
         await queue.ask("a")
+        queue.in_range.add("b")
         with anyio.CancelScope() as scope:
             tasks.start_soon(_give_up, queue, scope, was_granted)
-            await queue.slots.acquire("b", lambda: True)
+            await queue.slots.acquire("b")
             queue.slots.release("b")  # it got the slot before it could give up
         if not was_granted:
             queue.slots.release("a")

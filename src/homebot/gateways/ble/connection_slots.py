@@ -3,31 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 import anyio
 
 __all__ = ["ConnectionSlots"]
 
 
-@dataclass(frozen=True, slots=True)
-class _Waiter:
-    is_in_range: Callable[[], bool]
-    granted: anyio.Event = field(default_factory=anyio.Event)
-
-
 class ConnectionSlots:
     """Hands out a fixed number of connections: to devices with a command first, then in the order of asking.
 
     One is opened at a time, since adapters refuse a second attempt while the first is under way.
+
+    Args:
+        is_in_range: Returns whether a device was heard lately; call :meth:`notify` when that becomes true.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, is_in_range: Callable[[str], bool]) -> None:
         self._count = count
+        self._is_in_range = is_in_range
         self._taken: set[str] = set()
         self._opening = ""
         self._urgent: set[str] = set()
-        self._waiting: dict[str, _Waiter] = {}
+        self._waiting: dict[str, anyio.Event] = {}
         self._changed = anyio.Event()
 
     def is_full_for(self, key: str) -> bool:
@@ -39,19 +36,16 @@ class ConnectionSlots:
         """True if a device that is in range waits for a slot."""
         return self._next() is not None
 
-    async def acquire(self, key: str, is_in_range: Callable[[], bool]) -> None:
+    async def acquire(self, key: str) -> None:
         """Wait for a slot, and until no other device is being connected; then call :meth:`opened` or :meth:`release`.
 
         A device that is out of range waits without holding up others: an attempt to connect to it would only time out.
         One with a command is tried nevertheless.
-
-        Args:
-            is_in_range: Returns whether it was heard lately; call :meth:`notify` when that becomes true.
         """
-        waiter = self._waiting[key] = _Waiter(is_in_range)
+        granted = self._waiting[key] = anyio.Event()
         self._grant()
         try:
-            await waiter.granted.wait()
+            await granted.wait()
         except anyio.get_cancelled_exc_class():
             if self._waiting.pop(key, None) is None:
                 self.release(key)
@@ -95,8 +89,8 @@ class ConnectionSlots:
         if key is not None:
             self._taken.add(key)
             self._opening = key
-            self._waiting.pop(key).granted.set()
+            self._waiting.pop(key).set()
 
     def _next(self) -> str | None:
         urgent = next((key for key in self._waiting if key in self._urgent), None) if self._urgent else None
-        return urgent or next((key for key, waiter in self._waiting.items() if waiter.is_in_range()), None)
+        return urgent or next(filter(self._is_in_range, self._waiting), None)

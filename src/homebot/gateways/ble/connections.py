@@ -103,7 +103,7 @@ class Connections:
         self._on_described = on_described
         self._on_unavailable = on_unavailable
         self._kept: dict[str, _ManagedDevice] = {}
-        self._slots = ConnectionSlots(most)
+        self._slots = ConnectionSlots(most, self._is_in_range)
 
     @property
     def connected(self) -> tuple[KnownDevice, ...]:
@@ -183,7 +183,7 @@ class Connections:
         retries = BackoffCounter(self._clock, self._random, LASTED)
         with kept.scope:
             while True:
-                await self._slots.acquire(key, partial(self._is_in_range, kept.device))
+                await self._slots.acquire(key)
                 kept.wake = anyio.Event()
                 kept.preempted = False
                 retries.begin()
@@ -203,8 +203,9 @@ class Connections:
                 with anyio.move_on_after(retries.fail(_BACKOFF)):
                     await kept.wake.wait()
 
-    def _is_in_range(self, device: KnownDevice) -> bool:
-        return self._clock.monotonic() - device.presence.last_heard <= IN_RANGE
+    def _is_in_range(self, key: str) -> bool:
+        kept = self._kept.get(key)
+        return kept is not None and self._clock.monotonic() - kept.device.presence.last_heard <= IN_RANGE
 
     async def _connected(self, kept: _ManagedDevice) -> None:
         """Connect, and return when the connection is lost or given to another device."""
