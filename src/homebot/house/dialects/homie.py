@@ -10,37 +10,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from types import MappingProxyType
+from typing import TypeAlias
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_text, device_orders, hardware_address, mired_kelvin, scaled
 from homebot.house.simulated_device import number_text
 from homebot.support.numbers import to_number
 
-__all__ = ["NODES", "HomieDialect", "SimulatedHomieNode"]
+__all__ = ["HomieDialect"]
 
 PROFILE = "hc-smarthome/v2/cap"
 
 
-@dataclass(frozen=True, slots=True)
-class SimulatedHomieNode:
-    """A node.
-
-    Attributes:
-        values: Returns the values that a device in some state publishes.
-    """
-
-    type: str
-    properties: Mapping[str, Mapping[str, object]]
-    values: Callable[[DeviceState], Mapping[str, str]]
-
-    def description(self) -> dict[str, object]:
-        """Return it as the device's description has it."""
-        return {"type": f"{PROFILE}/{self.type}", "properties": dict(self.properties)}
-
-
 _FLAG = {"datatype": "boolean", "settable": True}
+_WATCHED = {"datatype": "boolean"}
 _PERCENT = {"datatype": "integer", "format": "0:100", "unit": "%", "settable": True}
 _DIRECTION = {"datatype": "enum", "format": "up,down,stop", "settable": True, "retained": False}
 _ACTIONS = {"up": "open", "down": "close", "stop": "stop", "lock": "lock", "unlock": "unlock"}
@@ -48,53 +31,51 @@ _TARGET = {"datatype": "float", "format": "5:30:0.5", "unit": "°C", "settable":
 _WARMTH = {"datatype": "integer", "format": "112:666", "unit": "MK⁻¹", "settable": True}
 
 
+_Row: TypeAlias = tuple[str, str, Mapping[str, object], Callable[[DeviceState], str] | None]
+"""Node, property, its form, and its value in a state of the device; None for a property of commands alone."""
+
+
+def _measured(unit: str) -> dict[str, object]:
+    return {"datatype": "float", "unit": unit}
+
+
 def _boolean(value: bool) -> str:  # noqa: FBT001 - it is the value that is spelled
     return "true" if value else "false"
 
 
-def _node(
-    name: str,
-    prop: str,
-    form: Mapping[str, object],
-    value: Callable[[DeviceState], str],
-    **others: Mapping[str, object],
-) -> dict[str, SimulatedHomieNode]:
-    """Return a node with one value, and with *others*, properties that have none; its type is its name."""
-    return {name: SimulatedHomieNode(name, {prop: form, **others}, lambda state: {prop: value(state)})}
-
-
-_MOTOR = _node("shutter", "position", _PERCENT, lambda motor: number_text(motor.position * 100, 0), action=_DIRECTION)
-
-NODES: Mapping[str, Mapping[str, SimulatedHomieNode]] = MappingProxyType(
-    {
-        "lamp": {
-            **_node("switch", "state", _FLAG, lambda lamp: _boolean(lamp.is_on)),
-            **_node("level", "value", _PERCENT, lambda lamp: number_text(lamp.brightness * 100, 0)),
-            **_node("color", "color-temperature", _WARMTH, lambda lamp: number_text(1e6 / lamp.kelvin, 0)),
-        },
-        "window": _MOTOR,
-        "cover": _MOTOR,
-        "lock": _node("lock", "state", _FLAG, lambda lock: _boolean(lock.text == "locked")),
-        "contact": _node("contact", "state", {"datatype": "boolean"}, lambda door: _boolean(door.text == "open")),
-        "motion": _node("motion", "motion", {"datatype": "boolean"}, lambda room: _boolean(room.text == "motion")),
-        "lux": _node(
-            "illuminance", "illuminance", {"datatype": "float", "unit": "lx"}, lambda lux: number_text(lux.value)
-        ),
-        "power_meter": _node(
-            "powermeter", "power", {"datatype": "float", "unit": "W"}, lambda meter: number_text(meter.value)
-        ),
-        "thermostat": {
-            **_node("thermostat", "set-temperature", _TARGET, lambda room: number_text(room.target)),
-            **_node(
-                "climate",
-                "temperature",
-                {"datatype": "float", "unit": "°C"},
-                lambda room: number_text(room.celsius, 1),
-            ),
-        },
-    }
+_MOTOR: tuple[_Row, ...] = (
+    ("shutter", "position", _PERCENT, lambda motor: number_text(motor.position * 100, 0)),
+    ("shutter", "action", _DIRECTION, None),
 )
-"""By kind and by the node's id."""
+
+ROWS: Mapping[str, tuple[_Row, ...]] = {
+    "lamp": (
+        ("switch", "state", _FLAG, lambda lamp: _boolean(lamp.is_on)),
+        ("level", "value", _PERCENT, lambda lamp: number_text(lamp.brightness * 100, 0)),
+        ("color", "color-temperature", _WARMTH, lambda lamp: number_text(1e6 / lamp.kelvin, 0)),
+    ),
+    "window": _MOTOR,
+    "cover": _MOTOR,
+    "lock": (("lock", "state", _FLAG, lambda lock: _boolean(lock.text == "locked")),),
+    "contact": (("contact", "state", _WATCHED, lambda door: _boolean(door.text == "open")),),
+    "motion": (("motion", "motion", _WATCHED, lambda room: _boolean(room.text == "motion")),),
+    "lux": (("illuminance", "illuminance", _measured("lx"), lambda lux: number_text(lux.value)),),
+    "power_meter": (("powermeter", "power", _measured("W"), lambda meter: number_text(meter.value)),),
+    "thermostat": (
+        ("thermostat", "set-temperature", _TARGET, lambda room: number_text(room.target)),
+        ("climate", "temperature", _measured("°C"), lambda room: number_text(room.celsius, 1)),
+    ),
+}
+"""By kind."""
+
+
+def _nodes(kind: str) -> dict[str, dict[str, object]]:
+    """Return the nodes of a device as its description has them; the type of each is its name."""
+    found: dict[str, dict[str, object]] = {}
+    for node, _, _, _ in ROWS[kind]:
+        properties = {prop: form for owner, prop, form, _ in ROWS[kind] if owner == node}
+        found[node] = {"type": f"{PROFILE}/{node}", "properties": properties}
+    return found
 
 
 class HomieDialect(Dialect):
@@ -106,7 +87,7 @@ class HomieDialect(Dialect):
     @property
     def kinds(self) -> frozenset[str]:
         """All but robots."""
-        return frozenset(NODES)
+        return frozenset(ROWS)
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where its properties can be set."""
@@ -115,8 +96,7 @@ class HomieDialect(Dialect):
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its announcement, from init to ready; all retained."""
         base = self._base(device)
-        nodes = {name: node.description() for name, node in NODES[device.kind].items()}
-        description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": nodes}
+        description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": _nodes(device.kind)}
         return (
             OutgoingMessage(f"{base}/$state", b"init", retain=True),
             OutgoingMessage(f"{base}/$description", as_json(description), retain=True),
@@ -131,9 +111,9 @@ class HomieDialect(Dialect):
         """Return its properties, kept, each on its own topic."""
         base = self._base(device)
         return tuple(
-            OutgoingMessage(f"{base}/{name}/{key}", value.encode(), retain=True)
-            for name, node in NODES[device.kind].items()
-            for key, value in node.values(state).items()
+            OutgoingMessage(f"{base}/{node}/{prop}", value(state).encode(), retain=True)
+            for node, prop, _, value in ROWS[device.kind]
+            if value is not None
         )
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
