@@ -7,10 +7,10 @@ Source: tasmota.github.io/docs, Commands > FanSpeed, and Blinds and Shutters; ha
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 
-from homebot.conventions.command_values import bool_writer, require_bool, require_number, require_option
+from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.part_builder import JsonPart, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
@@ -32,45 +32,35 @@ from homebot.support.numbers import finite_number
 __all__ = ["build_parts", "count_shutters"]
 
 
-def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
-    fan = _Fan(config)
-    for topic in config.states(_COMMAND):
-        part.read_from(topic, fan.read)
-    part.add_capability("on_off", writer=fan.switch)
-    part.add_capability("fan_speed", writer=fan.set_speed)
-    part.add_command_topics(config.topic(_COMMAND))
-    part.add_state_request(*config.state_requests)
-
-
 _COMMAND = "FanSpeed"
+_MIDDLE = 2
 _PERCENTS = (0.0, 33.0, 66.0, 100.0)
 """The largest percentage of each speed."""
 
-_MIDDLE = 2
+_PERCENT = (0.0, 100.0)
 
 
-class _Fan:
-    """Reader and writers of a fan. Switched on, it gets its last reported speed, for which it has no command."""
+def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
+    """Add the capabilities of a fan. Switched on, it gets its last reported speed, for which it has no command."""
+    last = _MIDDLE
 
-    __slots__ = ("_config", "_speed")
-
-    def __init__(self, config: TasmotaConfig) -> None:
-        self._config = config
-        self._speed = _MIDDLE
-
-    def read(self, message: JsonMessage) -> Readings:
+    def read(message: JsonMessage) -> Readings:
+        nonlocal last
         speed = message.get(_COMMAND)
         if type(speed) is not int or not 0 <= speed < len(_PERCENTS):
             return NO_READINGS
-        self._speed = speed or self._speed
+        last = speed or last
         return {"on_off": speed > 0, "fan_speed": _PERCENTS[speed]}
 
-    def switch(self, value: PlainValue, _transition: float) -> Publications:
-        return self._config.publish(_COMMAND, self._speed if require_bool("on_off", value) else 0)
+    def set_speed(percent: float) -> Publications:
+        return config.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
 
-    def set_speed(self, value: PlainValue, _transition: float) -> Publications:
-        percent = require_number("fan_speed", value, 0, 100, "%")
-        return self._config.publish(_COMMAND, next(speed for speed, most in enumerate(_PERCENTS) if percent <= most))
+    for topic in config.states(_COMMAND):
+        part.read_from(topic, read)
+    part.add_capability("on_off", writer=bool_writer("on_off", lambda on: config.publish(_COMMAND, last if on else 0)))
+    part.add_capability("fan_speed", writer=number_writer("fan_speed", _PERCENT, "%", set_speed))
+    part.add_command_topics(config.topic(_COMMAND))
+    part.add_state_request(*config.state_requests)
 
 
 def count_shutters(outputs: tuple[int, ...]) -> int:
@@ -91,72 +81,59 @@ def _add_shutter(part: JsonPart, config: TasmotaConfig, index: int) -> tuple[obj
     """Add the capabilities of the shutter *index*; return the options from which the payloads of commands follow."""
     options = config.shutter_options[index] if index < len(config.shutter_options) else 0
     tilt = config.tilts[index] if index < len(config.tilts) else None
-    shutter = _Shutter(config, index + 1, bool(options & _INVERTED), tilt)
+    is_inverted, number = bool(options & _INVERTED), index + 1
+
+    def move(movement: str) -> Publications:
+        return config.publish(f"Shutter{_COMMANDS[movement]}{number}")
+
+    def set_position(percent: float) -> Publications:
+        return config.publish(f"ShutterPosition{number}", 100 - round(percent) if is_inverted else round(percent))
+
     for topic in (*config.results("Shutter"), *config.sensors):
-        part.read_from(topic, shutter.read)
-    part.add_capability("movement", writer=shutter.move)
-    part.add_capability("position", writer=shutter.set_position)
+        part.read_from(topic, partial(_read_shutter, f"Shutter{number}", is_inverted, tilt))
+    part.add_capability("movement", writer=option_writer("movement", _COMMANDS, move))
+    part.add_capability("position", writer=number_writer("position", _PERCENT, "%", set_position))
+    part.add_command_topics(*(config.topic(f"Shutter{name}{number}") for name in (*_COMMANDS.values(), "Position")))
     if tilt is not None:
-        part.add_capability("tilt", writer=shutter.set_tilt)
-    part.add_command_topics(*(config.topic(f"Shutter{name}{index + 1}") for name in (*_COMMANDS.values(), "Position")))
-    if tilt is not None:
-        part.add_command_topics(config.topic(f"ShutterTilt{index + 1}"))
+        command, way = f"ShutterTilt{number}", tilt.most - tilt.least
+        writer = number_writer(
+            "tilt", _PERCENT, "%", lambda percent: config.publish(command, round(tilt.least + percent * way / 100))
+        )
+        part.add_capability("tilt", writer=writer)
+        part.add_command_topics(config.topic(command))
     part.add_state_request(*config.sensor_requests)
-    return shutter.is_inverted, shutter.tilt
+    return is_inverted, tilt
 
 
 _INVERTED = 1
 _COMMANDS = {"open": "Open", "closed": "Close", "stopped": "Stop"}
 
 
-@dataclass(frozen=True, slots=True)
-class _Shutter:
-    """Reader and writers of one shutter; they are numbered from 1."""
+def _read_shutter(name: str, is_inverted: bool, tilt: Tilt | None, message: JsonMessage) -> Readings:  # noqa: FBT001 - bound
+    fields = sensor_values(message).get(name)
+    if not isinstance(fields, dict):
+        return NO_READINGS
+    found: dict[str, PlainValue] = {}
+    position = finite_number(fields.get("Position"))
+    if position is not None and 0 <= position <= 100:
+        position = 100 - position if is_inverted else position
+        found["position"] = position
+    direction = fields.get("Direction")
+    if isinstance(direction, int) and direction in (-1, 0, 1):
+        found["movement"] = _movement(-direction if is_inverted else direction, position)
+    angle = finite_number(fields.get("Tilt"))
+    if tilt is not None and angle is not None:
+        percent = (angle - tilt.least) * 100 / (tilt.most - tilt.least)
+        found["tilt"] = min(100.0, max(0.0, percent))
+    return found
 
-    config: TasmotaConfig
-    number: int
-    is_inverted: bool
-    tilt: Tilt | None
 
-    def read(self, message: JsonMessage) -> Readings:
-        fields = sensor_values(message).get(f"Shutter{self.number}")
-        if not isinstance(fields, dict):
-            return NO_READINGS
-        found: dict[str, PlainValue] = {}
-        position = finite_number(fields.get("Position"))
-        if position is not None and 0 <= position <= 100:
-            position = 100 - position if self.is_inverted else position
-            found["position"] = position
-        direction = fields.get("Direction")
-        if isinstance(direction, int) and direction in (-1, 0, 1):
-            found["movement"] = self._movement(-direction if self.is_inverted else direction, position)
-        angle = finite_number(fields.get("Tilt"))
-        if self.tilt is not None and angle is not None:
-            percent = (angle - self.tilt.least) * 100 / (self.tilt.most - self.tilt.least)
-            found["tilt"] = min(100.0, max(0.0, percent))
-        return found
-
-    def move(self, value: PlainValue, _transition: float) -> Publications:
-        return self.config.publish(f"Shutter{_COMMANDS[require_option('movement', value, _COMMANDS)]}{self.number}")
-
-    def set_position(self, value: PlainValue, _transition: float) -> Publications:
-        percent = round(require_number("position", value, 0, 100, "%"))
-        return self.config.publish(f"ShutterPosition{self.number}", 100 - percent if self.is_inverted else percent)
-
-    def set_tilt(self, value: PlainValue, _transition: float) -> Publications:
-        percent = require_number("tilt", value, 0, 100, "%")
-        tilt = self.tilt or Tilt(0, 100)
-        return self.config.publish(
-            f"ShutterTilt{self.number}", round(tilt.least + percent * (tilt.most - tilt.least) / 100)
-        )
-
-    @staticmethod
-    def _movement(direction: int, position: float | None) -> str:
-        if direction:
-            return "opening" if direction > 0 else "closing"
-        if position is None:
-            return "stopped"
-        return "open" if position else "closed"
+def _movement(direction: int, position: float | None) -> str:
+    if direction:
+        return "opening" if direction > 0 else "closing"
+    if position is None:
+        return "stopped"
+    return "open" if position else "closed"
 
 
 def build_parts(config: TasmotaConfig, leaves: Iterable[Leaf]) -> tuple[DescribedPart, ...]:
