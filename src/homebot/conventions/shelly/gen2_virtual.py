@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from homebot.conventions.command_values import number_writer, option_writer, push_writer
 from homebot.conventions.description import Publications
@@ -172,67 +171,58 @@ _USUAL = (5.0, 35.0)
 
 def build_service_thermostat(roles: Mapping[str, ShellyComponent]) -> JsonPart:
     """Describe the thermostat of the components with these *roles*, among them :data:`TARGET`."""
-    target = roles[TARGET]
+    target, working = roles[TARGET], roles.get("working_mode")
     part = target.part("", "thermostat")
-    mode = _ServiceMode(roles.get("enable"), roles.get("working_mode"))
     bounds = _bounds_of(target.config) or _USUAL
-    for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in mode.options else ())):
+    listed = ("heat",) if working is None else _options_of(working.config)
+    functions = tuple(_WORKING_MODES[one] for one in listed if one in _WORKING_MODES)
+    for setpoint in ("heating_setpoint", *(("cooling_setpoint",) if "cool" in functions else ())):
         target.add_value(part, setpoint, method="Number.Set", bounds=bounds)
     if (room := roles.get("current_temperature")) is not None:
         room.add_value(part, "local_temperature")
-    mode.add_to(part)
+    _add_mode(part, roles.get("enable"), working, functions)
     if (fan := roles.get("fan_speed")) is not None:
         fan.add_value(part, "fan_mode", method="Enum.Set", options=_options_of(fan.config))
     return part
 
 
-@dataclass(slots=True)
-class _ServiceMode:
-    """The mode: ``off`` by one component, and by another one the function while it is on."""
+def _add_mode(
+    part: JsonPart, enable: ShellyComponent | None, working: ShellyComponent | None, functions: tuple[str, ...]
+) -> None:
+    """Add the mode: ``off`` by one component, and by another one the function while it is on."""
+    is_on, function = True, "heat" if working is None else None
 
-    enable: ShellyComponent | None
-    working: ShellyComponent | None
-    _is_on: bool = True
-    _function: str | None = None
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        listed = ("heat",) if self.working is None else _options_of(self.working.config)
-        return tuple(_WORKING_MODES[one] for one in listed if one in _WORKING_MODES)
-
-    def add_to(self, part: JsonPart) -> None:
-        if self.enable is not None:
-            self.enable.read_status(part, self._read_enable)
-        if self.working is not None:
-            self.working.read_status(part, self._read_function)
-        else:
-            self._function = "heat"
-        if self.enable is None and self.working is None:
-            return
-        options = (*(("off",) if self.enable is not None else ()), *self.options)
-        part.remembers()
-        part.add_capability(
-            "thermostat_mode", writer=option_writer("thermostat_mode", options, self._publish), options=options
-        )
-
-    def _read_enable(self, status: Fields) -> Readings:
+    def read_enable(status: Fields) -> Readings:
+        nonlocal is_on
         value = status.get("value")
         if not isinstance(value, bool):
             return NO_READINGS
-        self._is_on = value
-        return self._mode()
+        is_on = value
+        return mode()
 
-    def _read_function(self, status: Fields) -> Readings:
+    def read_function(status: Fields) -> Readings:
+        nonlocal function
         value = status.get("value")
-        self._function = _WORKING_MODES.get(value) if isinstance(value, str) else None
-        return self._mode()
+        function = _WORKING_MODES.get(value) if isinstance(value, str) else None
+        return mode()
 
-    def _mode(self) -> Readings:
-        return {"thermostat_mode": self._function if self._is_on else "off"}
+    def mode() -> Readings:
+        return {"thermostat_mode": function if is_on else "off"}
 
-    def _publish(self, mode: str) -> Publications:
-        calls = self.enable.call("Boolean.Set", value=mode != "off") if self.enable is not None else ()
-        if self.working is None or mode == "off":
+    def publish(mode: str) -> Publications:
+        calls = enable.call("Boolean.Set", value=mode != "off") if enable is not None else ()
+        if working is None or mode == "off":
             return calls
-        function = next(name for name, known in _WORKING_MODES.items() if known == mode)
-        return (*calls, *self.working.call("Enum.Set", value=function))
+        chosen = next(name for name, known in _WORKING_MODES.items() if known == mode)
+        return (*calls, *working.call("Enum.Set", value=chosen))
+
+    if enable is not None:
+        enable.read_status(part, read_enable)
+    if working is not None:
+        working.read_status(part, read_function)
+    if enable is not None or working is not None:
+        options = (*(("off",) if enable is not None else ()), *functions)
+        part.remembers()
+        part.add_capability(
+            "thermostat_mode", writer=option_writer("thermostat_mode", options, publish), options=options
+        )
