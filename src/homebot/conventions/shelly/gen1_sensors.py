@@ -143,15 +143,26 @@ def build_motion(base: str, *, has_thermometer: bool) -> tuple[JsonPart, ...]:
 def build_valve(base: str) -> tuple[JsonPart, ...]:
     """Describe a radiator valve. Its commands are in the unit of its reports."""
     topic = f"{base}/thermostat/0/command/target_t"
-    reader = _ValveReader()
+    is_fahrenheit = False
+
+    def read(status: Fields) -> Readings:
+        nonlocal is_fahrenheit
+        listed = status.get("thermostats")
+        valve = as_fields(listed[0]) if isinstance(listed, list) and listed else status
+        target = as_fields(valve.get("target_t"))
+        setpoint = _read_degrees("heating_setpoint", target)
+        if setpoint:
+            is_fahrenheit = target.get("units") == "F"
+        position = {"position": percent_of(valve["pos"])} if to_number(valve.get("pos")) is not None else {}
+        return {**setpoint, **_read_temperature("local_temperature", valve), **position}
 
     def set_target(celsius: float) -> Publications:
-        degrees = to_fahrenheit(celsius) if reader.is_fahrenheit else celsius
+        degrees = to_fahrenheit(celsius) if is_fahrenheit else celsius
         return (Publication(topic, f"{round(degrees, 1):g}".encode()),)
 
     part = JsonPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
-    part.read_from(f"{base}/status", reader.read)
-    part.read_from(f"{base}/info", reader.read)
+    part.read_from(f"{base}/status", read)
+    part.read_from(f"{base}/info", read)
     part.add_command_topics(topic)
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
@@ -193,18 +204,3 @@ def _status_part(base: str, part_id: str, capability: str, decode: StatusDecoder
         part.read_from(f"{base}/{topic}", decode)
     part.add_capability(capability)
     return part
-
-
-class _ValveReader:
-    def __init__(self) -> None:
-        self.is_fahrenheit = False
-
-    def read(self, status: Fields) -> Readings:
-        listed = status.get("thermostats")
-        valve = as_fields(listed[0]) if isinstance(listed, list) and listed else status
-        target = as_fields(valve.get("target_t"))
-        setpoint = _read_degrees("heating_setpoint", target)
-        if setpoint:
-            self.is_fahrenheit = target.get("units") == "F"
-        position = {"position": percent_of(valve["pos"])} if to_number(valve.get("pos")) is not None else {}
-        return {**setpoint, **_read_temperature("local_temperature", valve), **position}
