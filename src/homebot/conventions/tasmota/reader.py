@@ -32,7 +32,7 @@ MAX_WAITING = 1_000
 """Most devices with ``sensors`` and without ``config``; the oldest is dropped and counted."""
 
 
-class _Known(NamedTuple):
+class _KnownTasmota(NamedTuple):
     config: TasmotaConfig
     leaves: tuple[Leaf, ...]
     device: DeviceAnnounced
@@ -54,7 +54,7 @@ class TasmotaReader:
         self.forgotten = 0
         self._prefix = prefix
         self._waiting: BoundedMap[str, tuple[Leaf, ...]] = BoundedMap(MAX_WAITING)
-        self._known: dict[str, _Known] = {}
+        self._known: dict[str, _KnownTasmota] = {}
 
     def read_message(self, topic: str, payload: bytes, *, retained: bool) -> tuple[AnnouncementEvent, ...]:  # noqa: ARG002 - announcements are retained
         """Return the description of a device; nothing before its ``config``."""
@@ -100,7 +100,7 @@ class TasmotaReader:
             facts=config.facts,
             availability=None if config.is_sleeper else Availability((will,)),
         )
-        self._known[mac] = _Known(config, leaves, device)
+        self._known[mac] = _KnownTasmota(config, leaves, device)
         return (device,)
 
 
