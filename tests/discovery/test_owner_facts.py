@@ -46,6 +46,14 @@ def areas(index: DeviceIndex) -> dict[str, str]:
 STUDY_LAMP = announce("l", part_of("light", "on_off", id="l"), ids=(MAC,), name="Lamp", area="Study", at=1.0)
 
 
+@pytest.fixture
+def index() -> DeviceIndex:
+    """With a lamp in the study."""
+    index = index_of()
+    index.observe(STUDY_LAMP, 0.0)
+    return index
+
+
 LIGHT = part_of("light", "on_off", id="l")
 THREE_WAYS = (
     announce("a", LIGHT, ids=(MAC,), gateway="radio", name="Radio"),
@@ -55,9 +63,7 @@ THREE_WAYS = (
 """One lamp over three gateways: two name its hardware address, two its serial number."""
 
 
-def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_stated_room_outranks_the_announced_one_and_is_told_with_its_source(index: DeviceIndex) -> None:
     index.pop_changes()
     assert index.places.place("lamp", "kitchen", 7.0) == "Kitchen"
     device = got(index, "lamp")
@@ -89,9 +95,7 @@ def test_an_announced_floor_has_its_rooms_until_the_owner_states_another() -> No
     assert got(index, "lamp").outer_areas == ("Home",)
 
 
-def test_what_a_tag_taught_is_listed_after_what_the_device_announces() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP)
+def test_what_a_tag_taught_is_listed_after_what_the_device_announces(index: DeviceIndex) -> None:
     index.places.teach("lamp", "nfc", "", "Hall", 2.0)
     index.places.add("lamp", "tag", "night", 3.0)
     facts = got(index, "lamp").facts
@@ -113,9 +117,7 @@ def test_however_much_a_device_announces_it_stays_known_that_a_tag_taught_its_ro
     assert without_taught_room(got(index, "lamp")).area == ""
 
 
-def test_aliases_and_tags_add_up_and_are_taken_back() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_aliases_and_tags_add_up_and_are_taken_back(index: DeviceIndex) -> None:
     index.places.add("lamp", "name", "Reading lamp", 1.0)
     assert index.places.add("lamp", "name", "Corner lamp", 2.0) == ("Corner lamp", "Reading lamp")
     assert index.places.add("lamp", "tag", "night", 3.0) == ("night",)
@@ -161,9 +163,7 @@ def test_every_query_knows_rooms_floors_aliases_and_tags(text: str) -> None:
     assert found == ({"a", "b"} if "without" in text else {"a"})
 
 
-def test_a_device_without_a_room_is_found_so() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_device_without_a_room_is_found_so(index: DeviceIndex) -> None:
     index.observe(announce("n", name="Nowhere", ids=("mac:000000000001",)), 0.0)
     assert index.find(parse_query("without area")) == {"nowhere"}
     index.places.place("nowhere", "Attic", 1.0)
@@ -280,9 +280,7 @@ def restored(index: DeviceIndex, devices: Mapping[str, object] | None = None) ->
     return again
 
 
-def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns(index: DeviceIndex) -> None:
     index.places.place("lamp", "Hall", 1.0)
     index.places.add("lamp", "tag", "night", 2.0)
     assert index.owner.is_unsaved
@@ -294,18 +292,14 @@ def test_a_statement_survives_a_restart_and_a_device_that_goes_and_returns() -> 
     assert areas(again) == {"lamp": "Hall"}
 
 
-def test_a_statement_stays_when_the_announcement_that_it_was_made_on_is_withdrawn() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_statement_stays_when_the_announcement_that_it_was_made_on_is_withdrawn(index: DeviceIndex) -> None:
     index.places.place("lamp", "Hall", 1.0)
     index.observe(STUDY_LAMP.model_copy(update={"key": "homeassistant:second"}), 2.0)
     index.observe(STUDY_LAMP.model_copy(update={"kind": "removed"}), 3.0)
     assert areas(index) == {"lamp": "Hall"}
 
 
-def test_what_was_taken_back_does_not_return_with_an_announcement_that_was_withdrawn() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_what_was_taken_back_does_not_return_with_an_announcement_that_was_withdrawn(index: DeviceIndex) -> None:
     index.observe(STUDY_LAMP.model_copy(update={"key": "homeassistant:second"}), 0.0)
     index.places.place("lamp", "Hall", 1.0)
     index.observe(STUDY_LAMP.model_copy(update={"kind": "removed"}), 2.0)
@@ -327,9 +321,7 @@ def test_what_is_taken_back_of_one_stays_with_the_other_that_was_split_off_and_i
     assert areas(index) == {"radio": "", "cable": "Hall", "web": "Hall"}
 
 
-def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said_to_be_new() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_room_one_typo_away_from_another_is_taken_for_a_typo_unless_it_is_said_to_be_new(index: DeviceIndex) -> None:
     with pytest.raises(UsageError, match=r"there is no room 'Kichen'; did you mean Kitchen\?"):
         index.places.place("lamp", "Kichen", 1.0)
     index.sort()
@@ -357,9 +349,7 @@ def test_a_room_is_called_as_the_devices_that_are_in_it_spell_it() -> None:
     ("name", "reason"),
     [("", "is empty"), ("x" * 101, "100 is the limit"), ("a\nb", "cannot be printed"), ("--", "no letter")],
 )
-def test_a_name_that_cannot_be_one_is_refused(name: str, reason: str) -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_name_that_cannot_be_one_is_refused(index: DeviceIndex, name: str, reason: str) -> None:
     for state in (index.places.place, lambda *args: index.places.add(args[0], "tag", *args[1:])):
         with pytest.raises(UsageError, match=reason):
             state("lamp", name, 1.0)
@@ -385,9 +375,7 @@ def test_statements_are_bounded() -> None:
     assert areas(index) == {"lamp": "Study", "other": "Hall"}
 
 
-def test_a_device_has_at_most_fifty_tags() -> None:
-    index = index_of()
-    index.observe(STUDY_LAMP, 0.0)
+def test_a_device_has_at_most_fifty_tags(index: DeviceIndex) -> None:
     for number in range(50):
         index.places.add("lamp", "tag", f"tag {number}", 1.0)
     with pytest.raises(RefusedError, match="has 50 already"):
