@@ -133,14 +133,16 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def _take_back(self, statement: _Statement, names: Iterable[_Name]) -> None:
-        """Remove *names* from those that a statement is about."""
-        for name in names:
-            if name in statement.names:
-                del statement.names[name], self._by_name[name]
+        """Remove *names* from those that a statement is about; without an announcement it is about none."""
+        self._leave(statement, names)
         if not statement.announcements():  # else a device with one of the same hardware addresses has it too
-            for name in statement.names:
+            self._leave(statement, tuple(statement.names))
+
+    def _leave(self, statement: _Statement, names: Iterable[_Name]) -> None:
+        for name in names:
+            statement.names.pop(name, None)
+            if self._by_name.get(name) is statement:
                 del self._by_name[name]
-            statement.names = {}
 
     def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
         """Replace the statements of commands and imports on a device that is not there yet.
@@ -153,8 +155,7 @@ class OwnerFacts:
         self.check_room(sum(name not in self._by_name for name in stated.names))
         for before in self._statements(tuple(stated.names)):
             stated.names |= dict.fromkeys(key for key in before.announcements() if key not in present)
-            for name in before.names.keys() & stated.names.keys():
-                del before.names[name], self._by_name[name]
+            self._leave(before, stated.names)
         if stated.facts:
             self._put(stated)
         self.is_unsaved = True

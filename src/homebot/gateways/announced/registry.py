@@ -52,7 +52,6 @@ _PART = 3 * 1024
 Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
 """Addresses, each with a part, or a source of availability, that is read there."""
 
-
 LISTED = "the list of its bridge describes the device"
 """Why an announcement is removed."""
 
