@@ -24,7 +24,7 @@ def test_messages_of_a_topic_are_taken_in_their_order_once_their_payer_may() -> 
     assert numbers(deferred, "b") == []
     assert numbers(deferred, "a") == [("a", 0), ("a", 1), ("a", 2)]
     assert not deferred.sources
-    assert deferred.bytes == 0
+    assert deferred.account.used == 0
 
 
 def test_the_newest_topic_of_a_prefix_comes_first_and_each_payer_in_turn() -> None:
@@ -61,7 +61,7 @@ def test_a_withdrawn_announcement_waits_no_more() -> None:
     deferred.drop("a")
     deferred.drop("a")
     assert "a" not in deferred.sources
-    assert deferred.bytes == 0
+    assert deferred.account.used == 0
 
 
 def test_a_flood_of_topics_is_bounded_and_costs_those_without_devices_first() -> None:
@@ -69,7 +69,7 @@ def test_a_flood_of_topics_is_bounded_and_costs_those_without_devices_first() ->
     add(deferred, message("own", 0), "own", is_like=True)
     for number in range(10_000):
         add(deferred, message(f"x/{number}", number), "x/#", is_like=False)
-        assert deferred.bytes <= 100_000
+        assert deferred.account.used <= 100_000
     left = numbers(deferred, "own", "x/#")
     assert left[0] == ("own", 0)
     assert left[1] == ("x/9999", 9999)

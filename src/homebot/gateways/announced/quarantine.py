@@ -71,18 +71,14 @@ class DeferredMessages(Generic[MessageT]):
 
     Attributes:
         sources: The sources with messages that wait.
+        account: Bytes of all that wait.
     """
 
     def __init__(self, max_bytes: int = MAX_BYTES) -> None:
         self.dropped = 0
         self.sources: dict[str, _Source[MessageT]] = {}
         self._payers: dict[str, _Payer[MessageT]] = {}
-        self._account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
-
-    @property
-    def bytes(self) -> int:
-        """Bytes of all that wait."""
-        return self._account.used
+        self.account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
 
     def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
         """Defer *message* of *length* bytes until the budget of *payer* has room.
@@ -139,7 +135,7 @@ class DeferredMessages(Generic[MessageT]):
         size = sign * (_OVERHEAD + len(name) + length)
         source.work += sign * (MESSAGE_WORK + length)
         self._payers[source.payer].bytes += size
-        self._account.add(size)
+        self.account.add(size)
 
     def _bytes_of(self, payer: str) -> int:
         found = self._payers.get(payer)

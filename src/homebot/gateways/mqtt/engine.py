@@ -7,9 +7,10 @@ do the slow and waiting work: subscribing, asking, and timed ends of values.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Iterator, Sequence
+from collections.abc import Awaitable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
+from itertools import chain
 from typing import TypeVar
 
 import anyio
@@ -53,6 +54,8 @@ class AnnouncedDevices:
     """The engine of one gateway: from its conventions' announcements to devices; its port to :class:`RawMessages`.
 
     Attributes:
+        filters: The filters of all announcements.
+        text_filters: The filters of all that devices say as text.
         route: Returns the readers of a topic; None if it has none.
         tick: Advances the time; once before each batch of messages.
     """
@@ -71,7 +74,8 @@ class AnnouncedDevices:
         self._conventions = conventions
         self._owner = gateway.node.full_name
         self._connection = connection
-        self._topics = StateTopics(self.filters(), self.text_filters())
+        self.filters, self.text_filters = (_filters(conventions, of_texts=one) for one in (False, True))
+        self._topics = StateTopics(self.filters, self.text_filters)
         self._registry = AnnouncementRegistry(
             gateway.node.name, conventions, self._topics, RegistryLimits(memory=settings.max_memory)
         )
@@ -80,7 +84,7 @@ class AnnouncedDevices:
             self._registry.by_key,
             stale_after=settings.stale_after,
             inboxes=settings.delivery == "inbox",
-            budgets=WorkBudgets(prefix_of(self.filters())),
+            budgets=WorkBudgets(prefix_of(self.filters)),
             log_key="topic",
         )
         self.counters, self.quarantine = engine.counters, engine.quarantine
@@ -98,18 +102,6 @@ class AnnouncedDevices:
         self.offers = Offers(gateway, publishers_of(conventions, gateway.node.name, connection), self.quarantine)
         publisher = CommandPublisher(engine, connection, self.secrets, responses)
         self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
-
-    def filters(self) -> tuple[str, ...]:
-        """Return the filters of all announcements."""
-        return self._filters(of_texts=False)
-
-    def text_filters(self) -> tuple[str, ...]:
-        """Return the filters of all that devices say as text."""
-        return self._filters(of_texts=True)
-
-    def _filters(self, *, of_texts: bool) -> tuple[str, ...]:
-        found = (one for one in self._conventions if isinstance(one, TextConvention) is of_texts)
-        return tuple(dict.fromkeys(one for convention in found for one in convention.filters()))
 
     async def serve(self) -> None:
         """Subscribe, ask and keep the time until cancelled."""
@@ -314,6 +306,11 @@ class AnnouncedDevices:
             troubles=(*rivals, *troubles),
             notes=self._connection.limits,
         )
+
+
+def _filters(conventions: Iterable[Convention], *, of_texts: bool) -> tuple[str, ...]:
+    found = (one.filters() for one in conventions if isinstance(one, TextConvention) is of_texts)
+    return tuple(dict.fromkeys(chain.from_iterable(found)))
 
 
 def _new(after: tuple[T, ...], before: tuple[T, ...]) -> tuple[T, ...]:

@@ -151,7 +151,7 @@ class MqttGateway(Gateway):
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the link and handle messages until cancelled; ready when the first try to connect has ended."""
-        texts, announcements = self._described.text_filters(), self._described.filters()
+        texts, announcements = self._described.text_filters, self._described.filters
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in texts))
             await connection.subscribe(
