@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from typing import Final, TypeAlias
+from typing import TypeAlias
 
 from homebot.devices import Reachability
 from homebot.discovery.source_record import Reach, SourceKey, SourceRecord
@@ -62,35 +62,28 @@ def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:
 
 def _combined(reports: list[_SourceReach]) -> Reachability:
     """Return the newest answer of the first kind that any of *reports* has: yes, no, unknown."""
-    for value, describe in _ANSWERS:
+    for value in (True, False, None):
         answers = [(source, part, one) for source, part, one in reports if one is not None and one.value is value]
         if answers:
             source, part, reach = max(answers, key=lambda one: one[2].heard_at)
             label = source.label if source.sighting.convention else "it"  # a key of a gateway tells a person nothing
             is_all_of_it = all(one is not None and one.value is value for other, _, one in reports if other is source)
             label = label if is_all_of_it or part in label else f"{label} ({part})"
-            return describe(label, _according(source, reach), reach, reports)
+            return _answer(label, source, reach, reports)
     return NOT_REPORTED
 
 
-def _online(label: str, according: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
-    return Reachability(state="yes", since=reach.since, why=f"{label} is online, {according}")
-
-
-def _offline(label: str, according: str, reach: Reach, reports: list[_SourceReach]) -> Reachability:
+def _answer(label: str, source: SourceRecord, reach: Reach, reports: list[_SourceReach]) -> Reachability:
+    if reach.value is None:
+        why = f"{label} was reported offline, but it sends messages"
+        return Reachability(state="unknown", since=reach.since, why=why)
+    if reach.value:
+        return Reachability(state="yes", since=reach.since, why=f"{label} is online, {_according(source, reach)}")
     later = _reported_later(reports, reach.heard_at)
     if later is None:
-        return Reachability(state="no", since=reach.since, why=f"{label} is offline, {according}")
+        return Reachability(state="no", since=reach.since, why=f"{label} is offline, {_according(source, reach)}")
     why = f"{label} is offline, but {later.label} reported since"
     return Reachability(state="unknown", since=later.seen_at, why=why)
-
-
-def _doubtful(label: str, _according: str, reach: Reach, _reports: list[_SourceReach]) -> Reachability:
-    why = f"{label} was reported offline, but it sends messages"
-    return Reachability(state="unknown", since=reach.since, why=why)
-
-
-_ANSWERS: Final = ((True, _online), (False, _offline), (None, _doubtful))
 
 
 def _according(source: SourceRecord, reach: Reach) -> str:
