@@ -59,16 +59,10 @@ def _samples(capability: Capability) -> tuple[PlainValue, ...]:
 def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
     """Return the sent payload as text; None if the part does not take *value*."""
     try:
-        return _shown(codec.write(capability, value))
-    except WrongCodeError:
-        return _sent_with_code(codec, capability, value)
-    except HomebotError:
-        return None
-
-
-def _sent_with_code(codec: Codec, capability: str, value: PlainValue) -> str | None:
-    try:
-        return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
+        try:
+            return _shown(codec.write(capability, value))
+        except WrongCodeError:
+            return _shown(codec.write_with_code(capability, value, _CODE)) if isinstance(codec, TakesCode) else None
     except WrongCodeError:
         return "it takes a code, which is not shown"
     except HomebotError:
