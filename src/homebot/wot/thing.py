@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, get_args
 
 from homebot.conventions.payload import clean_text
 from homebot.devices.identity import identifiers
@@ -16,6 +16,7 @@ from homebot.devices.identity import identifiers
 __all__ = [
     "NO_SECURITY",
     "OBSERVE_OPS",
+    "THING_CHANGES",
     "WRITE_OPS",
     "Affordance",
     "AffordanceKind",
@@ -24,6 +25,7 @@ __all__ = [
     "Form",
     "SecurityScheme",
     "Thing",
+    "ThingChange",
     "change_forms",
     "facts_of",
     "identifiers_of",
@@ -31,6 +33,11 @@ __all__ = [
 
 AffordanceKind: TypeAlias = Literal["property", "action", "event"]
 DataType: TypeAlias = Literal["boolean", "integer", "number", "string", "object", "array", "null", ""]
+
+ThingChange: TypeAlias = Literal["thing_created", "thing_updated", "thing_deleted"]
+"""The kinds of events of a directory of things."""
+
+THING_CHANGES: Final[tuple[ThingChange, ...]] = get_args(ThingChange)
 
 OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
 """Operations by which values become known."""

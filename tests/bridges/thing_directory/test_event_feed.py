@@ -6,8 +6,8 @@ import anyio
 import pytest
 
 from homebot.bridges.thing_directory.catalog import MAX_CHANGES, ThingCatalog
-from homebot.bridges.thing_directory.documents import CHANGE_NAMES
 from homebot.bridges.thing_directory.event_feed import EventFeed
+from homebot.wot.thing import THING_CHANGES
 
 pytestmark = pytest.mark.virtual_time
 
@@ -28,7 +28,7 @@ async def test_a_client_that_is_behind_too_far_is_cut_off_and_counted() -> None:
     catalog, client = ThingCatalog(), SlowClient()
     feed = EventFeed(catalog, "run")
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run, client, CHANGE_NAMES)
+        tasks.start_soon(feed.run, client, THING_CHANGES)
         await anyio.wait_all_tasks_blocked()
         catalog.put("a", {"id": "a"}, "now")
         feed.notify()
@@ -48,7 +48,7 @@ async def test_a_silent_stream_is_kept_alive_and_ends_with_the_directory() -> No
     for _ in range(10):
         client.may_take.release()
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run, client, CHANGE_NAMES)
+        tasks.start_soon(feed.run, client, THING_CHANGES)
         await anyio.sleep(50)
         assert client.taken == [b"retry: 2000\n\n", b":\n\n", b":\n\n", b":\n\n"]
         feed.close()
@@ -60,7 +60,7 @@ async def test_after_an_unknown_id_only_new_changes_are_sent(last_id: str) -> No
     catalog.put("a", {"id": "a"}, "now")
     feed = EventFeed(catalog, "run")
     async with anyio.create_task_group() as tasks:
-        tasks.start_soon(feed.run, client, CHANGE_NAMES, last_id)
+        tasks.start_soon(feed.run, client, THING_CHANGES, last_id)
         await anyio.wait_all_tasks_blocked()
         assert client.taken == [b"retry: 2000\n\n"]
         feed.close()

@@ -16,7 +16,6 @@ from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.thing_directory.catalog import ThingCatalog
 from homebot.bridges.thing_directory.documents import (
     BEARER,
-    CHANGE_NAMES,
     PREFLIGHT,
     RequestError,
     directory_description,
@@ -36,7 +35,7 @@ from homebot.devices.network_service import NetworkService
 from homebot.errors import ConfigError
 from homebot.graph import Node
 from homebot.support.addresses import is_loopback
-from homebot.wot.thing import NO_SECURITY
+from homebot.wot.thing import NO_SECURITY, THING_CHANGES
 
 __all__ = ["ThingDirectoryBridge"]
 
@@ -180,8 +179,8 @@ class ThingDirectoryBridge:
     async def _send_events(self, exchange: HttpExchange, shared: Mapping[str, str]) -> None:
         if exchange.method != "GET":
             raise RequestError(HTTPStatus.METHOD_NOT_ALLOWED, "events are read", Allow="GET")
-        names = CHANGE_NAMES if len(exchange.path) == 1 else exchange.path[1:]
-        if len(exchange.path) > 2 or names[0] not in CHANGE_NAMES:
+        names = THING_CHANGES if len(exchange.path) == 1 else exchange.path[1:]
+        if len(exchange.path) > 2 or names[0] not in THING_CHANGES:
             raise RequestError(HTTPStatus.NOT_FOUND, "there are no such events")
         last_id = exchange.headers("Last-Event-ID")
         await exchange.open_stream(

@@ -12,16 +12,15 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import blake2b
-from typing import Final, Literal, TypeAlias
+from typing import Final
 
 from homebot.conventions.payload import compact_json
+from homebot.wot.thing import ThingChange
 
-__all__ = ["CatalogChange", "ChangeName", "ListedDescription", "ThingCatalog", "merge_patch"]
+__all__ = ["CatalogChange", "ListedDescription", "ThingCatalog", "merge_patch"]
 
 MAX_CHANGES: Final = 1000
 MAX_CHANGE_BYTES: Final = 4 * 1024 * 1024
-
-ChangeName: TypeAlias = Literal["thing_created", "thing_updated", "thing_deleted"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +42,7 @@ class CatalogChange:
     """
 
     number: int
-    name: ChangeName
+    name: ThingChange
     id: str
     detail: str
 
@@ -107,7 +106,7 @@ class ThingCatalog:
             return None
         return [self._changes[place] for place in range(len(self._changes) - missing, len(self._changes))]
 
-    def _record(self, name: ChangeName, thing_id: str, detail: str) -> None:
+    def _record(self, name: ThingChange, thing_id: str, detail: str) -> None:
         self._last += 1
         self._changes.append(CatalogChange(self._last, name, thing_id, detail))
         self._change_bytes += len(detail)

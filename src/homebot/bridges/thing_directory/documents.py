@@ -13,10 +13,10 @@ from typing import Final
 
 from homebot.conventions.payload import clean_text, compact_json
 from homebot.wot.parse import CONTEXT
+from homebot.wot.thing import THING_CHANGES
 
 __all__ = [
     "BEARER",
-    "CHANGE_NAMES",
     "LD_TYPE",
     "MAX_PAGE",
     "PAGE",
@@ -34,8 +34,6 @@ __all__ = [
 TD_TYPE: Final = "application/td+json"
 LD_TYPE: Final = "application/ld+json"
 PROBLEM_TYPE: Final = "application/problem+json"
-
-CHANGE_NAMES: Final = ("thing_created", "thing_updated", "thing_deleted")
 
 PAGE: Final = 50
 """Descriptions of one page, where the client asks for no other number."""
@@ -161,7 +159,7 @@ def directory_description(title: str, thing_id: str, security: Mapping[str, obje
         **security,
         "properties": {"things": things},
         "actions": {"retrieveThing": retrieve},
-        "events": {f"thing{name.removeprefix('thing_').capitalize()}": _event(name) for name in CHANGE_NAMES},
+        "events": {f"thing{name.removeprefix('thing_').capitalize()}": _event(name) for name in THING_CHANGES},
     }
 
 

@@ -13,14 +13,13 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
-from typing import Final, Literal, TypeAlias, cast
 
 from homebot.conventions.payload import as_fields, parse_object, shown
 from homebot.errors import WireError
 from homebot.support.numbers import to_number
+from homebot.wot.thing import THING_CHANGES, ThingChange
 
 __all__ = [
-    "DirectoryChange",
     "DirectoryEvent",
     "DirectoryPage",
     "ReadPage",
@@ -33,9 +32,6 @@ __all__ = [
     "text_of",
 ]
 
-DirectoryChange: TypeAlias = Literal["thing_created", "thing_updated", "thing_deleted"]
-
-_CHANGES: Final = frozenset({"thing_created", "thing_updated", "thing_deleted"})
 _LONGEST_ID = 500
 _LONGEST_HEADER = 4000
 _ETAG = re.compile(r'(?:W/)?"[\x21\x23-\x7e]{0,200}"')
@@ -48,7 +44,7 @@ _SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
 class DirectoryEvent:
     """A change that the directory tells of, with the whole description where the event has it."""
 
-    change: DirectoryChange
+    change: ThingChange
     id: str
     description: Mapping[str, object]
 
@@ -94,11 +90,12 @@ def next_page(page: object, headers: Mapping[str, str]) -> str:
 
 def read_event(kind: str, data: str) -> DirectoryEvent | None:
     """Return the event in a message, None for one of another kind; raise WireError if it has no id of a thing."""
-    if kind not in _CHANGES:
+    change = next((one for one in THING_CHANGES if one == kind), None)
+    if change is None:
         return None
     fields = parse_object(data)
-    is_whole = kind == "thing_created" and "@context" in fields and "title" in fields
-    return DirectoryEvent(cast("DirectoryChange", kind), id_of(fields), fields if is_whole else {})
+    is_whole = change == "thing_created" and "@context" in fields and "title" in fields
+    return DirectoryEvent(change, id_of(fields), fields if is_whole else {})
 
 
 def id_of(document: object) -> str:
