@@ -15,7 +15,7 @@ from homebot.errors import LinkError
 from homebot.gateways import Gateway, GatewayContext
 from homebot.gateways.nfc import NfcGateway, NfcGatewaySettings
 from homebot.gateways.nfc.nfcpy_reader import NfcpyReader
-from homebot.gateways.nfc.reader import PresentTag, ReaderDesk, TagReader, TagReaders
+from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
 from homebot.testing.gateway_contract import GatewayContract, Lamp
@@ -65,6 +65,7 @@ class PluggedDesk(ReaderDesk):
     """A desk that is stopped while its reader is not plugged in."""
 
     def __init__(self, reader: PluggedReader, desk: ReaderDesk) -> None:
+        super().__init__(desk._report)
         self._reader = reader
         self._desk = desk
 
@@ -76,18 +77,6 @@ class PluggedDesk(ReaderDesk):
 
     def wait(self, seconds: float) -> bool:
         return self._desk.wait(seconds) or self.is_stopped
-
-    def found(self, *readers: str) -> None:
-        self._desk.found(*readers)
-
-    def arrived(self, reader: str, tag: PresentTag) -> None:
-        self._desk.arrived(reader, tag)
-
-    def stayed(self, reader: str, tag: PresentTag) -> bool:
-        return self._desk.stayed(reader, tag)
-
-    def left(self, reader: str, uid: str) -> None:
-        self._desk.left(reader, uid)
 
 
 class HallTag(Lamp):

@@ -63,7 +63,7 @@ class NfcpyReader(TagReader):
         desk.arrived(self._path, present)
         while not desk.wait(_POLL) and present.is_there():
             desk.stayed(self._path, present)
-        desk.left(self._path, present.uid)
+        desk.left(present.uid)
 
     def _why(self, error: Exception) -> str:
         if isinstance(error, OSError) and error.errno == _DENIED:

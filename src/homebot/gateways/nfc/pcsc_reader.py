@@ -108,7 +108,7 @@ class _Session:
         if found == list(self._slots) and not is_first:
             return
         for gone in [one for one in self._slots if one not in found]:
-            self._leave(gone, self._slots.pop(gone))
+            self._leave(self._slots.pop(gone))
         self._slots = {one: self._slots.get(one) or _Slot(self._scard.SCARD_STATE_UNAWARE) for one in found}
         self._desk.found(*found)
 
@@ -135,7 +135,7 @@ class _Session:
         slot.state = state & ~self._scard.SCARD_STATE_CHANGED
         is_there = bool(state & self._scard.SCARD_STATE_PRESENT) and not state & self._scard.SCARD_STATE_MUTE
         if slot.card is not None and (not is_there or is_other):
-            self._leave(name, slot)
+            self._leave(slot)
         if is_there and slot.card is None:
             self._arrive(name, slot)
 
@@ -164,11 +164,11 @@ class _Session:
             if slot.tag is not None:
                 self._desk.stayed(name, slot.tag)
 
-    def _leave(self, name: str, slot: _Slot) -> None:
+    def _leave(self, slot: _Slot) -> None:
         tag = slot.tag
         self._release(slot)
         if tag is not None:
-            self._desk.left(name, tag.uid)
+            self._desk.left(tag.uid)
 
     def _release(self, slot: _Slot) -> None:
         if slot.card is not None:

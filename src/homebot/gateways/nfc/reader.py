@@ -78,7 +78,6 @@ class TagSeen:
 class TagLeft:
     """A tag that was taken away from a reader."""
 
-    reader: str
     uid: str
 
 
@@ -171,9 +170,9 @@ class ReaderDesk:
         from_thread.run_sync(_finish, order, reader, tag.uid, error)
         return True
 
-    def left(self, reader: str, uid: str) -> None:
-        """Report that a tag was taken away from *reader*."""
-        self._post(TagLeft(reader, uid))
+    def left(self, uid: str) -> None:
+        """Report that a tag was taken away."""
+        self._post(TagLeft(uid))
 
     def _claim_order(self, reader: str) -> WriteOrder | None:
         with self._lock:
