@@ -37,7 +37,6 @@ class RequestBinding:
     Attributes:
         schemes: Of the addresses that it can use.
         subprotocols: The ways in which it can be sent values, best first; ``""`` for the protocol's own.
-        formats: The formats of payloads that it understands.
     """
 
     schemes: frozenset[str]

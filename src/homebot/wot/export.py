@@ -54,10 +54,6 @@ def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, ob
     """Return the Thing Description 1.1 of *device*, as JSON values; it needs no credentials.
 
     It lists the properties that can be read and set, in the vocabulary's units, and their addresses.
-
-    Args:
-        forms: The way to reach it.
-        owner: See :func:`thing_id`.
     """
     properties = dict(_properties(device, forms))
     types = dict.fromkeys(

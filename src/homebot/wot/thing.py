@@ -64,7 +64,6 @@ class Form:
         topic: To publish on; empty if there is none.
         filter: To subscribe to; empty if there is none.
         qos: 0 to 2.
-        retain: Whether the broker is to retain, or retains, messages.
         content_type: Encoding of payloads; ``application/json`` if none is declared.
         response_type: How answers are spelt, where that is another way; empty for the same.
     """
@@ -110,8 +109,6 @@ class DataSchema:
     Attributes:
         type: Of the values; empty if nothing is declared.
         unit: As it was spelt; empty if there is none.
-        minimum: The smallest number, if any.
-        maximum: The largest number, if any.
         enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
         member: The name of the member of an object that has the value; empty if the value is no object, or is itself
             one. The other fields are those of the member.
@@ -138,12 +135,9 @@ class Affordance:
 
     Attributes:
         name: Unique among its kind in the thing.
-        kind: Which of the three it is.
         title: Its name for people; empty if that is not known.
         types: Its semantic types, without prefix.
         schema: Its possible values: of an action those that it takes, of an event those that come with it.
-        read_only: Whether it cannot be set.
-        write_only: Whether it cannot be read.
         forms: The ways to use it, at least one.
         extension: Homebot's own terms, by the name after ``homebot:``; texts alone.
     """
@@ -165,9 +159,7 @@ class Thing:
 
     Attributes:
         id: Its URI; empty if it has none.
-        title: Its name for people.
         types: Its semantic types, without prefix.
-        description: Its description in words.
         affordances: Properties, then actions, then events, each in their order.
         area: Its room; empty if that is not known.
         identifiers: Its identifiers; see :func:`homebot.devices.identity.identifiers`.

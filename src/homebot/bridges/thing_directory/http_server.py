@@ -149,12 +149,8 @@ class HttpExchange:
 class BoundedServer(web.Server):
     """A server that gives each request to a handler. Made while the event loop runs.
 
-    Args:
-        settings: Where it listens, and the number of its clients.
-
     Attributes:
         port: Its port; the real one once it listens.
-        addresses: The addresses that it listens on.
     """
 
     def __init__(

@@ -77,7 +77,6 @@ class ListedDevices:
     Args:
         owner: The id of this homebot.
         needs_token: Whether reading and setting properties needs a token.
-        max_devices: Devices that are listed.
 
     Attributes:
         refused: Number of times that a device was left out because there were too many.

@@ -57,7 +57,6 @@ class AccessoryRunner(DeviceRunner):
     """A paired accessory, or a bridge with those behind it.
 
     Attributes:
-        link: The connection; None if there is none.
         sleeps: Whether its radio is off most of the time; then a lost connection does not say that it is away.
     """
 

@@ -112,9 +112,6 @@ class HomekitLink(ABC):
         """Write characteristics; a write that is cancelled or too late is not sent any more.
 
         A router of a Thread network may hold one that was sent until the accessory is awake.
-
-        Args:
-            is_timed: Whether the accessory wants a timed write.
         """
 
     @abstractmethod

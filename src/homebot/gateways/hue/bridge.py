@@ -59,7 +59,6 @@ class BridgeRunner(DeviceRunner):
 
     Attributes:
         origins: The beginnings of its addresses (``https://192.168.1.20``), the first to be tried first.
-        pairing: The pairing; None if there is none.
     """
 
     def __init__(

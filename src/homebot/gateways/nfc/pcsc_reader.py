@@ -37,7 +37,6 @@ class _Slot:
 
     Attributes:
         state: Its last known state, which the service compares with the current one.
-        card: The handle of the card in it; None if there is none.
         tag: The card as a tag; None if it is not a tag.
     """
 

@@ -91,7 +91,6 @@ class WriteOrder:
     Attributes:
         reader: A part of the reader's name; empty for any.
         done: Set after the attempt to write.
-        used_reader: The reader at which the tag was.
         error: The error; None if it was written.
     """
 

@@ -65,7 +65,6 @@ class DirectorySession:
 
     Args:
         tasks: The tasks of the things, which outlive a connection to the directory.
-        has_listed: Called whenever the list was read.
     """
 
     def __init__(

@@ -44,7 +44,6 @@ class ThingLogin:
     Attributes:
         hosts: The names and addresses of the host, in lower case, each with or without a port.
         scheme: The only way in which they are sent; empty for any.
-        password: The password, token or key.
     """
 
     hosts: frozenset[str]

@@ -47,9 +47,6 @@ class ThingPort(Protocol):
     Every call is limited in time and in the length of the answer. It raises :class:`homebot.errors.LinkError` where the
     thing does not answer, :class:`homebot.errors.RefusedError` where it answers with no, and
     :class:`homebot.errors.WireError` where its answer breaks the rules of the protocol.
-
-    Attributes:
-        binding: The forms that it can use.
     """
 
     @property

@@ -61,7 +61,6 @@ class SimulatedHueBridge:
 
     Args:
         tls: The server's side of TLS, with the certificate of the bridge.
-        port: The port; 0 for a free one.
 
     Attributes:
         keys: The application keys that it made, and that it has from the start.

@@ -69,9 +69,6 @@ _Handler: TypeAlias = Callable[[CommissionedNode, Mapping[str, object]], _Answer
 class SimulatedMatterServer:
     """A server with its nodes, which it keeps when they are away.
 
-    Args:
-        port: The port; 0 for a free one.
-
     Attributes:
         calls: The newest 100 commands that it was given, with their arguments.
     """

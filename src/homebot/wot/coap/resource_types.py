@@ -32,9 +32,6 @@ class _Known:
 
     Attributes:
         name: Its meaning, as a property name.
-        type: Of its value.
-        unit: Of its value.
-        bounds: The smallest and the largest value, if any.
         member: The member of the object that has the value.
         settable: Whether there are actuators of this kind.
         semantic: The semantic type, where the name does not say it.
