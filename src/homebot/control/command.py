@@ -113,7 +113,7 @@ class IssuedCommand:
     @property
     def is_always_sent(self) -> bool:
         """True for a stop, the latch of an unlocked door, a press: no report shows that it is unnecessary."""
-        always = (value in CAPABILITIES.get(name, OWN).always_sent for name, value in self.settings.items())
+        always = (value in CAPABILITIES.get(name, OWN).obedience.always_sent for name, value in self.settings.items())
         return self.is_momentary or any(always)
 
     @property

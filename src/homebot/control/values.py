@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final
 
-from homebot.devices.capabilities import CAPABILITIES, OWN, CapabilityType
+from homebot.devices.capabilities import CAPABILITIES, OWN, Obedience
 from homebot.devices.value import PlainValue
 
 __all__ = [
@@ -89,7 +89,7 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
             return wanted is seen
         case str(), str():
             same = wanted.casefold() == seen.casefold()
-            return same or seen.casefold() in _type(capability).accepts.get(wanted.casefold(), ())
+            return same or seen.casefold() in _obedience(capability).accepts.get(wanted.casefold(), ())
         case tuple(), tuple():
             return _fits_numbers(capability, wanted, seen)
         case float(), float():
@@ -107,7 +107,7 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     if not fits(capability, wanted, seen):
         return False
     if isinstance(wanted, float) and isinstance(seen, float):
-        fineness = _type(capability).fineness
+        fineness = _obedience(capability).fineness
         return abs(wanted - seen) <= (_ROUNDING * abs(wanted) if fineness is None else fineness)
     if capability == "color" and isinstance(wanted, tuple) and isinstance(seen, tuple):
         return _is_same_color(wanted, seen)
@@ -117,14 +117,14 @@ def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
 def is_intermediate(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     """Return whether *seen* shows that the device is on its way to *wanted*."""
     if isinstance(wanted, str) and isinstance(seen, str):
-        return seen.casefold() in _type(capability).on_the_way.get(wanted.casefold(), ())
-    return isinstance(seen, float) and _type(capability).moves
+        return seen.casefold() in _obedience(capability).on_the_way.get(wanted.casefold(), ())
+    return isinstance(seen, float) and _obedience(capability).moves
 
 
 def _fits_number(capability: str, wanted: float, seen: float) -> bool:
     if capability == "fan_speed" and _is_next_speed(wanted, seen):
         return True
-    known = _type(capability)
+    known = _obedience(capability)
     slack = known.relative_tolerance * wanted if known.relative_tolerance else known.tolerance
     return abs(wanted - seen) <= slack and not is_other_end(capability, wanted, seen)
 
@@ -162,11 +162,11 @@ def _is_next_speed(wanted: float, seen: float) -> bool:
 
 def is_other_end(capability: str, wanted: float, seen: float) -> bool:
     """Return whether one of two close levels is 0, which is off, or closed."""
-    return _type(capability).zero_is_off and (wanted == 0) != (seen == 0)
+    return _obedience(capability).zero_is_off and (wanted == 0) != (seen == 0)
 
 
-def _type(capability: str) -> CapabilityType:
-    return CAPABILITIES.get(capability, OWN)
+def _obedience(capability: str) -> Obedience:
+    return CAPABILITIES.get(capability, OWN).obedience
 
 
 def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -> bool:

@@ -19,6 +19,7 @@ __all__ = [
     "LIGHTS_UP",
     "OWN",
     "CapabilityType",
+    "Obedience",
     "ValueKind",
     "implied_settings",
     "settable_options",
@@ -29,6 +30,36 @@ ValueKind: TypeAlias = Literal["bool", "number", "text", "numbers", ""]
 
 _Words: TypeAlias = Mapping[str, frozenset[str]]
 _NO_WORDS: Final[_Words] = MappingProxyType({})
+
+
+class Obedience(NamedTuple):
+    """The reports that show that a command for a capability was obeyed.
+
+    Attributes:
+        tolerance: By how much a reported number may differ from the commanded one: motors stop a little off, many count
+            percentages in 100 or 254 steps, and most thermostats take half degrees.
+        relative_tolerance: The same as a share, in place of it; 0 for none.
+        fineness: By how much numbers may differ that are the same setting; None for half a percent.
+        accepts: Further reports that mean that a commanded text was obeyed.
+        on_the_way: Reports that mean that a commanded text is being obeyed.
+        always_sent: Commanded texts that no report shows to be so already.
+        moves: Whether any number means that a motor is on its way.
+        zero_is_off: Whether 0 is another state than a small number.
+        rounds: Whether many devices take it in steps of several percent.
+    """
+
+    tolerance: float = 0.51
+    relative_tolerance: float = 0.0
+    fineness: float | None = None
+    accepts: _Words = _NO_WORDS
+    on_the_way: _Words = _NO_WORDS
+    always_sent: frozenset[str] = frozenset()
+    moves: bool = False
+    zero_is_off: bool = False
+    rounds: bool = False
+
+
+_OBEDIENCE: Final = Obedience()
 
 
 class CapabilityType(NamedTuple):
@@ -45,17 +76,8 @@ class CapabilityType(NamedTuple):
         is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
             is reported once, also where it equals the one before, and none is ever reported again.
         is_momentary: Whether setting it twice does something twice, so that no command is repeated.
-        tolerance: By how much a reported number may differ from the commanded one: motors stop a little off, many count
-            percentages in 100 or 254 steps, and most thermostats take half degrees.
-        relative_tolerance: The same as a share, in place of it; 0 for none.
-        fineness: By how much numbers may differ that are the same setting; None for half a percent.
-        accepts: Further reports that mean that a commanded text was obeyed.
-        on_the_way: Reports that mean that a commanded text is being obeyed.
         only_reported: Texts that no command sets.
-        moves: Whether any number means that a motor is on its way.
-        zero_is_off: Whether 0 is another state than a small number.
-        always_sent: Commanded texts that no report shows to be so already.
-        rounds: Whether many devices take it in steps of several percent.
+        obedience: The reports that show that a command was obeyed.
         sensor: The type of a sensor of it; empty for one without a type of its own.
     """
 
@@ -68,16 +90,8 @@ class CapabilityType(NamedTuple):
     options: tuple[str, ...] = ()
     is_event: bool = False
     is_momentary: bool = False
-    tolerance: float = 0.51
-    relative_tolerance: float = 0.0
-    fineness: float | None = None
-    accepts: _Words = _NO_WORDS
-    on_the_way: _Words = _NO_WORDS
     only_reported: frozenset[str] = frozenset()
-    moves: bool = False
-    zero_is_off: bool = False
-    always_sent: frozenset[str] = frozenset()
-    rounds: bool = False
+    obedience: Obedience = _OBEDIENCE
     sensor: str = ""
 
 
@@ -87,10 +101,6 @@ def _words(words: Mapping[str, str]) -> _Words:
 
 
 _PERCENT = (0.0, 100.0)
-_OPENS = _words({"open": "opening", "closed": "closing"})
-_STOPS = _words({"stopped": "open closed"})
-_STOPPED = frozenset({"stopped"})
-_ARMED = ("home", "away", "night", "vacation", "custom_bypass")
 _MIREDS = 0.02
 """Whole mireds are up to 1.3 % of a cold white apart (Matter 1.6 application clusters, section 3.2.7)."""
 
@@ -100,145 +110,108 @@ _HALF_STEP = 0.8
 _HALF_DEGREE = 0.29
 """°C; half a degree, or one of Fahrenheit."""
 
+_DIMMER = Obedience(tolerance=1.5, fineness=_HALF_STEP, zero_is_off=True, rounds=True)
+_VOLUME = Obedience(tolerance=1.5, fineness=_HALF_STEP, rounds=True)
+_WHITE = Obedience(relative_tolerance=_MIREDS, fineness=math.inf)
+_MOTOR = Obedience(tolerance=3.0, fineness=math.inf, moves=True)
+_SPEED = Obedience(tolerance=5.0, fineness=5.0, zero_is_off=True)
+_SETPOINT = Obedience(fineness=_HALF_DEGREE)
+_HUMIDITY = Obedience(tolerance=1.0, fineness=0.51)
+_OPENING = Obedience(
+    accepts=_words({"stopped": "open closed"}),
+    on_the_way=_words({"open": "opening", "closed": "closing"}),
+    always_sent=frozenset({"stopped"}),
+)
+_LOCK = Obedience(
+    accepts=_words({"open": "unlocked opening"}),
+    on_the_way=_words({"locked": "locking", "unlocked": "unlocking", "open": "unlocking"}),
+    always_sent=frozenset({"open"}),
+)
+_VACUUM = Obedience(
+    accepts=_words({"returning": "docked", "spot": "cleaning", "idle": "paused docked"}),
+    always_sent=frozenset({"spot", "idle"}),
+)
+_MOWER = Obedience(accepts=_words({"docked": "returning"}))
+_ARMED = tuple(f"armed_{one}" for one in ("home", "away", "night", "vacation", "custom_bypass"))
+_ALARM = Obedience(on_the_way=_words({"disarmed": "disarming pending", **dict.fromkeys(_ARMED, "arming pending")}))
+
 _AIR, _METER, _SMOKE = "air_quality_sensor", "electrical_meter", "smoke_co_alarm"
-_OPENINGS = ("open", "closed", "opening", "closing", "stopped")
+
+
+def _opening(name: str, meaning: str, cluster: int) -> CapabilityType:
+    options = ("open", "closed", "opening", "closing", "stopped")
+    passing = frozenset({"opening", "closing"})
+    settable = f"{meaning}; can be set to open, closed, stopped"
+    return CapabilityType(name, "text", settable, cluster, options=options, only_reported=passing, obedience=_OPENING)
+
 
 _CONTROLS = (
     CapabilityType("on_off", "bool", "whether it is on", 0x0006),
     CapabilityType(
-        "level",
-        "number",
-        "brightness or strength; 0 only when off",
-        0x0008,
-        "%",
-        _PERCENT,
-        tolerance=1.5,
-        fineness=_HALF_STEP,
-        zero_is_off=True,
-        rounds=True,
+        "level", "number", "brightness or strength; 0 only when off", 0x0008, "%", _PERCENT, obedience=_DIMMER
     ),
     CapabilityType(
-        "color_temperature",
-        "number",
-        "warm to cold white",
-        0x0300,
-        "K",
-        (1000.0, 40_000.0),
-        relative_tolerance=_MIREDS,
-        fineness=math.inf,
+        "color_temperature", "number", "warm to cold white", 0x0300, "K", (1000.0, 40_000.0), obedience=_WHITE
     ),
     CapabilityType("color", "numbers", "hue in degrees, 0 to 360, and saturation in percent", 0x0300),
     CapabilityType("effect", "text", "light effect"),
-    CapabilityType(
-        "position",
-        "number",
-        "how far open it is; 0 is closed",
-        0x0102,
-        "%",
-        _PERCENT,
-        tolerance=3.0,
-        fineness=math.inf,
-        moves=True,
-    ),
-    CapabilityType(
-        "tilt",
-        "number",
-        "angle of the slats; 0 is closed",
-        0x0102,
-        "%",
-        _PERCENT,
-        tolerance=3.0,
-        fineness=math.inf,
-        moves=True,
-    ),
-    CapabilityType(
-        "movement",
-        "text",
-        "state of movement; can be set to open, closed, stopped",
-        0x0102,
-        options=_OPENINGS,
-        accepts=_STOPS,
-        on_the_way=_OPENS,
-        only_reported=frozenset({"opening", "closing"}),
-        always_sent=_STOPPED,
-    ),
+    CapabilityType("position", "number", "how far open it is; 0 is closed", 0x0102, "%", _PERCENT, obedience=_MOTOR),
+    CapabilityType("tilt", "number", "angle of the slats; 0 is closed", 0x0102, "%", _PERCENT, obedience=_MOTOR),
+    _opening("movement", "state of movement", 0x0102),
     CapabilityType(
         "lock",
         "text",
         "state of the lock; can be set to locked, unlocked, or open, which also opens the latch",
         0x0101,
         options=("locked", "unlocked", "locking", "unlocking", "open", "opening", "jammed"),
-        accepts=_words({"open": "unlocked opening"}),
-        on_the_way=_words({"locked": "locking", "unlocked": "unlocking", "open": "unlocking"}),
         only_reported=frozenset({"locking", "unlocking", "opening", "jammed"}),
-        always_sent=frozenset({"open"}),
+        obedience=_LOCK,
     ),
-    CapabilityType("heating_setpoint", "number", "temperature to heat to", 0x0201, "°C", fineness=_HALF_DEGREE),
-    CapabilityType("cooling_setpoint", "number", "temperature to cool to", 0x0201, "°C", fineness=_HALF_DEGREE),
+    CapabilityType("heating_setpoint", "number", "temperature to heat to", 0x0201, "°C", obedience=_SETPOINT),
+    CapabilityType("cooling_setpoint", "number", "temperature to cool to", 0x0201, "°C", obedience=_SETPOINT),
     CapabilityType("local_temperature", "number", "temperature measured by the thermostat", 0x0201, "°C"),
     CapabilityType("thermostat_mode", "text", "operating mode: off, heat, cool, auto, …", 0x0201),
     CapabilityType("thermostat_action", "text", "current action: heating, idle, …", 0x0201),
     CapabilityType("preset_mode", "text", "preset of the device"),
     CapabilityType("swing_mode", "text", "movement of the vanes", 0x0202),
-    CapabilityType("humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, tolerance=1.0, fineness=0.51),
+    CapabilityType("humidity_setpoint", "number", "target humidity", None, "%", _PERCENT, obedience=_HUMIDITY),
     CapabilityType("water_heater_mode", "text", "operating mode: off, eco, …", 0x0094),
     CapabilityType("humidifier_mode", "text", "preset of the device"),
-    CapabilityType(
-        "fan_speed", "number", "speed; 0 is off", 0x0202, "%", _PERCENT, tolerance=5.0, fineness=5.0, zero_is_off=True
-    ),
+    CapabilityType("fan_speed", "number", "speed; 0 is off", 0x0202, "%", _PERCENT, obedience=_SPEED),
     CapabilityType("fan_mode", "text", "named speed of the device", 0x0202),
     CapabilityType("oscillation", "bool", "whether it oscillates", 0x0202),
     CapabilityType("direction", "text", "direction of rotation", 0x0202, options=("forward", "reverse")),
-    CapabilityType(
-        "valve",
-        "text",
-        "state of the valve; can be set to open, closed, stopped",
-        0x0081,
-        options=_OPENINGS,
-        accepts=_STOPS,
-        on_the_way=_OPENS,
-        only_reported=frozenset({"opening", "closing"}),
-        always_sent=_STOPPED,
-    ),
+    _opening("valve", "state of the valve", 0x0081),
     CapabilityType(
         "vacuum",
         "text",
         "activity; can be set to cleaning, paused, idle (stop), returning, spot",
         0x0061,
         options=("cleaning", "docked", "returning", "paused", "idle", "error", "spot"),
-        accepts=_words({"returning": "docked", "spot": "cleaning", "idle": "paused docked"}),
-        always_sent=frozenset({"spot", "idle"}),
+        obedience=_VACUUM,
     ),
     CapabilityType(
         "mower",
         "text",
         "activity; can be set to mowing, paused, docked",
-        None,
         options=("mowing", "paused", "docked", "returning", "error"),
-        accepts=_words({"docked": "returning"}),
+        obedience=_MOWER,
     ),
     CapabilityType(
         "alarm",
         "text",
         "state of the alarm; can be set to disarmed, armed_home, armed_away, …",
-        on_the_way=_words({"disarmed": "disarming pending", **{f"armed_{one}": "arming pending" for one in _ARMED}}),
         only_reported=frozenset({"pending", "arming", "disarming"}),
+        obedience=_ALARM,
     ),
     CapabilityType("siren_tone", "text", "tone of the siren"),
-    CapabilityType(
-        "volume", "number", "volume", 0x0008, "%", _PERCENT, tolerance=1.5, fineness=_HALF_STEP, rounds=True
-    ),
+    CapabilityType("volume", "number", "volume", 0x0008, "%", _PERCENT, obedience=_VOLUME),
 )
 
+_BUTTON = "which button was pressed and how; an event, never a state"
+
 _EVENTS = (
-    CapabilityType(
-        "press",
-        "text",
-        "which button was pressed and how; an event, never a state",
-        0x003B,
-        is_event=True,
-        sensor="generic_switch",
-    ),
+    CapabilityType("press", "text", _BUTTON, 0x003B, is_event=True, sensor="generic_switch"),
     CapabilityType("push", "bool", "set to true to press this button", is_momentary=True),
     CapabilityType("scene", "bool", "set to true to activate this scene", 0x0062),
     CapabilityType("scan", "text", "which tag was read; an event", is_event=True),

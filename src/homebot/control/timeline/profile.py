@@ -133,7 +133,7 @@ class DeviceProfile:
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
         """Record that the device reported *seen* for *wanted*; a device that reports wanted values has no record."""
         if capability not in self.answers:
-            rounds = CAPABILITIES.get(capability, OWN).rounds
+            rounds = CAPABILITIES.get(capability, OWN).obedience.rounds
             is_usual = wanted == seen or not (rounds or fits(capability, wanted, seen))
             if is_usual or is_same(capability, wanted, seen):
                 return
@@ -156,7 +156,7 @@ class DeviceProfile:
 
         It is the largest error of at least three answers with two different values.
         """
-        if capability not in self.answers or not CAPABILITIES.get(capability, OWN).rounds:
+        if capability not in self.answers or not CAPABILITIES.get(capability, OWN).obedience.rounds:
             return 0.0
         known = [
             (wanted, seen)
