@@ -1,4 +1,8 @@
-"""The vocabulary that gateways, discovery and applications share."""
+"""The vocabulary that gateways, discovery and applications share.
+
+In messages ``device`` and ``part`` are ids, ``gateway``, ``robot`` and ``capability`` names, and ``reason``, ``why``
+and ``message`` texts for people; a field that is something else says so.
+"""
 
 from homebot.support.lazy_names import lazy_names
 

@@ -14,9 +14,6 @@ class AccessRefused(Message):
         address: Its address and port.
         operation: The requested operation, by rosbridge's names, for example ``publish``.
         target: The topic or service, as the client wrote it; at most 247 characters of it.
-        right: The right that is missing.
-        reason: The refusal that the client was sent.
-        refused_at: The time of the refusal.
         held_back: Refusals of this client before this one of which there was no message.
         subject: The device or the address that a command was for, as the client wrote it; at most 247 characters of it,
             empty if it wrote none.

@@ -50,7 +50,6 @@ class HoldDeviceGoal(Message, ros_type="homebot/action/HoldDevice_Goal"):
     Attributes:
         device: The id or the name of the device.
         part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
-        setting: The capability and the held value.
         by: The holder, in a word for people, such as ``robot``; empty for the name of the client or node.
         seconds: The time for which it is held, from the first success; 0 until it is cancelled.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.

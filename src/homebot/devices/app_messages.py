@@ -44,9 +44,6 @@ class AppInfo(Message):
 
     Attributes:
         state: ``running``, or as the supervisor says, such as ``given up``.
-        crashes: Number of its crashes.
-        last_crash: The last of them.
-        jobs: Its jobs.
     """
 
     name: str
@@ -86,7 +83,6 @@ class ChangeAppResponse(Message):
     """The answer.
 
     Attributes:
-        success: Whether it was done.
         message: What was done, or why it was not.
     """
 

@@ -10,7 +10,6 @@ class ApproveDeviceRequest(Message):
     """Approve a device, so that it may be driven; the directory remembers that over a restart.
 
     Attributes:
-        device: The id of the device.
         remove: Whether to take the approval back instead.
         is_preview: Whether to change nothing: the answer shows what would be approved.
         digest: The digest in the answer to a preview: what is announced otherwise by then is not approved. Empty for
@@ -81,11 +80,7 @@ class UnapprovedResponse(Message):
 
 
 class TrustDeviceRequest(Message):
-    """Trust a device again.
-
-    Attributes:
-        device: The id of the device.
-    """
+    """Trust a device again."""
 
     device: str
 

@@ -66,9 +66,7 @@ class CapabilityType(NamedTuple):
     """The meaning of every capability of one name.
 
     Attributes:
-        name: The name, for example ``on_off``.
         kind: The kind of its values; empty for any.
-        meaning: The meaning of a value, as text.
         cluster: Number of the Matter cluster; None where Matter has none.
         unit: Of a number; empty if it has none, or each device names its own.
         bounds: Smallest and largest number; empty if there is none.
@@ -327,8 +325,6 @@ def implied_settings(
     A gateway calls it for protocols in which the brightness or the colour of a light that is off leaves it off.
 
     Args:
-        capability: The capability of the command.
-        value: The value of the command.
         settable: The capabilities that the part takes.
     """
     if capability not in LIGHTS_UP or "on_off" not in settable:

@@ -82,14 +82,11 @@ class ClientRights(NamedTuple):
     """The rights of one client.
 
     Attributes:
-        reads: Whether it has :attr:`Right.READ`.
         acts_on: The devices that it may command: those that fit any of these. One that always asks
             (:mod:`homebot.devices.always_ask`) must be asked for by its type or its name: to fit ``in hall`` is not
             enough. A room that only a tag says counts for none of them.
         acts_on_all: Whether it may command each and every device.
         act_scope: The last two as they were written, for commands; empty for all that does not always ask.
-        manages: Whether it has :attr:`Right.MANAGE`.
-        is_raw: Whether it has :attr:`Right.RAW`.
         robots: The names of the robots that it may be; :data:`ALL_ROBOTS` for any.
     """
 

@@ -22,10 +22,7 @@ class CommandDescription(NamedTuple):
     """Announced facts on the commands of a part.
 
     Attributes:
-        service_type: The device type of the part.
         identifiers: The identifiers of the device, sorted.
-        topics: The addresses to which commands go.
-        settings: The capabilities that can be set.
         payloads: See :attr:`homebot.devices.part.Part.payloads`.
     """
 

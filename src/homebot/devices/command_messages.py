@@ -86,7 +86,6 @@ class CommandRequest(Message):
     """A command to one part of a device: one or more settings, which are sent in their order.
 
     Attributes:
-        device: The id of the device.
         part: The id of the part; empty for the only one that takes all settings, parts for configuration aside.
         settings: The desired values, each capability once.
         transition: Seconds that the change takes, if the device supports that.
@@ -116,7 +115,6 @@ class CommandResult(Message):
     """Outcome of a command, for other programs, the journal and recordings.
 
     Attributes:
-        command_id: The id of the command.
         outcome: Which it is; the fields below that do not belong to it are empty.
         text: The same for people.
         reported: ``confirmed``: the values that the device reported.
@@ -176,9 +174,6 @@ class CommandEvent(Message):
     """Something that became known of a command after its outcome: the device went back.
 
     Attributes:
-        device: The id of the device.
-        part: The id of the part.
-        issuer: The issuer of the command.
         result: The outcome that takes the place of the first one.
     """
 
@@ -226,10 +221,7 @@ class CommandedPart(Message):
     """One part that was commanded, and its outcome.
 
     Attributes:
-        device: The id of the device.
         name: Its name for people, with that of the part where it has several.
-        part: The id of the part.
-        result: The outcome of the command.
     """
 
     device: str
@@ -259,11 +251,8 @@ class SendTextRequest(Message):
     """A raw text for a device.
 
     Attributes:
-        device: The id of the device.
-        payload: The text.
         issuer: The sender: the name of the node, or ``client:NAME`` for a client of the door.
         scope: As for :class:`CommandRequest`.
-        trigger: Its cause, as far as the issuer knows.
     """
 
     device: ShortText

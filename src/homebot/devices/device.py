@@ -45,7 +45,6 @@ class Endpoint(Message):
     """One way to reach a device.
 
     Attributes:
-        gateway: Name of the gateway.
         key: The gateway's key for the device.
         address: The address on which the device publishes, in the gateway's own terms (MQTT: the topic).
         command_address: The address to which it is subscribed; empty when it takes no commands.
@@ -70,10 +69,7 @@ class Route(Message):
     """One way to reach a part, by the gateway's ``send_command`` and ``readings``.
 
     Attributes:
-        gateway: Name of the gateway.
         key: The gateway's key for the announcement.
-        part: The id of the part there.
-        convention: The convention of the announcement.
         takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
         approved: The digest of its description, if the owner approved exactly that; else empty. See
             :mod:`homebot.devices.command_description`.
@@ -118,7 +114,6 @@ class Fact(Message):
 
     Attributes:
         name: Its subject: ``name``, ``area``, or a name of the metadata such as ``model``.
-        value: The value.
         gateway: The gateway of the announcement; empty for a fact that the owner states.
         convention: The convention of the announcement; ``owner`` for a fact that the owner states.
         key: In which announcement; for a fact that the owner states ``configuration``, ``command`` or ``import``.
@@ -134,13 +129,7 @@ class Fact(Message):
 
 
 class Reachability(Message):
-    """The reachability of a device, as it or its last will reports it.
-
-    Attributes:
-        state: ``yes``, ``no`` or ``unknown``.
-        since: Since when that is so.
-        why: The reason, as text.
-    """
+    """The reachability of a device, as it or its last will reports it."""
 
     state: Literal["yes", "no", "unknown"] = "unknown"
     since: Time = Time(sec=0, nanosec=0)
@@ -152,7 +141,6 @@ class State(Message):
 
     Attributes:
         part: The id of the part; see :attr:`DevicePart.id`.
-        capability: The name of the capability.
         value: The value, in the unit of the vocabulary; ``value.plain()`` gives it as a Python value.
         since: The time of the first report of this value.
         told_at: The time of the latest report.
@@ -179,7 +167,6 @@ class Device(Message):
             example ``lights``; otherwise a device type of the vocabulary, for example ``light``.
         endpoints: The addresses for raw messages and texts: one for each gateway, at least one, in the order of
             :attr:`DevicePart.routes`.
-        metadata: Further facts.
         first_seen: The time of its first message or announcement.
         last_seen: The time of its latest message or announcement, to about a second.
         expires: The time at which it becomes stale if nothing more is received.
@@ -247,7 +234,6 @@ class DeviceChange(Message):
             ``resolved``: a contradiction has ended.
         device: The device after the change; before it where it was removed.
         sequence: A number that grows with every change; a snapshot has the number of the last change in it.
-        why: The reason, as text.
         other: The id of the other device concerned; empty if there is none.
     """
 
@@ -261,15 +247,7 @@ class DeviceChange(Message):
 
 
 class ChangedSetting(Message):
-    """A new value of a setting of people and programs (:data:`homebot.devices.capabilities.SETTABLE`).
-
-    Attributes:
-        device: The id of the device.
-        part: The id of the part.
-        capability: For example ``on_off``.
-        value: The value.
-        told_at: The time of the report.
-    """
+    """A new value of a setting of people and programs (:data:`homebot.devices.capabilities.SETTABLE`)."""
 
     device: str
     part: str
@@ -294,9 +272,7 @@ class StateChange(Message):
     Attributes:
         stream: The device with the parts and capabilities that changed, as one key: the newest change of the same ones
             is never lost. Each event has a key of its own, so that a slow reader loses none of the last hundred.
-        device: The id of the device.
         readings: The new values, at least one; or the event alone.
-        told_at: The time of the report.
         live: Whether the device itself reported them; False if they are known only from a retained message.
         sequence: A number that grows with every change, in one series with those of :class:`DeviceChange`.
     """

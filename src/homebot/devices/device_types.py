@@ -16,7 +16,6 @@ class DeviceType(NamedTuple):
     """The type of a part.
 
     Attributes:
-        name: The name, for example ``light``.
         matter: Numbers of the Matter device types it stands for; empty where Matter has none.
         words: Other words that find it, singular.
     """

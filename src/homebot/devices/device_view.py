@@ -30,7 +30,6 @@ class DeviceView:
     Attributes:
         device: The newest description; use :meth:`current` for the newest values.
         sequence: The number of the last change in it.
-        is_gone: Whether the device was removed.
     """
 
     __slots__ = ("__weakref__", "_newer", "device", "is_gone", "sequence")

@@ -52,9 +52,6 @@ class Devices:
     """Access of one node to the devices of the house; an app has it as ``self.devices``.
 
     Queries and subscriptions made here belong to the node and end with it.
-
-    Args:
-        node: The node.
     """
 
     def __init__(self, node: Node) -> None:
@@ -146,11 +143,6 @@ class Devices:
 
         A message is left out where its values are known already, so that with :meth:`follow` each report comes once.
         Use :meth:`listen` for every message.
-
-        Args:
-            kind: As for :meth:`find`, and so are the others.
-            none: Not used.
-            query: The conditions.
         """
         from homebot.devices.handles.messages import HandleMessages  # noqa: PLC0415 - most apps need none
 
@@ -160,7 +152,6 @@ class Devices:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
 
         Args:
-            offer: The thing.
             gateway: The gateway that publishes it. That of MQTT does so with ``publish = true`` in
                 ``[gateways.mqtt.homeassistant]``.
 
@@ -177,7 +168,6 @@ class Devices:
         is asked when it starts, and again after each restart.
 
         Args:
-            device: The device.
             handler: A function or coroutine function of one :class:`RawMessage`.
 
         Raises:
@@ -233,7 +223,6 @@ class Devices:
         """Return the handles of *kind* that *device* has, without asking the directory.
 
         Args:
-            device: The device.
             kind: For example :class:`Light`.
             sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
         """

@@ -30,7 +30,6 @@ class ExposedDevice(Message):
     Attributes:
         id: Unique in this homebot; keep it the same over restarts.
         name: The name for people.
-        parts: Its parts.
         model: The model or kind, for people; may be empty.
         area: The room that it is in; empty if it has none.
         is_withdrawn: Whether it is no longer exposed.

@@ -35,12 +35,10 @@ class Sighting(Message):
     """Announcement of a device by a gateway: it appeared, is still there or described anew, or was removed.
 
     Attributes:
-        gateway: The name of the gateway.
         key: The gateway's key of the device, or of one announcement of it, then beginning with its convention, for
             example ``homeassistant:light/0x17_light``: a device that is announced in several messages, or through
             several conventions, has as many keys.
         kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
-        why: The reason, as text.
         name: The name for people; empty if another announcement of the device may name it.
         service_type: The advertised type; of a described device that of the first part that is neither setting nor
             diagnosis.
@@ -61,7 +59,6 @@ class Sighting(Message):
         owns: Topics that the device has for itself with all that is below them, by its own place or by its bridge
             rather than by its announcement; no other device may send commands there.
         announced_on: The address of the announcement (MQTT: the topic); empty if it only published.
-        seen_at: The time of the message.
         expires_at: The time at which it becomes stale unless it is seen again; the gateway alone knows its protocol's
             habits.
         confirmed: Whether the device itself published, rather than a retained message.
@@ -103,7 +100,6 @@ class Report(Message):
     """The values in one message of a device.
 
     Attributes:
-        gateway: The name of the gateway.
         key: The gateway's key of the device.
         readings: The values, in the order of the parts.
         address: The address on which they were published (MQTT: the topic); empty for a conclusion of the gateway.
@@ -111,7 +107,6 @@ class Report(Message):
             all that the device reported. Events have reports of their own, each in a stream of its own that is not
             kept: they happened once.
         retained: Whether it was a retained message, of the past.
-        received_at: The time at which it was received.
         heard_at: The same in seconds of the monotonic clock, which is never set; 0 if the gateway does not give it.
     """
 
@@ -132,8 +127,6 @@ class Command(Message):
 
     Attributes:
         key: The gateway's key of the device.
-        part: The id of the part.
-        capability: The name of the capability.
         value: The value, in the unit of the vocabulary.
         transition: Seconds that the change takes, if the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
@@ -166,13 +159,9 @@ class CommandAnswer(Message):
     """The answer of a device to a command, in a protocol in which devices answer commands some time later.
 
     Attributes:
-        gateway: The name of the gateway.
         key: The gateway's key of the device.
-        part: The id of the part.
         capability: The capability that was to be set.
-        command_id: The id of the command.
         success: Whether the device accepted the command; that is no proof that it obeyed.
-        message: The reason if not, as text.
     """
 
     gateway: str
@@ -206,12 +195,8 @@ class RawMessage(Message):
     """A raw message of a device, as received.
 
     Attributes:
-        gateway: The name of the gateway.
         key: The gateway's key of the device.
         address: The address on which it was published (MQTT: the topic).
-        payload: The payload.
-        retained: Whether it was a retained message.
-        received_at: The time at which it was received.
     """
 
     gateway: str
@@ -242,7 +227,6 @@ class RawCommand(Message):
         qos: MQTT quality of service, 0 to 2.
         retain: Whether the broker retains it.
         issuer: The name of the node that publishes it; empty if that is not known.
-        trigger: Its cause, as far as the issuer knows.
         command_id: The id that the control layer gave it, which has noted it in the journal; empty if it did not
             pass there.
     """

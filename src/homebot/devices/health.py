@@ -13,13 +13,10 @@ class Quarantine(Message):
     """A source with so many rule violations that its messages are read at a limited rate.
 
     Attributes:
-        gateway: The gateway that reads it.
         offender: The source (MQTT: the topic, or ``PREFIX/#`` for all topics of a prefix without an announced device).
         why: The last violated rule, as text.
         offences: Number of violations since the last calm.
-        since: The begin.
         until: The end, unless there are further violations.
-        is_over: Whether it ended.
     """
 
     key_field: ClassVar[str | None] = "offender"
@@ -37,7 +34,6 @@ class Count(Message):
     """One thing that was counted.
 
     Attributes:
-        name: The name of the counter.
         count: Number since the gateway started.
     """
 
@@ -56,9 +52,6 @@ class PartFailure(Message):
     Attributes:
         part: The part: a component's name, or a node's.
         what: The failure, in words: "crashed", "the handler of /topic failed".
-        count: Number of times.
-        last: When it happened last.
-        why: The last error, in words.
         outcome: The consequence, in words; empty if it simply goes on.
     """
 
@@ -81,9 +74,7 @@ class HealthResponse(Message):
         counts: Numbers of accepted, refused and dropped messages.
         quarantined: The peers in quarantine now.
         troubles: Its present problems, in words; empty if there are none.
-        failures: The failures in it.
         notes: Its limits in the present setup, in words; nothing is wrong.
-        home: Of the runtime: the name of the home.
     """
 
     counts: tuple[Count, ...]

@@ -54,10 +54,7 @@ class HistorySeries(Message):
     """The history of one value of a device: numbers, or words and flags.
 
     Attributes:
-        device: The id of the device.
         name: The name of the device; its id if it is gone.
-        part: The id of the part.
-        capability: The name of the capability.
         unit: The unit of the numbers; empty if there is none.
         width: Seconds that each point summarizes; 0 if each is a single value.
         times: Seconds since the Unix epoch: of each value, or of the begin of the time that it summarizes. A pause is
@@ -122,9 +119,7 @@ class EnergyOfDay(Message):
 
     Attributes:
         day: The date, as in ISO 8601.
-        device: The id of the device.
         name: The name of the device; its id if it is gone.
-        part: The id of the part.
         used: The energy that was used, in kWh.
         returned: The energy that was returned to the grid, in kWh.
     """
@@ -138,11 +133,7 @@ class EnergyOfDay(Message):
 
 
 class ReadEnergyResponse(ServiceAnswer):
-    """The energy by day and meter.
-
-    Attributes:
-        days: The energy, by day and device; not of days on which nothing was counted.
-    """
+    """The energy by day and device; not of days on which nothing was counted."""
 
     days: tuple[EnergyOfDay, ...] = ()
 

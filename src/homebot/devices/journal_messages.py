@@ -63,7 +63,6 @@ class JournalFact(Message):
 
     Attributes:
         name: The name, for example ``occupancy of motion/hall``.
-        value: The value.
         since: Since when it has been so; 0 if that is not known.
     """
 
@@ -73,14 +72,7 @@ class JournalFact(Message):
 
 
 class JournalVerdict(Message):
-    """The verdict of one policy about one command.
-
-    Attributes:
-        policy: The name of the policy.
-        allowed: Whether it had no objection.
-        reason: The reason, as text.
-        facts: The facts that it rests on.
-    """
+    """The verdict of one policy about one command."""
 
     policy: str
     allowed: bool
@@ -101,9 +93,7 @@ class JournalEntry(Message):
             ``released``: it let go; ``ended``: another party, the issuer, ended its lease; ``expired``: its time was
             over; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: the lease counts again;
             ``would``: in place of ``sent``, in a dry run or a replay, which send nothing.
-        at: When.
         device: The id of the device; empty for ``denied`` where none is known.
-        part: The id of the part.
         command: The id of the command, also of a raw one; empty for ``changed``, ``denied`` and leases.
         issuer: The issuer of the command, or the holder: the name of a node, or ``client:NAME`` for a door client.
         trigger: ``requested`` and ``published``: its cause.
@@ -160,7 +150,6 @@ class ReadJournalResponse(Message):
 
     Attributes:
         success: Whether the journal could be read.
-        message: Why not.
         entries: The newest that fit.
         complete: Whether these are all that fit; otherwise older ones were left out.
         begins: The time of the oldest entry in the journal; 0 if it is empty.
@@ -177,27 +166,13 @@ class ReadJournalResponse(Message):
 
 
 class ExplainDeviceRequest(Message):
-    """A question for the reason why a device is as it is.
-
-    Attributes:
-        device: The id of the device.
-    """
+    """A question for the reason why a device is as it is."""
 
     device: str
 
 
 class DeviceFight(Message):
-    """Two apps that command the same part in turn, each against the other.
-
-    Attributes:
-        device: The id of the device.
-        part: The id of the part.
-        issuers: The names of both nodes.
-        text: The fight in words.
-        began: The time of its first command.
-        newest: The time of its last command.
-        commands: Their number.
-    """
+    """Two apps that command the same part in turn, each against the other."""
 
     device: str
     part: str = ""
@@ -213,7 +188,6 @@ class ExplainDeviceResponse(Message):
 
     Attributes:
         success: Whether the device is known and the journal could be read.
-        message: The problem otherwise.
         finding: ``command``: a command explains the change; ``change``: none does; ``heard``: it is so since it was
             first heard; ``retained``: a retained value does not say since when; ``first``: it was so at its first
             report; ``none``: it reported no change.
@@ -240,7 +214,6 @@ class ExplainMissingStateRequest(Message):
     """A question for the reason why a device is not in a state.
 
     Attributes:
-        device: The id of the device.
         state: The state, such as ``on``, ``40 %`` or ``locked``.
     """
 
@@ -253,7 +226,6 @@ class ExplainMissingStateResponse(Message):
 
     Attributes:
         success: Whether the device is known and the journal could be read.
-        message: The problem otherwise.
         is_so: Whether the device is in that state.
         problem: The reason why it never can be, as a sentence; empty if it can.
         word: The command for the state, such as ``lock``; empty if it takes more than a word.

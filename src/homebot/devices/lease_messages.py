@@ -60,7 +60,6 @@ class HoldRequest(Message):
     Attributes:
         device: The id or the name of the device.
         part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
-        setting: The capability and the held value.
         lease: A name for the lease that the holder chooses, such as a UUID, unique among its own.
         by: The holder, in a word for people, such as ``robot``; not blank.
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
@@ -84,7 +83,6 @@ class LeaseState(NamedTuple):
     """The state of a lease.
 
     Attributes:
-        held: Whether the holder has it now.
         outcome: The outcome of the newest command for it, or that a hand outranks it.
     """
 
@@ -116,7 +114,6 @@ class HolderOfPart(Message):
         by: Its name for people.
         issuer: The name of its node, or ``client:NAME`` for a client of the door.
         until: When its time is over, unless it renews the lease.
-        trigger: Its cause, as far as the holder knows.
     """
 
     by: str
@@ -129,9 +126,6 @@ class HeldPart(Message):
     """A part that is held.
 
     Attributes:
-        device: The id of the device.
-        part: The id of the part.
-        setting: The held capability and its value.
         holders: The holders, the first one first.
         outranked_until: The end of the time in which a hand outranks the lease; 0 if none does.
         saw: The observation when the hand came.
@@ -159,7 +153,6 @@ class EndLeasesRequest(Message):
     """An order to end all leases of a part of a device.
 
     Attributes:
-        device: The id of the device.
         issuer: The issuer of the order; the door sets it for its clients.
     """
 
@@ -168,11 +161,7 @@ class EndLeasesRequest(Message):
 
 
 class LeasesResponse(Message):
-    """Parts with leases, or parts with leases that were ended.
-
-    Attributes:
-        parts: The parts, by device.
-    """
+    """Parts with leases, or parts with leases that were ended, by device."""
 
     parts: tuple[HeldPart, ...] = ()
 

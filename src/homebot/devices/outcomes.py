@@ -221,7 +221,6 @@ class Refused(Outcome):
 
     Attributes:
         policy: The name of the policy that refused, or ``gateway`` or ``device``.
-        reason: The reason, as text.
     """
 
     kind: ClassVar[str] = "refused"

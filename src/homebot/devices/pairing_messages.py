@@ -43,7 +43,6 @@ class PairResponse(ServiceAnswer):
         problem: ``refused`` by the gateway or the device; ``unreachable`` if the device cannot be reached now;
             ``busy`` while another device is paired.
         key: The gateway's key of the device.
-        name: The name of the device.
     """
 
     problem: Literal["", "refused", "unreachable", "busy"] = ""

@@ -20,7 +20,6 @@ class Capability(Message):
     Attributes:
         name: From the vocabulary, for example ``on_off``; see :data:`homebot.devices.capabilities.CAPABILITIES`.
         readable: Whether the part reports it; if not, its state is never known (*optimistic*).
-        settable: Whether it can be set.
         unit: The unit of its values, for example ``°C``; empty if there is none, or it is that of the vocabulary.
         bounds: The smallest and the largest value; empty where unknown.
         options: The texts that it accepts or reports; empty for any.

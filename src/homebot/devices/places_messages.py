@@ -62,8 +62,6 @@ class AliasDeviceRequest(Message):
     """Give a device a further name, which is shown from now on; the directory remembers that over a restart.
 
     Attributes:
-        device: The id of the device.
-        alias: The name.
         remove: Whether to take it back instead.
     """
 
@@ -86,7 +84,6 @@ class TagDeviceRequest(Message):
     """Tag a device with a word by which it is found; the directory remembers that over a restart.
 
     Attributes:
-        device: The id of the device.
         tag: The word or words.
         remove: Whether to take it back instead.
     """
@@ -97,11 +94,7 @@ class TagDeviceRequest(Message):
 
 
 class TagDeviceResponse(ServiceAnswer):
-    """The result of tagging a device.
-
-    Attributes:
-        tags: All tags that it has.
-    """
+    """The result of tagging a device."""
 
     tags: tuple[str, ...] = ()
 
@@ -116,7 +109,6 @@ class AreaRing(Message):
     Attributes:
         x: Metres in the frame ``map``.
         y: Metres in the frame ``map``.
-        is_hole: Whether it is a hole.
     """
 
     x: tuple[float, ...]
@@ -128,7 +120,6 @@ class RoomInfo(Message):
     """A room.
 
     Attributes:
-        name: Its name.
         floor: The floor that it is on; empty if none is stated.
         doors: The rooms that a door joins it to.
         areas: Its area; empty if that is not known.
@@ -144,8 +135,6 @@ class DoorInfo(Message):
     """A door, an opening, or a stair, between two rooms.
 
     Attributes:
-        name: Its name.
-        rooms: The two rooms.
         x: Metres of its two ends, or of its centre; empty if that is not known.
         y: Likewise.
         width: Metres; only for a centre.
@@ -167,9 +156,7 @@ class GetPlacesResponse(Message):
 
     Attributes:
         home: The name of the home, in which all rooms are.
-        rooms: The rooms.
         absent: The rooms of devices that are not there, by their ids or hardware addresses; at most 1,000.
-        doors: The doors between rooms.
     """
 
     home: str
@@ -182,7 +169,6 @@ class TeachPlaceRequest(Message):
     """The room of a device, as a tag says that is at it; it counts where neither the owner nor the device says one.
 
     Attributes:
-        device: The id of the device.
         gateway: The gateway of the tag.
         tag: The key of the tag; empty for a code.
         room: The room that the tag or code says; the one that the tag is in, as far as that is known, counts more.
@@ -198,7 +184,6 @@ class TeachPlaceResponse(ServiceAnswer):
     """The result of teaching a room.
 
     Attributes:
-        room: The room that the device is in now.
         is_new: Whether the tag taught another room before, or none.
     """
 
@@ -210,7 +195,6 @@ class ChangeRoomRequest(Message):
     """An order to rename or remove a room that was imported, or to rename one in which devices were placed.
 
     Attributes:
-        room: The room.
         name: Its new name; empty to remove it.
     """
 
@@ -246,7 +230,6 @@ class ImportPlacesRequest(Message):
     """Take over a places file: all of it or, with a mistake in it, nothing. Facts that it leaves out stay.
 
     Attributes:
-        text: Its text.
         replaces: Whether its room of a device wins over one that was stated here before.
         source: The robot whose map the areas of its rooms are from; empty for the owner's word.
     """
@@ -272,7 +255,6 @@ class OwnerRequest(Message):
     """A request to the directory that states something of devices or rooms, or decides on them.
 
     Attributes:
-        at: When it came.
         service: The name of the service, one of the services of the owner.
         request: The request, as the text of a JSON object.
     """

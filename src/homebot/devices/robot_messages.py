@@ -10,7 +10,6 @@ class RobotPose(Message):
     """The position of a robot, as on ``/robots/poses``.
 
     Attributes:
-        robot: Its name.
         room: The room that it is in; empty where that is not known.
         is_nearest_room: Whether it is in no room, and this is the nearest one.
         floor: The floor that it is on; empty where that is not stated.
@@ -20,7 +19,6 @@ class RobotPose(Message):
         yaw: Radians from the x axis, counter-clockwise.
         error: Metres by which the position may be wrong.
         source: The topic, device or tag that it is from.
-        received_at: When it was received.
         limit: Seconds after that, or after the robot's last sign of life, for which it counts.
         counts: Whether it counts now; one that does not is published once more, with False.
         is_sure: Whether the robot knows where it is; False after it was carried away.
@@ -45,12 +43,7 @@ class RobotPose(Message):
 
 
 class RobotRoom(Message):
-    """A robot's own statement of the room that it is in, as on ``/NAME/room``.
-
-    Attributes:
-        robot: Its name.
-        room: The room.
-    """
+    """A robot's own statement of the room that it is in, as on ``/NAME/room``."""
 
     key_field = "robot"
 

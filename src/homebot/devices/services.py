@@ -51,7 +51,6 @@ class IndexEntry(Message):
     Attributes:
         gateway: Through which gateway, for example ``mqtt``: its services and topics are below ``/gateway/<name>``.
         topic: The address on which it publishes there.
-        device_id: The device's id in the index.
     """
 
     gateway: str
@@ -96,7 +95,6 @@ class FindDevicesResponse(Message):
     """The devices, sorted by id.
 
     Attributes:
-        devices: Everything that is known of them.
         sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.
     """
 
@@ -123,7 +121,6 @@ class Found(Message):
     """One device that fits a query.
 
     Attributes:
-        device: Everything that is known of it.
         score: How well it fits; only to be compared within one answer.
         reasons: Why it fits and why it stands where it stands, in words, the weightiest first.
     """
@@ -137,7 +134,6 @@ class QueryDevicesResponse(ServiceAnswer):
     """The devices that fit, best first; equally good ones by id. A query with a misspelt type, room or word fails.
 
     Attributes:
-        results: The devices.
         total: Number of matches, before the limit.
         sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
         is_mistake: Whether it failed for a mistake in the query, so that asking again does not help.
@@ -173,7 +169,6 @@ class ListedDevice(Message):
     """A device in short: about 150 bytes of JSON.
 
     Attributes:
-        id: Its id.
         name: The name for people.
         type: Its main type of the vocabulary, for example ``light``.
         room: The room that it is in; empty if none is known.
@@ -199,7 +194,6 @@ class ListDevicesResponse(ServiceAnswer):
     """The devices, by id. A query with a misspelt type, room or word fails.
 
     Attributes:
-        devices: The devices.
         total: Number of matches, before the limit.
         sequence: The last change that is included; see :class:`homebot.devices.DeviceChange`.
     """
@@ -234,11 +228,7 @@ class GetChangesResponse(Message):
 
 
 class ForgetDeviceRequest(Message):
-    """Take a device out of the index.
-
-    Attributes:
-        device: Its id.
-    """
+    """Take a device out of the index."""
 
     device: str
 
@@ -247,7 +237,6 @@ class AnnouncedOn(Message):
     """The place at which a device was announced.
 
     Attributes:
-        gateway: The gateway of the announcement.
         topic: Where (MQTT: the topic, on which the broker may keep the announcement).
     """
 
@@ -269,7 +258,6 @@ class SplitDeviceRequest(Message):
     """Make several devices of one, because it is not one; the directory remembers that over a restart.
 
     Attributes:
-        device: Its id.
         gateway: The gateway of the announcement that is not about it; empty to make one device of each announcement
             that differs in its identifiers.
         key: The gateway's key for the announcement.
@@ -303,11 +291,7 @@ class MergeDevicesRequest(Message):
 
 
 class MergeDevicesResponse(ServiceAnswer):
-    """The result of merging devices.
-
-    Attributes:
-        device: Its id.
-    """
+    """The result of merging devices."""
 
     device: str = ""
 
@@ -361,11 +345,7 @@ class ExportIndexRequest(Message):
 
 
 class ExportIndexResponse(Message):
-    """The rows of the index.
-
-    Attributes:
-        rows: The rows.
-    """
+    """The rows of the index."""
 
     rows: tuple[IndexRow, ...]
 

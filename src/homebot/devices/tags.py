@@ -36,12 +36,10 @@ class TagTap(Message):
 
     Attributes:
         tag: Its number in hexadecimal digits, which is its key in the gateway.
-        reader: The reader.
         points_to: The pointer on the tag, in words.
         device: The id of the device that it points to; empty if there is none, or are several.
         candidates: The ids of all devices that it may mean.
         area: The room that the tag is in, by the settings or the tag itself; empty for unknown.
-        tapped_at: The time.
     """
 
     key_field: ClassVar[str | None] = "tag"
@@ -59,7 +57,6 @@ class ScanCodeRequest(Message):
     """Request for the device that a code points to.
 
     Attributes:
-        text: The text of the code.
         ndef: Instead of the text, an NDEF message.
     """
 
@@ -103,7 +100,6 @@ class ReadTagResponse(ServiceAnswer):
     Attributes:
         problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
-        reader: The reader.
         tag_type: Its type, as text.
         ndef: The NDEF message on it.
         device: The id of the device that it points to; empty if there is none, or are several.
@@ -143,7 +139,6 @@ class WriteTagResponse(ServiceAnswer):
     Attributes:
         problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
-        reader: The reader.
         device: The id of the device that it points to now.
     """
 

@@ -31,9 +31,6 @@ class Value(Message):
 
     Attributes:
         type: 0 unknown, 1 bool, 2 number, 3 text, 4 numbers; the field of that type holds the value.
-        flag: The value where it is a bool.
-        number: The value where it is a number.
-        text: The value where it is a text.
         numbers: The value where it is several numbers, such as hue and saturation.
     """
 
@@ -100,7 +97,6 @@ class Reading(Message):
 
     Attributes:
         part: The id of the part; see :class:`homebot.devices.part.Part`.
-        capability: The name of the capability.
         value: The value, in the unit of the vocabulary.
     """
 

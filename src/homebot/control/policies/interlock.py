@@ -38,7 +38,6 @@ class Interlock(PolicyTable):
     """A table ``[[control.interlocks]]``.
 
     Attributes:
-        commands: The refused commands.
         condition: The query, written as ``while``: the commands are refused while a device matches.
         where: Whether that device must be in the room of the commanded one, or may be anywhere in the home.
     """

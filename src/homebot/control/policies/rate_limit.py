@@ -56,7 +56,6 @@ class _Sent:
 
     Attributes:
         turned_by: The id of the last command for another value than the one before.
-        is_turn: Whether the last change was a turn.
     """
 
     value: PlainValue

@@ -43,7 +43,6 @@ class Order:
         settings: The commanded values by capability.
         wanted: The values that the part is to report; empty if it reports none of them.
         transition: Seconds that the change takes.
-        moves: Whether a motor runs.
         is_momentary: Whether a second sending would act twice.
         opens_further: Whether it opens a part that is open, but not all the way.
         turns_on: Whether it turns on a part that reports "off" without a setting for that.

@@ -79,8 +79,6 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
 
     Args:
         node: The node that asks; the query ends with it.
-        query: The query.
-        text: The call of the app that asks.
 
     Attributes:
         events_lost: Number of events dropped because 1,000 were waiting for the reader.
@@ -224,7 +222,6 @@ class Became(Generic[HandleT]):
     The cause of a command that it leads to is the change with which the handle came to match.
 
     Args:
-        follow: The live query.
         values: The capabilities that are to have one value: if one of them had another one meanwhile, which a reader
             that is busy misses, the time begins anew.
         lasting: Seconds.

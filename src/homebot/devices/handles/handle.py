@@ -238,12 +238,9 @@ class Handle:
         """Return the query with conditions by capability; those that are None are not asked for.
 
         Args:
-            filters: The conditions that every kind has.
-            terms: Further conditions.
             states: The value that is reported.
             above: The number that the value exceeds.
             below: The number that exceeds the value.
-            settable: Whether it can be set.
         """
         found = list(terms)
         comparisons: tuple[tuple[Operator, Mapping[str, PlainValue]], ...] = (("=", states), (">", above), ("<", below))

@@ -93,12 +93,9 @@ class HandleQuery(Generic[HandleT]):
     """A query for the handles of a kind.
 
     Args:
-        kind: The class of the handles.
-        filters: The conditions that every kind has.
         terms: Conditions on the part itself.
 
     Attributes:
-        kind: The class of the handles.
         search: The query for the devices that may have such parts; :meth:`parts` decides.
         asks_for_values: Whether there is a condition on a value, so that each new one may change the matches.
         near: The condition to be near a robot, which the directory alone can judge; None if there is none.

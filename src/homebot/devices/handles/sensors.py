@@ -67,11 +67,7 @@ class WaterLeakDetector(Handle):
 
     @classmethod
     def where(cls, *, wet: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
-
-        Args:
-            wet: Whether it reports water.
-        """
+        """Return the query that ``find`` and ``follow`` make of these arguments."""
         return cls._where(filters, states={"water_leak": wet})
 
     @property
@@ -87,11 +83,7 @@ class SmokeAlarm(Handle):
 
     @classmethod
     def where(cls, *, smoke: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
-
-        Args:
-            smoke: Whether it reports smoke.
-        """
+        """Return the query that ``find`` and ``follow`` make of these arguments."""
         return cls._where(filters, states={"smoke": smoke})
 
     @property

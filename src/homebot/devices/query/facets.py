@@ -31,21 +31,16 @@ class Facets:
     """The properties of a device that queries can ask for.
 
     Attributes:
-        name: Its name, folded.
         kinds: Type and tag of each part that it is there for; without parts the type of its word, where that is one.
         advertised: The types in the words of its announcements, folded.
         possible_types: The types that the word of a device without parts may mean; empty for a device with parts.
         areas: Its room and the areas that this is in, folded.
-        tags: Its tags, folded.
         words: The words of its id, names, room, floor, tags and model, folded.
-        freshness: See :class:`Device`.
-        reachable: See :class:`Device`.
         categories: ``config`` and ``diagnostic``, if it has parts of these.
         facts: All facts by name, folded.
         values: Type of the part, capability, and value.
         main_type: The type that it has in the first place; without parts its word.
         is_guessed: Whether the type of its first part was guessed.
-        is_disputed: Whether anything about it is.
         is_unapproved: Whether it can hurt and the owner has not approved it.
     """
 

@@ -67,7 +67,6 @@ class QueryTerm(Message):
     """One term of a query on the graph.
 
     Attributes:
-        kind: The kind of the term.
         operands: Of ``and``, ``or`` and ``not``: the number of the following terms, each with its own, that it joins.
         name: The capability of ``can`` and ``state``, the name of ``fact``; of ``type`` the word that was asked for.
         text: The value of ``fact``, the robot of ``near``, and of every kind that has one text.

@@ -19,11 +19,7 @@ __all__ = ["JsonMessage", "fields_of"]
 
 @final
 class JsonMessage:
-    """One message; its fields are attributes, and messages in them likewise.
-
-    Args:
-        fields: Its fields as JSON has them.
-    """
+    """One message; its fields are attributes, and messages in them likewise."""
 
     __slots__ = ("_fields",)
 
