@@ -33,6 +33,7 @@ HandleT = TypeVar("HandleT", bound=Handle)
 Behaviour = Callable[["Home", Command], Awaitable[None]]
 
 NO_GRANTS: Mapping[str, tuple[str, ...]] = {}
+NOTHING: Mapping[str, PlainValue] = {}
 
 
 async def obey(home: Home, command: Command) -> None:
@@ -110,13 +111,28 @@ class Home:
             part = part.model_copy(update={"capabilities": tuple(marked)})
         self.gateway.devices.put(GatewayDevice(key, name or key.title(), (part,), area=area), "the test says so")
 
+    async def new(
+        self,
+        kind: type[HandleT],
+        key: str,
+        *settable: str,
+        before: Mapping[str, PlainValue] = NOTHING,
+        behaviour: Behaviour = obey,
+        service_type: str = "",
+        **more: Any,
+    ) -> HandleT:
+        """Put a device that reported values *before*, and return its handle."""
+        self.put(key, service_type or next(iter(kind.service_types)), *settable, **more)
+        for capability, value in before.items():
+            await self.report(key, capability, value)
+        self.behaviours[key] = behaviour
+        return await self.handle(kind, key)  # type: ignore[arg-type]  # its conditions do not matter
+
     async def lamp(
-        self, *settable: str, behaviour: Behaviour = obey, is_silent: bool = False, echoed: tuple[str, ...] = ()
+        self, *settable: str, before: Mapping[str, PlainValue] = NOTHING, behaviour: Behaviour = obey, **more: Any
     ) -> Light:
-        """Put the only lamp, ``lamp``, and return its handle."""
-        self.put("lamp", "light", *settable, is_silent=is_silent, echoed=echoed)
-        self.behaviours["lamp"] = behaviour
-        return await self.handle(Light)
+        """Put the lamp ``lamp``, and return its handle."""
+        return await self.new(Light, "lamp", *settable, before=before, behaviour=behaviour, **more)
 
     async def report(self, key: str, capability: str, value: PlainValue) -> None:
         """Let a device report a value."""

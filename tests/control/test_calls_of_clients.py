@@ -104,8 +104,7 @@ async def test_a_lease_names_the_client_whose_call_is_its_cause(home: Home) -> N
 
 
 async def test_a_client_names_no_other_as_the_cause_of_its_lease(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.handle(Light, "lamp")
+    await home.lamp("on_off")
     cause = Cause(kind="client", text="client:owner called /app/dark")
     wanted = HoldRequest(
         device="lamp",

@@ -14,7 +14,6 @@ from tests.control.test_journal_file import NOW, opened, read
 from homebot.control.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
 from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices.command_messages import CommandRequest
-from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
 from homebot.devices.names import READ_JOURNAL
 from homebot.devices.outcomes import AlreadySo, NoAnswer
@@ -86,9 +85,7 @@ def test_commands_that_wait_for_their_outcome_are_bounded() -> None:
 @pytest.mark.virtual_time
 async def test_the_newest_command_is_read_at_once_and_kept_when_the_minute_is_over(open_home: OpenHome) -> None:
     async with open_home(rate_limit=False) as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", value=False)
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off", before={"on_off": False})
         for _ in range(20):
             await lamp.turn_on()
             await lamp.turn_off()

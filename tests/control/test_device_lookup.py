@@ -17,8 +17,7 @@ pytestmark = pytest.mark.virtual_time
 
 
 async def test_a_device_is_found_by_its_address(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    lamp = (await home.handle(Light)).device
+    lamp = (await home.lamp("on_off")).device
     addresses = DeviceLookup(home.app)
     assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
     assert await addresses.device_at("mqtt", lamp.endpoints[0].command_address) == ""
@@ -34,8 +33,7 @@ async def test_a_device_is_found_by_what_its_parts_take(home: Home) -> None:
 async def test_a_device_that_appears_later_is_found_a_second_later(home: Home) -> None:
     addresses = DeviceLookup(home.app)
     await addresses.device_at("memory", "nowhere")
-    home.put("lamp", "light", "on_off")
-    lamp = (await home.handle(Light)).device
+    lamp = (await home.lamp("on_off")).device
     await anyio.sleep(1)
     assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
 

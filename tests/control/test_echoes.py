@@ -16,8 +16,7 @@ ECHO = 0.005
 
 
 async def lamp_of(home: Home, *, declared: bool) -> Light:
-    home.put("lamp", "light", "on_off", echoed=("on_off",) if declared else ())
-    return await home.handle(Light)
+    return await home.lamp("on_off", echoed=("on_off",) if declared else ())
 
 
 async def seconds_and_outcome(home: Home, lamp: Light, *values: tuple[float, bool]) -> tuple[float, Outcome]:

@@ -106,8 +106,7 @@ async def test_a_code_that_is_not_sent_is_noted_nowhere(home: Home, name: str, t
 
 
 async def test_a_raw_text_with_a_code_is_noted_without_it(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    address = (await home.handle(Handle, "lamp")).device.endpoints[0].command_address
+    address = (await home.new(Handle, "lamp", "on_off", service_type="light")).device.endpoints[0].command_address
     publisher = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
     publisher.publish(RawCommand(address=address, payload=f'{{"action": "DISARM", "code": "{CODE}"}}'))
     await anyio.sleep(0.1)

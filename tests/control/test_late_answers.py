@@ -73,10 +73,7 @@ async def test_what_is_another_value_or_later_than_a_minute_is_no_late_answer(ho
 
 async def test_a_deaf_lamp_that_says_again_how_it_is_gives_no_late_answer(home: Home) -> None:
     """Else the next failure would be told of only after a minute."""
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    home.behaviours["lamp"] = ignore
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", before={"on_off": False}, behaviour=ignore)
     for _ in range(3):
         for command in (lamp.turn_on, lamp.turn_off):
             began = anyio.current_time()
@@ -87,10 +84,7 @@ async def test_a_deaf_lamp_that_says_again_how_it_is_gives_no_late_answer(home: 
 
 
 async def test_a_deaf_lamp_that_is_wanted_as_it_says_that_it_is_gets_no_more_time(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    home.behaviours["lamp"] = ignore
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", before={"on_off": False}, behaviour=ignore)
     for _ in range(3):
         began = anyio.current_time()
         assert isinstance(await lamp.turn_on(), NoAnswer)

@@ -16,7 +16,7 @@ from tests.sizes import examples
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
 from homebot.devices.command_messages import CommandRequest, PerformCommand, Setting
 from homebot.devices.gateway_messages import Command
-from homebot.devices.handles import Closure, DoorLock, Light, Thermostat
+from homebot.devices.handles import Closure, DoorLock, Thermostat
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.lease_messages import (
     EndLeases,
@@ -53,9 +53,7 @@ async def a_door(
 ) -> AsyncIterator[tuple[Home, Closure]]:
     """Open a home with a closed door."""
     async with open_home(always_ask=False, rate_limit=False, hand_time=hand_time, retries=retries) as home:
-        home.put("door", "closure", "movement", "position")
-        await home.report("door", "movement", "closed")
-        yield home, await home.handle(Closure)
+        yield home, await home.new(Closure, "door", "movement", "position", before={"movement": "closed"})
 
 
 def request(door: Closure, *, value: str = "open", by: str = "robot", ttl: float = 10, lease: str = "1") -> HoldRequest:
@@ -121,8 +119,7 @@ async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_he
 
 
 async def test_a_setpoint_that_is_held_is_not_changed_by_as_much_as_a_device_may_round(home: Home) -> None:
-    home.put("radiator", "thermostat", "heating_setpoint")
-    radiator = await home.handle(Thermostat)
+    radiator = await home.new(Thermostat, "radiator", "heating_setpoint")
     async with radiator.hold("21", by="robot", ttl=10) as held:
         assert held.succeeded
         assert isinstance(await radiator.heat_to(21.5), Refused)
@@ -130,15 +127,13 @@ async def test_a_setpoint_that_is_held_is_not_changed_by_as_much_as_a_device_may
 
 
 async def test_the_steps_of_a_dimmer_are_no_hand(home: Home) -> None:
-    home.put("lamp", "light", "on_off", "level")
 
     async def round_it(home: Home, command: Command) -> None:
         value = command.value.plain()
         assert isinstance(value, float)
         await home.report("lamp", "level", 5.0 * round(value / 5.0))
 
-    home.behaviours["lamp"] = round_it
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", "level", behaviour=round_it)
     for level in (62.0, 33.0, 47.0):  # from these it is learnt
         assert isinstance(await lamp.set_level(level), Contradicted)
     async with lamp.hold("0.88", by="robot", ttl=10) as holding:
@@ -155,10 +150,9 @@ async def test_the_steps_of_a_dimmer_are_no_hand(home: Home) -> None:
 async def test_steps_after_the_end_was_reported_are_a_hand_only_if_the_lamp_stays_there(
     home: Home, later: tuple[float, float], *, is_so: bool
 ) -> None:
-    home.put("lamp", "light", "on_off", "level")
-    await home.report("lamp", "level", 20.0)
-    home.behaviours["lamp"] = report((0.05, 80.0), (1.0, 50.0), later)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp(
+        "on_off", "level", before={"level": 20.0}, behaviour=report((0.05, 80.0), (1.0, 50.0), later)
+    )
     async with lamp.hold("0.8", by="robot", ttl=10) as holding:
         await anyio.sleep(5)
         assert isinstance(holding.outcome, Confirmed)
@@ -452,8 +446,7 @@ async def test_what_does_not_last_or_is_not_understood_cannot_be_held(open_home:
 async def test_a_client_without_a_name_or_a_right_blocks_nobody(open_home: OpenHome) -> None:
     async with open_home(always_ask=False) as home:
         home.put("lock", "door_lock", "lock")
-        home.put("door", "closure", "movement")
-        door = await home.handle(Closure, "door")
+        door = await home.new(Closure, "door", "movement")
         blank = await hold(home, request(door, by=" "))
         assert (blank.held, blank.result.policy) == (False, "lease")
         lock = await home.handle(DoorLock, "lock")
@@ -524,8 +517,7 @@ async def test_who_holds_again_under_another_name_may(open_home: OpenHome) -> No
 
 async def test_all_holders_of_a_device_are_ended_and_no_others(open_home: OpenHome) -> None:
     async with a_door(open_home) as (home, door):
-        home.put("lamp", "light", "on_off")
-        lamp = await home.handle(Light, "lamp")
+        lamp = await home.lamp("on_off")
         async with lamp.hold("on", by="cook"), door.hold("open", by="robot"), door.hold("open", by="vacuum"):
             (part,) = await end(home, door)
             assert [one.by for one in part.holders] == ["robot", "vacuum"]

@@ -38,8 +38,7 @@ def on_the_way(*steps: Step) -> Behaviour:
 async def commanded(open_home: OpenHome, setting: tuple[str, PlainValue], *steps: Step) -> tuple[Outcome, int]:
     """Command an open blind, and return what became of it, and how often it was sent."""
     async with open_home() as home:
-        home.put("blind", "window_covering", "movement", "position")
-        blind = await home.handle(WindowCovering)
+        blind = await home.new(WindowCovering, "blind", "movement", "position")
         await home.gateway.devices.report("blind", {"movement": "open", "position": 100.0})
         await anyio.sleep(1)
         home.behaviours["blind"] = on_the_way(*steps) if steps else ignore
@@ -136,8 +135,7 @@ async def test_what_is_open_in_part_is_opened_all_the_way(
     home: Home, position: float | None, expected: type[Outcome], sendings: int
 ) -> None:
     """A blind at 35 % is open, for it is not closed; who says open wants more than that."""
-    home.put("blind", "window_covering", "movement", "position")
-    blind = await home.handle(WindowCovering)
+    blind = await home.new(WindowCovering, "blind", "movement", "position")
     values: dict[str, PlainValue] = {"movement": "open"} | ({} if position is None else {"position": position})
     await home.gateway.devices.report("blind", values)
     await anyio.sleep(1)

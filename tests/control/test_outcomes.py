@@ -118,15 +118,12 @@ async def test_a_stuck_lamp_that_answers_with_the_old_state_is_contradicted(home
 
 async def test_a_lamp_that_is_off_and_keeps_its_brightness_obeyed_a_level_of_0(home: Home) -> None:
     """As Zigbee2MQTT and Home Assistant's JSON lamps report it: ``{"state": "OFF", "brightness": 254}``."""
-    home.put("lamp", "light", "on_off", "level")
-    await home.report("lamp", "on_off", True)
 
     async def be_off(home: Home, command: Command) -> None:
         await home.report("lamp", "on_off", False)
         await home.report("lamp", "level", 100.0)
 
-    home.behaviours["lamp"] = be_off
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", "level", before={"on_off": True}, behaviour=be_off)
     assert isinstance(await lamp.command("level", 0.0), Confirmed)
     assert isinstance(await lamp.command("level", 0.0), AlreadySo)
     assert [(one.capability, one.value.plain()) for one in home.commands] == [("on_off", False)]
@@ -140,16 +137,12 @@ async def test_a_lamp_that_is_off_at_the_wanted_level_or_colour_is_not_on_alread
     home: Home, capability: str, value: PlainValue, *, is_stuck: bool
 ) -> None:
     """Most lamps report while they are off what they will be when they are on."""
-    home.put("lamp", "light", "on_off", capability)
-    await home.report("lamp", "on_off", False)
-    await home.report("lamp", capability, value)
 
     async def light_up(home: Home, command: Command) -> None:
         await home.report("lamp", command.capability, command.value.plain())
         await home.report("lamp", "on_off", not is_stuck)
 
-    home.behaviours["lamp"] = light_up
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", capability, before={"on_off": False, capability: value}, behaviour=light_up)
     outcome = await lamp.command(capability, value)
     assert isinstance(outcome, Contradicted if is_stuck else Confirmed)
     assert [(one.capability, one.value.plain()) for one in home.commands][:1] == [(capability, value)]
@@ -183,15 +176,13 @@ async def test_who_dims_a_lamp_soon_after_it_was_turned_off_made_it_no_liar(
 
 
 async def test_a_blind_that_is_sent_half_up_soon_after_it_closed_did_not_go_back(home: Home) -> None:
-    home.put("blind", "window_covering", "movement", "position")
 
     async def move(home: Home, command: Command) -> None:
         is_closed = command.value.plain() == "closed"
         movement, position = ("closed", 0.0) if is_closed else ("open", 50.0)
         await home.gateway.devices.report("blind", {"movement": movement, "position": position})
 
-    home.behaviours["blind"] = move
-    blind = await home.handle(WindowCovering)
+    blind = await home.new(WindowCovering, "blind", "movement", "position", behaviour=move)
     assert isinstance(await blind.close(), Confirmed)
     assert isinstance(await blind.set_position(50), Confirmed)
     await anyio.sleep(20)
@@ -213,27 +204,20 @@ async def test_a_lamp_that_is_turned_off_is_told_no_older_colour_again(home: Hom
 
 async def test_a_blind_that_is_not_known_to_move_is_stopped_all_the_same(home: Home) -> None:
     """It reports nothing on its way, and somebody may have started it at its switch."""
-    home.put("blind", "window_covering", "movement")
-    await home.report("blind", "movement", "open")
-    await (await home.handle(WindowCovering)).stop()
+    await (await home.new(WindowCovering, "blind", "movement", before={"movement": "open"})).stop()
     assert [one.value.plain() for one in home.commands][:1] == ["stopped"]
 
 
 async def test_the_latch_of_an_unlocked_door_is_opened(open_home: OpenHome) -> None:
     async with open_home(always_ask=False) as home:
-        home.put("door", "door_lock", "lock")
-        await home.report("door", "lock", "unlocked")
-        door = await home.handle(DoorLock)
+        door = await home.new(DoorLock, "door", "lock", before={"lock": "unlocked"})
         assert isinstance(await door.unlock(), AlreadySo)
         assert isinstance(await door.open(), Confirmed)
         assert [one.value.plain() for one in home.commands] == ["open"]
 
 
 async def test_a_dimmer_without_a_switch_is_told_a_level_of_0(home: Home) -> None:
-    home.put("lamp", "light", "level", readable=("on_off",))
-    await home.report("lamp", "on_off", True)
-    await home.report("lamp", "level", 100.0)
-    lamp = await home.handle(Light)
+    lamp = await home.new(Light, "lamp", "level", readable=("on_off",), before={"on_off": True, "level": 100.0})
     assert isinstance(await lamp.command("level", 0.0), Confirmed)
     await home.report("lamp", "on_off", False)
     assert isinstance(await lamp.command("level", 0.0), AlreadySo)
@@ -241,9 +225,7 @@ async def test_a_dimmer_without_a_switch_is_told_a_level_of_0(home: Home) -> Non
 
 
 async def test_what_is_so_already_is_not_sent(home: Home) -> None:
-    home.put("lamp", "light", "on_off", "level")
-    await home.report("lamp", "on_off", True)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", "level", before={"on_off": True})
     assert isinstance(await lamp.turn_on(), AlreadySo)
     assert home.commands == []
 
@@ -267,9 +249,7 @@ async def test_a_lamp_that_came_back_is_told_again(home: Home) -> None:
 
 
 async def test_what_was_so_long_ago_is_sent_and_silence_does_not_contradict_it(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", True)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", before={"on_off": True})
     await anyio.sleep(300)
     home.behaviours["lamp"] = ignore
     assert isinstance(await lamp.turn_on(), AlreadySo)
@@ -281,9 +261,7 @@ async def test_a_switch_that_is_online_and_reports_only_changes_is_as_the_broker
     home: Home, *, reachable: bool | None, expected: type[Outcome]
 ) -> None:
     """As ESPHome's and ESPurna's: told to be on where they are on, they report nothing."""
-    home.put("relay", "switch", "on_off")
-    home.behaviours["relay"] = ignore
-    relay = await home.handle(Switch)
+    relay = await home.new(Switch, "relay", "on_off", behaviour=ignore)
     await home.gateway.devices.report("relay", {"on_off": True}, retained=True)
     home.gateway.devices.report_reachable("relay", reachable=reachable)
     await anyio.sleep(1)
@@ -316,16 +294,15 @@ async def test_what_was_so_before_a_command_without_an_answer_is_not_known_any_m
 
 
 async def test_a_lamp_that_reports_nothing_is_acknowledged_at_most(home: Home) -> None:
-    home.put("plug", "switch", "on_off", is_silent=True)
-    outcome = await (await home.handle(Switch)).turn_on()
+    outcome = await (await home.new(Switch, "plug", "on_off", is_silent=True)).turn_on()
     assert isinstance(outcome, Confirmed)
     assert outcome.evidence is Evidence.ACKNOWLEDGED
 
 
 async def test_a_blind_on_its_way_is_waited_for(home: Home) -> None:
-    home.put("blind", "window_covering", "movement")
-    home.behaviours["blind"] = report((1.0, "opening"), (45.0, "open"))
-    outcome = await (await home.handle(WindowCovering)).open()
+    outcome = await (
+        await home.new(WindowCovering, "blind", "movement", behaviour=report((1.0, "opening"), (45.0, "open")))
+    ).open()
     assert isinstance(outcome, Confirmed)
     assert round(outcome.latency) == 45
     assert len(home.commands) == 1
@@ -333,17 +310,12 @@ async def test_a_blind_on_its_way_is_waited_for(home: Home) -> None:
 
 async def test_a_blind_of_which_nothing_was_heard_since_it_began_to_move_gave_no_answer(home: Home) -> None:
     """Its last report may have been lost."""
-    home.put("blind", "window_covering", "movement")
-    home.behaviours["blind"] = report((1.0, "opening"))
-    outcome = await (await home.handle(WindowCovering)).open()
+    outcome = await (await home.new(WindowCovering, "blind", "movement", behaviour=report((1.0, "opening")))).open()
     assert outcome == NoAnswer(61.0, command_id=outcome.command_id)
 
 
 async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", True)
-    lamp = await home.handle(Light)
-    home.behaviours["lamp"] = ignore
+    lamp = await home.lamp("on_off", before={"on_off": True}, behaviour=ignore)
     outcomes = home.begin(lamp.turn_off)
     await anyio.sleep(1)
     assert isinstance(await lamp.turn_on(), NoAnswer)
@@ -361,9 +333,9 @@ async def test_what_was_so_before_a_command_that_is_on_its_way_is_not_known(home
 
 async def blind_without_movement(home: Home) -> WindowCovering:
     """Put a blind that takes movements, and reports its position alone; it is open."""
-    home.put("blind", "window_covering", "movement", "position", is_write_only=("movement",))
-    await home.report("blind", "position", 100.0)
-    return await home.handle(WindowCovering)
+    return await home.new(
+        WindowCovering, "blind", "movement", "position", is_write_only=("movement",), before={"position": 100.0}
+    )
 
 
 def positions(*values: tuple[float, float]) -> Behaviour:
@@ -421,11 +393,7 @@ async def test_after_a_failed_command_an_older_report_of_the_same_in_other_words
 
 
 async def test_after_an_unanswered_off_an_older_level_counts_no_more(home: Home) -> None:
-    home.put("lamp", "light", "on_off", "level")
-    await home.report("lamp", "on_off", True)
-    await home.report("lamp", "level", 80.0)
-    lamp = await home.handle(Light)
-    home.behaviours["lamp"] = ignore
+    lamp = await home.lamp("on_off", "level", before={"on_off": True, "level": 80.0}, behaviour=ignore)
     assert isinstance(await lamp.turn_off(), NoAnswer)
     home.commands.clear()
     assert isinstance(await lamp.set_level(80.0), NoAnswer)
@@ -433,9 +401,9 @@ async def test_after_an_unanswered_off_an_older_level_counts_no_more(home: Home)
 
 
 async def test_a_lock_that_jams_on_its_way_is_contradicted(home: Home) -> None:
-    home.put("lock", "door_lock", "lock")
-    home.behaviours["lock"] = report((1.0, "locking"), (4.0, "jammed"))
-    outcome = await (await home.handle(DoorLock)).lock()
+    outcome = await (
+        await home.new(DoorLock, "lock", "lock", behaviour=report((1.0, "locking"), (4.0, "jammed")))
+    ).lock()
     assert isinstance(outcome, Contradicted)
     assert outcome.saw == "lock is jammed"
 
@@ -464,9 +432,7 @@ async def test_off_takes_the_place_of_a_level_that_would_be_sent_again(home: Hom
 
 @pytest.mark.parametrize("newer", ["closed", "stopped"])
 async def test_a_movement_takes_the_place_of_a_position(home: Home, newer: str) -> None:
-    home.put("blind", "window_covering", "movement", "position")
-    home.behaviours["blind"] = ignore
-    blind = await home.handle(WindowCovering)
+    blind = await home.new(WindowCovering, "blind", "movement", "position", behaviour=ignore)
     outcomes = home.begin(partial(blind.set_position, 100))
     await anyio.sleep(1)
     await (blind.close() if newer == "closed" else blind.stop())
@@ -494,9 +460,7 @@ async def test_a_fan_that_is_given_a_mode_soon_after_it_was_turned_off_made_it_n
         mode = command.value.plain() if command.capability == "fan_mode" else "off"
         await home.gateway.devices.report("fan", {"on_off": mode != "off", "fan_mode": mode})
 
-    home.put("fan", "fan", "on_off", "fan_mode")
-    home.behaviours["fan"] = run
-    fan = await home.handle(Handle)
+    fan = await home.new(Handle, "fan", "on_off", "fan_mode", service_type="fan", behaviour=run)
     assert isinstance(await fan.command("fan_mode", "low"), Confirmed)
     assert isinstance(await fan.command("on_off", False), Confirmed)
     assert isinstance(await fan.command("fan_mode", "auto"), Confirmed)
@@ -515,8 +479,7 @@ SMALL_STEPS = [
 async def test_half_a_degree_more_is_commanded_although_a_device_may_round_by_as_much(
     home: Home, kind: str, capability: str, before: float, wanted: float
 ) -> None:
-    home.put("device", kind, capability)
-    device = await home.handle(Handle)
+    device = await home.new(Handle, "device", capability, service_type=kind)
     await home.report("device", capability, before)
     await anyio.sleep(1)
     assert isinstance(await device.command(capability, wanted), Confirmed)
@@ -528,9 +491,7 @@ async def test_half_a_degree_more_is_commanded_although_a_device_may_round_by_as
 async def test_who_reports_the_setpoint_from_before_did_not_take_half_a_degree_more(
     home: Home, kind: str, capability: str, before: float, wanted: float
 ) -> None:
-    home.put("device", kind, capability)
-    home.behaviours["device"] = report((0.2, before))
-    device = await home.handle(Handle)
+    device = await home.new(Handle, "device", capability, service_type=kind, behaviour=report((0.2, before)))
     await home.report("device", capability, before)
     await anyio.sleep(1)
     assert isinstance(await device.command(capability, wanted), Contradicted)
@@ -539,9 +500,7 @@ async def test_who_reports_the_setpoint_from_before_did_not_take_half_a_degree_m
 @pytest.mark.parametrize(("wanted", "reported"), [(21.3, 21.5), (21.4, 21.667)])
 async def test_a_thermostat_that_rounds_is_told_the_same_once(home: Home, wanted: float, reported: float) -> None:
     """It takes half degrees, or whole ones of Fahrenheit."""
-    home.put("radiator", "thermostat", "heating_setpoint")
-    home.behaviours["radiator"] = report((0.2, reported))
-    radiator = await home.handle(Thermostat)
+    radiator = await home.new(Thermostat, "radiator", "heating_setpoint", behaviour=report((0.2, reported)))
     assert isinstance(await radiator.heat_to(wanted), Confirmed)
     assert isinstance(await radiator.heat_to(wanted), AlreadySo)
 
@@ -595,15 +554,17 @@ async def test_a_device_that_does_the_nearest_that_it_can_obeyed_each_time(
 async def test_a_device_that_does_something_else_did_not_obey(
     home: Home, kind: str, capability: str, wanted: PlainValue, reported: PlainValue
 ) -> None:
-    home.put("device", kind, capability)
-    home.behaviours["device"] = report((0.2, reported))
-    assert isinstance(await (await home.handle(Handle)).command(capability, wanted), Contradicted)
+    assert isinstance(
+        await (
+            await home.new(Handle, "device", capability, service_type=kind, behaviour=report((0.2, reported)))
+        ).command(capability, wanted),
+        Contradicted,
+    )
 
 
 async def test_what_a_hand_changed_by_half_a_degree_is_commanded_again(home: Home) -> None:
     """It is no rounding of the same command from before."""
-    home.put("radiator", "thermostat", "heating_setpoint")
-    radiator = await home.handle(Thermostat)
+    radiator = await home.new(Thermostat, "radiator", "heating_setpoint")
     assert isinstance(await radiator.heat_to(21.5), Confirmed)
     await anyio.sleep(100)
     await home.report("radiator", "heating_setpoint", 21.0)
@@ -623,14 +584,12 @@ async def test_white_takes_the_place_of_a_colour_and_no_lamp_went_back(
     home: Home, older: tuple[str, PlainValue], newer: tuple[str, PlainValue]
 ) -> None:
     """A lamp that shows one of them reports that the other is unknown, or what it looks like."""
-    home.put("lamp", "light", "on_off", "color_temperature", "color")
 
     async def show(home: Home, command: Command) -> None:
         other = "color" if command.capability == "color_temperature" else "color_temperature"
         await home.gateway.devices.report("lamp", {command.capability: command.value.plain(), other: None})
 
-    home.behaviours["lamp"] = show
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", "color_temperature", "color", behaviour=show)
     assert isinstance(await lamp.command(*older), Confirmed)
     assert isinstance(await lamp.command(*newer), Confirmed)
     await anyio.sleep(20)
@@ -714,9 +673,7 @@ async def test_a_lamp_that_goes_back_is_told_as_an_event(home: Home) -> None:
 async def test_a_dimmer_that_tells_where_it_will_be_and_then_each_step_does_not_go_back(
     home: Home, levels: tuple[tuple[float, float], ...], reverted_after: int | None
 ) -> None:
-    home.put("lamp", "light", "level")
-    await home.report("lamp", "level", 20.0)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("level", before={"level": 20.0})
 
     async def dim(home: Home, command: Command) -> None:
         await obey(home, command)
@@ -796,10 +753,7 @@ async def test_a_whole_floor_is_confirmed_at_once(home: Home) -> None:
 
 
 async def test_a_lamp_that_is_about_to_change_is_told_although_it_is_still_so(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    home.behaviours["lamp"] = obey_after(2.0)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", before={"on_off": False}, behaviour=obey_after(2.0))
     home.tasks.start_soon(lamp.turn_on)
     await anyio.sleep(1)
     await lamp.turn_off()
@@ -865,10 +819,7 @@ async def test_a_device_that_misses_the_first_sending_each_time_is_not_given_mor
             if sent.count(command.id) == 2:
                 await obey(home, command)
 
-        home.put("lamp", "light", "on_off")
-        home.behaviours["lamp"] = miss_the_first
-        await home.report("lamp", "on_off", False)
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off", before={"on_off": False}, behaviour=miss_the_first)
         for number in range(16):
             outcome = await (lamp.turn_off() if number % 2 else lamp.turn_on())
             assert isinstance(outcome, Confirmed)
@@ -897,9 +848,7 @@ async def test_a_device_that_answers_each_sending_with_how_it_was_is_contradicte
 
 async def test_a_colour_of_a_lamp_that_stays_off_is_not_confirmed(home: Home) -> None:
     """``turn_on(kelvin=…)`` is about the light, not about the colour that it would have."""
-    home.put("lamp", "light", "on_off", "color_temperature")
-    await home.report("lamp", "on_off", value=False)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", "color_temperature", before={"on_off": False})
     outcome = await lamp.turn_on(kelvin=2700)
     assert not outcome.succeeded
     assert lamp.on is False

@@ -14,9 +14,7 @@ pytestmark = pytest.mark.virtual_time
 
 async def test_a_command_after_a_lost_connection_is_sent(home: Home) -> None:
     """The lamp may have been switched off meanwhile."""
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", True)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", before={"on_off": True})
     await anyio.sleep(1)
     home.gateway.set_unavailable("the cable is out")
     await anyio.sleep(10)
@@ -54,10 +52,14 @@ async def test_a_report_after_a_lost_connection_is_recent(home: Home) -> None:
 
 async def test_a_paused_vacuum_is_stopped(home: Home) -> None:
     """A pause goes on by itself, a stop does not."""
-    home.put("robby", "robotic_vacuum_cleaner", "vacuum")
-    await home.report("robby", "vacuum", "paused")
-    robby = await home.handle(Handle)
-    home.behaviours["robby"] = report((0.5, "idle"))
+    robby = await home.new(
+        Handle,
+        "robby",
+        "vacuum",
+        service_type="robotic_vacuum_cleaner",
+        before={"vacuum": "paused"},
+        behaviour=report((0.5, "idle")),
+    )
     assert isinstance(await robby.command("vacuum", "idle"), Confirmed)
     assert [one.value.plain() for one in home.commands] == ["idle"]
 

@@ -53,14 +53,12 @@ async def test_it_is_repeated_once_the_lamp_reports_that_it_is_still_off(home: H
 
 
 async def test_it_is_confirmed_without_a_repetition_where_the_lamp_reports_that_it_is_on(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
 
     async def obey_late(home: Home, command: Command) -> None:
         lose_connection(home)
         home.later(8.0, command.key, "on_off", value=True)
 
-    home.behaviours["lamp"] = obey_late
-    assert isinstance(await (await home.handle(Light)).turn_on(), Confirmed)
+    assert isinstance(await (await home.lamp("on_off", behaviour=obey_late)).turn_on(), Confirmed)
     assert len(home.commands) == 1
 
 
@@ -123,9 +121,9 @@ async def test_neither_an_echo_nor_what_was_so_before_takes_its_place(home: Home
 
 
 async def test_a_press_that_the_network_did_not_acknowledge_is_not_confirmed(home: Home) -> None:
-    home.put("lamp", "generic_switch", "push", is_silent=True)
-    home.behaviours["lamp"] = freeze
-    outcome = await (await home.handle(Handle)).command("push", value=True)
+    outcome = await (
+        await home.new(Handle, "lamp", "push", service_type="generic_switch", is_silent=True, behaviour=freeze)
+    ).command("push", value=True)
     assert isinstance(outcome, NoAnswer)
     assert outcome.is_unacknowledged
     assert len(home.commands) == 1

@@ -102,17 +102,12 @@ async def test_a_dial_that_is_turned_is_one_change(home: Home) -> None:
 
 
 async def test_the_effect_of_a_slow_command_is_explained_as_long_as_it_takes(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    home.behaviours["lamp"] = obey_after(9.0)
-    await (await home.handle(Light)).turn_on()
+    await (await home.lamp("on_off", before={"on_off": False}, behaviour=obey_after(9.0))).turn_on()
     assert await changes(home) == []
 
 
 async def test_a_raw_command_explains_what_the_device_reports(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    lamp = (await home.handle(Light)).device
+    lamp = (await home.lamp("on_off", before={"on_off": False})).device
     home.later(0.3, "lamp", "on_off", True)
     await publish(home, lamp, "on")
     assert await changes(home) == []
@@ -124,9 +119,7 @@ async def test_a_raw_command_explains_what_the_device_reports(home: Home) -> Non
 
 
 async def test_a_raw_command_explains_what_undoes_another_command(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    await home.report("lamp", "on_off", False)
-    lamp = await home.handle(Light)
+    lamp = await home.lamp("on_off", before={"on_off": False})
     await anyio.sleep(1)
     await lamp.turn_on()
     await anyio.sleep(1)
@@ -141,17 +134,14 @@ async def test_a_raw_command_explains_what_undoes_another_command(home: Home) ->
 async def test_what_is_reported_in_the_moment_of_the_command_is_explained(open_home: OpenHome) -> None:
     """At a time whose nanoseconds since 1970 are rounded down where they are counted as one float."""
     async with open_home(clock=LoopClock(1795362342.6555853)) as home:
-        home.put("lamp", "light", "on_off")
-        await home.report("lamp", "on_off", False)
-        lamp = await home.handle(Light)
+        lamp = await home.lamp("on_off", before={"on_off": False})
         await anyio.sleep(1)
         await lamp.turn_on()
         assert await changes(home) == []
 
 
 async def test_a_raw_command_of_nobody_known_is_there_too(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    lamp = (await home.handle(Light)).device
+    lamp = (await home.lamp("on_off")).device
     await publish(home, lamp, "on", issuer="")
     await anyio.sleep(1)
     (published,) = (await read(home)).entries

@@ -153,8 +153,7 @@ async def unlock(home: Home, device: str, issuer: str = "client:owner") -> Comma
 @pytest.mark.virtual_time
 async def test_what_is_not_approved_is_held_by_nobody(open_home: OpenHome) -> None:
     async with open_home(grants={"/app": ("act: all",)}, approvals=True) as home:
-        home.put("lock", "door_lock", "lock")
-        lock = await home.handle(DoorLock, "lock")
+        lock = await home.new(DoorLock, "lock", "lock")
         async with lock.hold("unlock", by="robot") as held:
             assert isinstance(held.outcome, Refused)
             assert (held.outcome.policy, held.is_held) == ("approval", False)
@@ -171,8 +170,7 @@ async def test_what_is_not_approved_is_held_by_nobody(open_home: OpenHome) -> No
 @pytest.mark.virtual_time
 async def test_a_device_of_a_client_that_is_not_approved_blocks_nobody(open_home: OpenHome) -> None:
     async with open_home(grants={"/app": ("act: all",)}, approvals=True) as home:
-        home.put("lock", "door_lock", "lock")
-        lock = await home.handle(DoorLock, "lock")
+        lock = await home.new(DoorLock, "lock", "lock")
         wanted = HoldRequest(
             device=lock.device.id,
             setting=Setting(capability="lock", value=Value.of("unlocked")),
@@ -254,6 +252,5 @@ async def test_who_asks_learns_which_devices_wait(open_home: OpenHome) -> None:
         assert await waiting(home) == ()
         assert (await health.call(GetHealth.Request())).notes == ()
     async with open_home() as home:
-        home.put("lock", "door_lock", "lock")
-        await home.handle(DoorLock)
+        await home.new(DoorLock, "lock", "lock")
         assert await waiting(home) == ()

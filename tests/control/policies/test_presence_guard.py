@@ -212,16 +212,14 @@ async def test_what_undoes_a_command_is_a_hand(home: Home) -> None:
 
 
 async def test_a_room_without_a_sensor_is_unknown_which_means_no(home: Home) -> None:
-    home.put("lamp", "light", "on_off", area="attic")
-    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    outcome = await (await home.new(Light, "lamp", "on_off", area="attic")).turn_off()
     assert isinstance(outcome, Refused)
     assert "attic" in outcome.reason
     assert "no motion sensor" in outcome.reason
 
 
 async def test_a_device_without_a_room_is_not_turned_off(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    outcome = await (await home.handle(Light, "lamp")).turn_off()
+    outcome = await (await home.lamp("on_off")).turn_off()
     assert isinstance(outcome, Refused)
     assert "the room of the device is unknown" in outcome.reason
 

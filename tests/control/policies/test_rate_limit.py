@@ -22,8 +22,7 @@ async def blink(lamp: Light, times: int) -> list[Outcome]:
 
 
 async def test_a_strobe_is_stopped(home: Home) -> None:
-    home.put("lamp", "light", "on_off")
-    outcomes = await blink(await home.handle(Light), 40)
+    outcomes = await blink(await home.lamp("on_off"), 40)
     refused = [one for one in outcomes if isinstance(one, Refused)]
     assert len(home.commands) == 31  # the first is no change
     assert refused[0].policy == "rate_limit"
@@ -107,11 +106,9 @@ def lamp_that_was(*, on: bool, told: float) -> Device:
 
 async def test_the_limit_is_the_owners(open_home: OpenHome) -> None:
     async with open_home(rate_limit={"changes": 2, "seconds": 60}) as home:
-        home.put("lamp", "light", "on_off")
-        assert [one.succeeded for one in await blink(await home.handle(Light), 5)] == [True, True, True, False, True]
+        assert [one.succeeded for one in await blink(await home.lamp("on_off"), 5)] == [True, True, True, False, True]
 
 
 async def test_it_can_be_turned_off(open_home: OpenHome) -> None:
     async with open_home(rate_limit=False) as home:
-        home.put("lamp", "light", "on_off")
-        assert all(one.succeeded for one in await blink(await home.handle(Light), 100))
+        assert all(one.succeeded for one in await blink(await home.lamp("on_off"), 100))

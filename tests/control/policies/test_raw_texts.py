@@ -66,24 +66,21 @@ async def test_in_an_empty_room_it_is_sent_and_its_chain_is_whole(open_home: Ope
 async def test_what_cannot_be_read_is_a_use_of_the_device(open_home: OpenHome) -> None:
     quiet = [{"start": "00:00", "end": "23:59:59.999", "commands": ["use lights"]}]
     async with open_home(quiet_hours=quiet) as home:
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
+        lamp = (await home.lamp("on_off")).device
         with pytest.raises(RefusedError, match="quiet_hours"):
             await home.devices.tell(lamp, "dance")
 
 
 async def test_what_cannot_be_read_is_left_to_the_device_where_no_policy_minds(open_home: OpenHome) -> None:
     async with open_home(presence_guard=True) as home:
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
+        lamp = (await home.lamp("on_off")).device
         await home.devices.tell(lamp, "dance")
         assert kinds(await read(home)) == ["requested", "published"]
 
 
 async def test_a_lock_takes_a_text_of_who_has_a_right_that_names_it(open_home: OpenHome) -> None:
     async with open_home({"/app": ("read", "act: door lock")}) as home:
-        home.put("lock", "door_lock", "lock")
-        lock = await home.handle(DoorLock)
+        lock = await home.new(DoorLock, "lock", "lock")
         await home.devices.tell(lock.device, "unlock")
         await anyio.sleep(1)
         assert [one.value.plain() for one in home.commands] == ["unlocked"]
@@ -92,8 +89,7 @@ async def test_a_lock_takes_a_text_of_who_has_a_right_that_names_it(open_home: O
 
 
 async def test_a_lock_takes_no_text_of_others_but_to_lock(home: Home) -> None:
-    home.put("lock", "door_lock", "lock")
-    lock = await home.handle(DoorLock)
+    lock = await home.new(DoorLock, "lock", "lock")
     with pytest.raises(RefusedError, match="takes a right that names it"):
         await home.devices.tell(lock.device, "unlock")
     await home.devices.tell(lock.device, "lock")
@@ -118,8 +114,7 @@ async def test_what_somebody_holds_is_not_changed_by_a_text(home: Home) -> None:
 
 async def test_texts_are_limited_in_their_rate(open_home: OpenHome) -> None:
     async with open_home(rate_limit={"changes": 2, "seconds": 10}) as home:
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
+        lamp = (await home.lamp("on_off")).device
         for text in ("on", "off", "on"):
             await home.devices.tell(lamp, text)
         with pytest.raises(RefusedError, match="rate_limit"):
@@ -149,8 +144,7 @@ async def test_a_text_takes_the_place_of_a_command_under_way(home: Home) -> None
 
 async def test_beside_a_runtime_nothing_is_sent_while_the_control_layer_is_away(home: Home) -> None:
     async with Node(home.graph, "homebot"):
-        home.put("lamp", "light", "on_off")
-        lamp = (await home.handle(Light)).device
+        lamp = (await home.lamp("on_off")).device
         control = home.graph.get_node("/control")
         assert control is not None
         control.close()

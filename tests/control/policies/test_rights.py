@@ -136,8 +136,7 @@ async def test_an_app_commands_what_is_granted(open_home: OpenHome) -> None:
 
 @pytest.mark.virtual_time
 async def test_an_app_without_the_right_does_not_unlock(home: Home) -> None:
-    home.put("lock", "door_lock", "lock")
-    lock = await home.handle(DoorLock)
+    lock = await home.new(DoorLock, "lock", "lock")
     outcome = await lock.unlock()
     assert isinstance(outcome, Refused)
     assert outcome.policy == "always_ask"
@@ -147,8 +146,7 @@ async def test_an_app_without_the_right_does_not_unlock(home: Home) -> None:
 
 @pytest.mark.virtual_time
 async def test_a_client_with_the_right_unlocks_and_a_wrong_scope_is_refused(home: Home) -> None:
-    home.put("lock", "door_lock", "lock")
-    lock = await home.handle(DoorLock)
+    lock = await home.new(DoorLock, "lock", "lock")
     unlock = Setting(capability="lock", value=Value.of("unlocked"))
 
     async def outcome(*scope: str) -> str:
