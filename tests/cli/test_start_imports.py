@@ -44,7 +44,7 @@ NOT_NEEDED = (
     "homebot.conventions.table_codec",
     "homebot.conventions.tasmota.reader",
     "homebot.conventions.zigbee2mqtt.reader",
-    "homebot.devices.handles.climate",
+    "homebot.devices.handles.appliances",
     "homebot.devices.outcomes",
     "homebot.devices.query.parse",
     "homebot.devices.robot_owners",

@@ -20,7 +20,7 @@ from homebot.cli.arguments import DEFAULT_DOOR
 from homebot.cli.house_picture import HousePicture, Line, PlanPicture, lines_of
 from homebot.cli.story import Story
 from homebot.cli.terminal import is_terminal, rich_terminal
-from homebot.devices.house_view import HouseView
+from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.wording.values import plain_value
@@ -45,8 +45,8 @@ _LOG_LINES: Final = 40
 
 
 @final
-class LiveHouse:
-    """The picture of a house and its story; a :class:`homebot.devices.house_view.HouseWatcher`."""
+class LiveHouse(HouseWatcher):
+    """The picture of a house and its story."""
 
     def __init__(self, node: Node, world: World, title: str, hint: str) -> None:
         self._clock = node.graph.clock
@@ -90,12 +90,6 @@ class LiveHouse:
         """Handle new values of a known device."""
         if change.live and change.device in self._devices:
             self.story.add_values(change, self._devices[change.device])
-
-    def on_event(self, change: StateChange) -> None:
-        """Pass over an event."""
-
-    def close(self) -> None:
-        """End with the node."""
 
     def _time(self) -> str:
         passed = (self._clock.now() - self._began) * self._world.time.pace

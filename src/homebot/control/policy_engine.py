@@ -23,7 +23,7 @@ from homebot.devices import Device, DeviceChange, KeyValue, StateChange
 from homebot.devices.always_ask import waits_for_approval, why_device_asks
 from homebot.devices.approval_messages import UnapprovedRequest, UnapprovedResponse
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, is_client, read_scope
-from homebot.devices.house_view import HouseView
+from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.outcomes import Refused
 from homebot.devices.query import IsUnapproved, Or, facets_of, fits
 from homebot.errors import ServiceError
@@ -39,7 +39,7 @@ Policy: TypeAlias = Callable[[IssuedCommand, Facts], Verdict]
 
 
 @final
-class PolicyEngine:
+class PolicyEngine(HouseWatcher):
     """Checks commands against the policies; follows the devices that these need.
 
     Args:
@@ -173,12 +173,6 @@ class PolicyEngine:
     def on_values(self, change: StateChange) -> None:
         """See :class:`HouseWatcher`."""
         self._house.record_values(change)
-
-    def on_event(self, change: StateChange) -> None:
-        """See :class:`HouseWatcher`."""
-
-    def close(self) -> None:
-        """See :class:`HouseWatcher`."""
 
     def _rights(self, issuer: str) -> ClientRights:
         if is_client(issuer):

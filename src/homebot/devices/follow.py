@@ -13,7 +13,7 @@ import anyio.lowlevel
 
 import homebot.devices.query
 from homebot.devices.device import ChangeKind, Device, DeviceChange, StateChange
-from homebot.devices.house_view import HouseView
+from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.devices.query import And, AreaIs, FactIs, NameIs, Query, StateIs, TypeIs, facets_of, fits, type_is
 from homebot.devices.query.terms import leaves
 from homebot.errors import ClosedError, UsageError
@@ -38,7 +38,7 @@ NOTHING_FITS: Final = "devices.nothing_fits"
 NO_LONGER: Final = "it no longer matches the query"
 
 
-class LiveQuery(ABC, Generic[ItemT]):
+class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
     """Iterator over the changes of the house that one reader wants: of each device the newest that it has not read.
 
     Args:
@@ -133,10 +133,6 @@ class LiveQuery(ABC, Generic[ItemT]):
         if self._near is not None:
             self._near.on_values(change)
 
-    @abstractmethod
-    def on_event(self, change: StateChange) -> None:
-        """Handle an event, also of a device that is not described yet."""
-
     def _begin(self) -> HouseView:
         if self._is_closed:
             raise StopAsyncIteration
@@ -215,9 +211,6 @@ class Follow(LiveQuery[DeviceChange]):
         if self._asks_for_values and change.device not in self._changed:
             self._changed[change.device] = change
             self._news.set()
-
-    def on_event(self, change: StateChange) -> None:
-        """Ignore an event: it makes no device match."""
 
     def _process(self, view: HouseView, change: DeviceChange | StateChange) -> None:
         device_id = change.device if isinstance(change, StateChange) else change.device.id

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Final, Protocol, final
+from typing import TYPE_CHECKING, Final, final
 from weakref import WeakKeyDictionary, WeakValueDictionary, ref
 
 import anyio
@@ -36,8 +36,8 @@ _PAUSE: Final = 0.5
 """Seconds until a directory that fails to answer is asked again."""
 
 
-class HouseWatcher(Protocol):
-    """Receiver of the changes of the house, such as a live query; its methods return at once."""
+class HouseWatcher:
+    """Receiver of the changes of the house, such as a live query; its methods return at once, here without effect."""
 
     def on_device(self, change: DeviceChange) -> None:
         """Handle a device that appeared, changed or was removed."""

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, final
 
 from homebot.devices.capabilities import CAPABILITIES, OWN
+from homebot.devices.house_view import HouseWatcher
 from homebot.history.batch import Batch, Place, Series, StateRow, StoredState
 from homebot.history.buckets import COUNTERS
 from homebot.history.sealing import MASK
@@ -45,8 +46,8 @@ class _CollectedValue:
 
 
 @final
-class Collector:
-    """Watches the house and collects the values of its devices; a :class:`homebot.devices.house_view.HouseWatcher`.
+class Collector(HouseWatcher):
+    """Watches the house and collects the values of its devices.
 
     A number is collected when it changes, and at each batch, for as long as its device lives: so a pause is a gap.
 
@@ -103,9 +104,6 @@ class Collector:
         at = change.told_at.sec * 1000 + change.told_at.nanosec // 1_000_000
         for reading in change.readings:
             self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
-
-    def on_event(self, change: StateChange) -> None:
-        """Pass over an event, which has no duration."""
 
     def close(self) -> None:
         """End all states: the last ones are known until now."""

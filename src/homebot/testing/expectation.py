@@ -11,7 +11,7 @@ import anyio
 from homebot.devices import handles
 from homebot.devices.device import Device, DeviceChange, StateChange
 from homebot.devices.handles import Handle
-from homebot.devices.house_view import HouseView
+from homebot.devices.house_view import HouseView, HouseWatcher
 from homebot.errors import UsageError
 from homebot.support.folding import fold
 from homebot.support.similar import did_you_mean
@@ -32,7 +32,7 @@ _TOLERANCE: Final = 0.01
 
 
 @final
-class Expectation:
+class Expectation(HouseWatcher):
     """The values that one device is to have, such as ``on=False``.
 
     Args:
@@ -61,9 +61,6 @@ class Expectation:
         """Look again."""
         del change
         self._news.set()
-
-    def on_event(self, change: StateChange) -> None:
-        """Ignore an event: it is no value."""
 
     def close(self) -> None:
         """Look a last time."""

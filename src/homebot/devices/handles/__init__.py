@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING
 from homebot.support.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from homebot.devices.handles.climate import AirConditioner, Thermostat
+    from homebot.devices.handles.appliances import AirConditioner, LawnMower, RoboticVacuumCleaner, Thermostat
     from homebot.devices.handles.follow import FollowHandles, HandleChange
     from homebot.devices.handles.handle import Handle
-    from homebot.devices.handles.handle_query import CommonFilters, HandleQuery, HandleType
-    from homebot.devices.handles.opening import Closure, WaterValve, WindowCovering
-    from homebot.devices.handles.robots import LawnMower, RoboticVacuumCleaner
-    from homebot.devices.handles.security import AlarmPanel, DoorLock
+    from homebot.devices.handles.handle_query import CommonFilters
+    from homebot.devices.handles.opening import AlarmPanel, Closure, DoorLock, WaterValve, WindowCovering
     from homebot.devices.handles.sensors import (
         ContactSensor,
         ElectricalMeter,
@@ -40,8 +38,6 @@ __all__ = [
     "FollowHandles",
     "Handle",
     "HandleChange",
-    "HandleQuery",
-    "HandleType",
     "HumiditySensor",
     "LawnMower",
     "Light",
@@ -64,13 +60,11 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(
         __name__,
         {
-            "homebot.devices.handles.climate": "AirConditioner Thermostat",
+            "homebot.devices.handles.appliances": "AirConditioner LawnMower RoboticVacuumCleaner Thermostat",
             "homebot.devices.handles.follow": "FollowHandles HandleChange",
             "homebot.devices.handles.handle": "Handle",
-            "homebot.devices.handles.handle_query": "CommonFilters HandleQuery HandleType",
-            "homebot.devices.handles.opening": "Closure WaterValve WindowCovering",
-            "homebot.devices.handles.robots": "LawnMower RoboticVacuumCleaner",
-            "homebot.devices.handles.security": "AlarmPanel DoorLock",
+            "homebot.devices.handles.handle_query": "CommonFilters",
+            "homebot.devices.handles.opening": "AlarmPanel Closure DoorLock WaterValve WindowCovering",
             "homebot.devices.handles.sensors": """
                 ContactSensor ElectricalMeter HumiditySensor LightSensor OccupancySensor
                 PressureSensor SmokeAlarm TemperatureSensor WaterLeakDetector

@@ -1,4 +1,4 @@
-"""Handles for things that open and close: window coverings, closures such as windows, doors and gates, and valves."""
+"""Handles for things that open, close and lock, and for the alarm that guards them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from homebot.devices.query import StateIs
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["Closure", "WaterValve", "WindowCovering"]
+__all__ = ["AlarmPanel", "Closure", "DoorLock", "WaterValve", "WindowCovering"]
 
 
 class _Opening(Handle):
@@ -94,3 +94,95 @@ class WaterValve(_Opening):
 
     service_types: ClassVar[frozenset[str]] = frozenset({"water_valve"})
     moves_by: ClassVar[str] = "valve"
+
+
+class DoorLock(Handle):
+    """A door lock."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"door_lock"})
+
+    @classmethod
+    def where(cls, *, locked: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
+        """Return the query that ``find`` and ``follow`` make of these arguments.
+
+        Args:
+            locked: Whether it reports that it is locked; one that is jammed or moving is not.
+        """
+        is_locked = StateIs("lock", "=" if locked else "!=", "locked")
+        return cls._where(filters, *(() if locked is None else (is_locked,)))
+
+    @property
+    def state(self) -> str | None:
+        """``locked``, ``unlocked``, ``locking``, ``unlocking``, ``open``, ``opening``, ``jammed``; None if unknown."""
+        return self._text("lock")
+
+    @property
+    def locked(self) -> bool | None:
+        """True if the bolt is out; None if unknown, jammed or moving."""
+        return {"locked": True, "unlocked": False, "open": False, "opening": False}.get(self.state or "")
+
+    async def lock(self, *, code: str = "") -> Outcome:
+        """Lock it."""
+        return await self.command("lock", "locked", code=code)
+
+    async def unlock(self, *, code: str = "") -> Outcome:
+        """Unlock it; the latch still holds the door."""
+        return await self.command("lock", "unlocked", code=code)
+
+    async def open(self, *, code: str = "") -> Outcome:
+        """Unlock it and draw the latch, so that the door can be pushed open."""
+        return await self.command("lock", "open", code=code)
+
+
+class AlarmPanel(Handle):
+    """The control panel of an alarm."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"x_alarm_panel"})
+
+    @classmethod
+    def where(cls, *, state: str | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
+        """Return the query that ``find`` and ``follow`` make of these arguments.
+
+        Args:
+            state: The state that it reports, for example ``disarmed``.
+        """
+        return cls._where(filters, states={"alarm": state})
+
+    @property
+    def state(self) -> str | None:
+        """``disarmed``, ``armed_home``, ``armed_away``, ``pending``, ``triggered``, …; None if unknown."""
+        return self._text("alarm")
+
+    @property
+    def armed(self) -> bool | None:
+        """True if it is armed or triggered, False if disarmed; None if unknown or changing."""
+        state = self.state or ""
+        return True if state.startswith("armed_") or state == "triggered" else False if state == "disarmed" else None
+
+    async def disarm(self, *, code: str = "") -> Outcome:
+        """Disarm it."""
+        return await self.command("alarm", "disarmed", code=code)
+
+    async def arm_home(self, *, code: str = "") -> Outcome:
+        """Arm it for a house with people at home."""
+        return await self.command("alarm", "armed_home", code=code)
+
+    async def arm_away(self, *, code: str = "") -> Outcome:
+        """Arm it for an empty house."""
+        return await self.command("alarm", "armed_away", code=code)
+
+    async def arm_night(self, *, code: str = "") -> Outcome:
+        """Arm it for the night."""
+        return await self.command("alarm", "armed_night", code=code)
+
+    async def arm_vacation(self, *, code: str = "") -> Outcome:
+        """Arm it for a vacation."""
+        return await self.command("alarm", "armed_vacation", code=code)
+
+    async def arm_custom_bypass(self, *, code: str = "") -> Outcome:
+        """Arm it without the sensors that were bypassed at the panel."""
+        return await self.command("alarm", "armed_custom_bypass", code=code)
+
+    async def trigger(self, *, code: str = "") -> Outcome:
+        """Trigger the alarm."""
+        return await self.command("alarm", "triggered", code=code)

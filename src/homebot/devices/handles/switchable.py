@@ -167,19 +167,10 @@ class Siren(_Switchable):
     service_types: ClassVar[frozenset[str]] = frozenset({"siren"})
 
 
-class Fan(Handle):
+class Fan(_Switchable):
     """A fan, an air purifier or an extractor hood."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"fan"})
-
-    @classmethod
-    def where(cls, *, on: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
-
-        Args:
-            on: Whether it reports that it is on; one with an unknown state matches neither.
-        """
-        return cls._where(filters, states={"on_off": on})
 
     @property
     def on(self) -> bool | None:
