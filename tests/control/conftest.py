@@ -21,7 +21,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
 from homebot.devices.handles.handle_query import HandleType
 from homebot.devices.names import COMMAND_EVENTS
-from homebot.devices.outcomes import Outcome
+from homebot.devices.outcomes import Outcome, Refused
 from homebot.devices.value import PlainValue
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
@@ -62,6 +62,13 @@ def report(*values: tuple[float, PlainValue]) -> Behaviour:
             home.later(seconds, command.key, command.capability, value)
 
     return behaviour
+
+
+async def refusal(outcome: Awaitable[Outcome]) -> str:
+    """Return why a command is refused."""
+    refused = await outcome
+    assert isinstance(refused, Refused)
+    return refused.reason
 
 
 class Home:

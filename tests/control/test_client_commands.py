@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from tests.control.conftest import Home, OpenHome
+from tests.control.conftest import Home, OpenHome, refusal
 
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
 from homebot.devices.names import HOLD_PART
-from homebot.devices.outcomes import Confirmed, Refused
+from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import Value
 
 pytestmark = pytest.mark.virtual_time
@@ -61,9 +61,8 @@ async def test_one_refusal_names_right_and_approval(open_home: OpenHome, *, appr
     """To a client as to an app, with the reason why the device always asks; no approval if none is needed."""
     async with open_home(approvals=approvals) as home:
         await put_house(home)
-        refused = await (await home.handle(DoorLock, "door")).unlock()
-        assert isinstance(refused, Refused)
-        for reason in ((await unlock(home, "client:robot")).reason, refused.reason):
+        of_app = await refusal((await home.handle(DoorLock, "door")).unlock())
+        for reason in ((await unlock(home, "client:robot")).reason, of_app):
             assert "a right that names it (its type is door_lock)" in reason
             assert ("; approve it with `homebot approve Door`, and " in reason) is approvals
             assert "homebot token new NAME" in reason or "[apps.app] act = " in reason

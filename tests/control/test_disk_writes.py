@@ -69,8 +69,7 @@ async def test_a_day_of_sensors_and_commands_writes_less_than_8_mb(tmp_path: Pat
             tasks.start_soon(report, number)
         before = bytes_written()
         for turn in range(int(HOURS * 120)):
-            outcome = await (light.turn_on() if turn % 2 else light.turn_off())
-            assert isinstance(outcome, Confirmed)
+            assert isinstance(await (light.turn_on() if turn % 2 else light.turn_off()), Confirmed)
             await anyio.sleep(30)
         written = bytes_written() - before
         tasks.cancel_scope.cancel()

@@ -50,8 +50,7 @@ async def test_the_service_answers_with_the_outcome_itself(home: Home) -> None:
 
 async def test_a_slow_but_honest_lamp_is_no_false_alarm(home: Home) -> None:
     lamp = await home.lamp("on_off", behaviour=obey_after(7.5))
-    outcome = await lamp.turn_on()
-    assert isinstance(outcome, Confirmed)
+    assert isinstance(await lamp.turn_on(), Confirmed)
     assert len(home.commands) == 3  # sent again meanwhile, which does no harm
 
 
@@ -143,8 +142,7 @@ async def test_a_lamp_that_is_off_at_the_wanted_level_or_colour_is_not_on_alread
         await home.report("lamp", "on_off", not is_stuck)
 
     lamp = await home.lamp("on_off", capability, before={"on_off": False, capability: value}, behaviour=light_up)
-    outcome = await lamp.command(capability, value)
-    assert isinstance(outcome, Contradicted if is_stuck else Confirmed)
+    assert isinstance(await lamp.command(capability, value), Contradicted if is_stuck else Confirmed)
     assert [(one.capability, one.value.plain()) for one in home.commands][:1] == [(capability, value)]
     if not is_stuck:
         assert isinstance(await lamp.command(capability, value), AlreadySo)
@@ -598,8 +596,7 @@ async def test_white_takes_the_place_of_a_colour_and_no_lamp_went_back(
 
 async def test_several_settings_are_one_command(home: Home) -> None:
     lamp = await home.lamp("on_off", "level", "color_temperature")
-    outcome = await lamp.turn_on(level=40, kelvin=2700)
-    assert isinstance(outcome, Confirmed)
+    assert isinstance(await lamp.turn_on(level=40, kelvin=2700), Confirmed)
     assert [one.capability for one in home.commands] == ["level", "color_temperature"]
 
 
@@ -768,8 +765,7 @@ async def test_of_several_settings_each_must_be_reported(home: Home) -> None:
             await home.report(command.key, command.capability, command.value.plain())
 
     lamp = await home.lamp("on_off", "level", behaviour=obey_the_first)
-    outcome = await lamp.commands({"on_off": True, "level": 40.0})
-    assert isinstance(outcome, NoAnswer)
+    assert isinstance(await lamp.commands({"on_off": True, "level": 40.0}), NoAnswer)
 
 
 @pytest.mark.parametrize("count", [0, 21])

@@ -47,8 +47,7 @@ async def test_it_is_repeated_once_the_lamp_reports_that_it_is_still_off(home: H
             home.later(0.1, command.key, "on_off", value=True)
 
     home.behaviours["lamp"] = come_back_after_six_seconds
-    outcome = await (await home.handle(Light)).turn_on()
-    assert isinstance(outcome, Confirmed)
+    assert isinstance(await (await home.handle(Light)).turn_on(), Confirmed)
     assert [round(at - sent_at[0], 1) for at in sent_at] == [0.0, 6.0]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome, ignore
+from tests.control.conftest import Home, OpenHome, ignore, refusal
 from tests.control.kept_store import KeptStore
 from tests.set_clock import SetClock
 
@@ -75,9 +75,7 @@ async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(home: Home)
         if occupied is not None:
             await home.gateway.devices.report("motion", {"occupancy": occupied}, "pir")
             await anyio.sleep(0.01)
-        outcome = await lamp.turn_off()
-        assert isinstance(outcome, Refused)
-        assert outcome.reason == reason
+        assert await refusal(lamp.turn_off()) == reason
 
 
 async def test_level_0_is_off(home: Home) -> None:
@@ -100,9 +98,7 @@ async def test_somebody_who_sits_still_is_there_for_a_while(home: Home) -> None:
     await detect(home)
     await home.report("motion", "occupancy", False)
     await anyio.sleep(299)
-    outcome = await lamp.turn_off()
-    assert isinstance(outcome, Refused)
-    assert "somebody was in Hall 299 s ago" in outcome.reason
+    assert "somebody was in Hall 299 s ago" in await refusal(lamp.turn_off())
     await anyio.sleep(2)
     assert (await lamp.turn_off()).succeeded
 
@@ -132,9 +128,9 @@ async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(home: H
     await home.report("lamp", "on_off", True)
     await anyio.sleep(100)
     lamp = await home.handle(Light, "lamp")
-    refused = await lamp.turn_off()
-    assert isinstance(refused, Refused)
-    assert refused.reason == "somebody may be in Hall: lamp changed 100 s ago, and no command explains it"
+    assert (
+        await refusal(lamp.turn_off()) == "somebody may be in Hall: lamp changed 100 s ago, and no command explains it"
+    )
     await anyio.sleep(200)
     assert isinstance(await lamp.turn_off(), Confirmed)
 
@@ -159,8 +155,7 @@ async def test_the_first_level_of_a_lamp_that_was_told_to_be_on_for_long_is_a_ha
     await home.report("lamp", "on_off", True)
     await anyio.sleep(told_for)
     await home.report("lamp", "level", 50.0)
-    outcome = await (await home.handle(Light, "lamp")).turn_off()
-    assert isinstance(outcome, Refused if is_hand else Confirmed)
+    assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused if is_hand else Confirmed)
 
 
 async def test_what_a_command_did_is_no_hand(home: Home) -> None:
@@ -212,23 +207,18 @@ async def test_what_undoes_a_command_is_a_hand(home: Home) -> None:
 
 
 async def test_a_room_without_a_sensor_is_unknown_which_means_no(home: Home) -> None:
-    outcome = await (await home.new(Light, "lamp", "on_off", area="attic")).turn_off()
-    assert isinstance(outcome, Refused)
-    assert "attic" in outcome.reason
-    assert "no motion sensor" in outcome.reason
+    reason = await refusal((await home.new(Light, "lamp", "on_off", area="attic")).turn_off())
+    assert "attic" in reason
+    assert "no motion sensor" in reason
 
 
 async def test_a_device_without_a_room_is_not_turned_off(home: Home) -> None:
-    outcome = await (await home.lamp("on_off")).turn_off()
-    assert isinstance(outcome, Refused)
-    assert "the room of the device is unknown" in outcome.reason
+    assert "the room of the device is unknown" in await refusal((await home.lamp("on_off")).turn_off())
 
 
 async def test_a_sensor_that_reported_nothing_tells_nothing(home: Home) -> None:
     put_hall(home)
-    outcome = await (await home.handle(Light, "lamp")).turn_off()
-    assert isinstance(outcome, Refused)
-    assert "no current occupancy of motion" in outcome.reason
+    assert "no current occupancy of motion" in await refusal((await home.handle(Light, "lamp")).turn_off())
 
 
 async def test_a_sensor_that_never_detected_anybody_tells_nothing(home: Home) -> None:
@@ -237,9 +227,7 @@ async def test_a_sensor_that_never_detected_anybody_tells_nothing(home: Home) ->
     await home.report("motion", "occupancy", False)
     lamp = await home.handle(Light, "lamp")
     await anyio.sleep(301)
-    refused = await lamp.turn_off()
-    assert isinstance(refused, Refused)
-    assert refused.reason == (
+    assert await refusal(lamp.turn_off()) == (
         "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"
     )
     await leave(home)
@@ -273,9 +261,7 @@ async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(home: Home
     put_hall(home)
     await home.report("motion", "occupancy", False)
     await anyio.sleep(301)
-    refused = await (await home.handle(Light, "lamp")).turn_off()
-    assert isinstance(refused, Refused)
-    assert "walk past it once" in refused.reason
+    assert "walk past it once" in await refusal((await home.handle(Light, "lamp")).turn_off())
 
 
 async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: OpenHome) -> None:
@@ -288,9 +274,8 @@ async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: O
         await home.report("motion", "occupancy", False)
         lamp = await home.handle(Light, "lamp")
         await anyio.sleep(100)
-        refused = await lamp.turn_off()
-        assert isinstance(refused, Refused)
-        assert refused.reason == "nothing tells whether somebody is in Hall: motion has been heard for only 100 s"
+        reason = await refusal(lamp.turn_off())
+        assert reason == "nothing tells whether somebody is in Hall: motion has been heard for only 100 s"
         await anyio.sleep(201)
         assert (await lamp.turn_off()).succeeded
 
@@ -383,9 +368,7 @@ async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(home: Hom
     home.later(20.0, "lamp", "on_off", False)
     home.later(22.0, "lamp", "on_off", True)
     await anyio.sleep(30)
-    refused = await lamp.turn_off()
-    assert isinstance(refused, Refused)
-    assert refused.reason == "somebody may be in Hall: lamp changed 8 s ago, and no command explains it"
+    assert await refusal(lamp.turn_off()) == "somebody may be in Hall: lamp changed 8 s ago, and no command explains it"
 
 
 async def test_a_command_that_is_given_again_still_explains_what_it_did(home: Home) -> None:
@@ -412,9 +395,9 @@ async def test_a_hand_before_the_newest_command_is_not_forgotten(home: Home) -> 
     await anyio.sleep(10)
     assert (await lamp.turn_on()).succeeded
     await anyio.sleep(10)
-    refused = await lamp.turn_off()
-    assert isinstance(refused, Refused)
-    assert refused.reason == "somebody may be in Hall: lamp changed 20 s ago, and no command explains it"
+    assert (
+        await refusal(lamp.turn_off()) == "somebody may be in Hall: lamp changed 20 s ago, and no command explains it"
+    )
     await anyio.sleep(300)
     assert (await lamp.turn_off()).succeeded
 
