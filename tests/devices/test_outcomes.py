@@ -15,7 +15,7 @@ from homebot.control.journal.store import JournalNote
 from homebot.devices.command_messages import CommandDevicesResponse, CommandResult
 from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.outcomes import OUTCOMES, Confirmed, Evidence, Outcome, has_succeeded, worst
-from homebot.devices.wording.history_words import result_text
+from homebot.devices.wording.journal_words import result_text
 from homebot.devices.wording.json_message import JsonMessage
 
 _VALUES = {

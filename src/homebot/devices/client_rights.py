@@ -90,27 +90,15 @@ class ClientRights(NamedTuple):
         robots: The names of the robots that it may be; :data:`ALL_ROBOTS` for any.
     """
 
-    reads: bool = False
+    kinds: frozenset[Right] = frozenset()
     acts_on: tuple[Query, ...] = ()
     acts_on_all: bool = False
     act_scope: tuple[str, ...] = ()
-    manages: bool = False
-    is_raw: bool = False
     robots: tuple[str, ...] = ()
 
     def has(self, right: Right) -> bool:
         """Return whether *right* is among them; to act, on any device."""
-        match right:
-            case Right.READ:
-                return self.reads
-            case Right.ACT:
-                return self.acts_on_all or bool(self.acts_on)
-            case Right.MANAGE:
-                return self.manages
-            case Right.RAW:
-                return self.is_raw
-            case Right.ROBOT:
-                return bool(self.robots)
+        return right in self.kinds
 
     def may_be(self, robot: str) -> bool:
         """Return whether it may be *robot*; with an empty name, any."""
@@ -150,12 +138,10 @@ class ClientRights(NamedTuple):
         return ", ".join((*names, *(f"robot: {name}" for name in self.robots))) or "none"
 
 
-LOCAL_RIGHTS = ClientRights(reads=True, acts_on=(_ANY,), manages=True)
+LOCAL_RIGHTS = ClientRights(frozenset({Right.READ, Right.ACT, Right.MANAGE}), acts_on=(_ANY,))
 """Those of a client without a token: it commands every device but those that always ask."""
 
-ALL_RIGHTS = ClientRights(
-    reads=True, acts_on_all=True, act_scope=("act: all",), manages=True, is_raw=True, robots=(ALL_ROBOTS,)
-)
+ALL_RIGHTS = ClientRights(frozenset(Right), acts_on_all=True, act_scope=("act: all",), robots=(ALL_ROBOTS,))
 """Those of the one token that has no name of its own."""
 
 SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
@@ -184,12 +170,10 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
         found.setdefault(right, []).append(query)
     wanted = found.get(Right.ACT, [])
     return ClientRights(
-        reads=Right.READ in found,
+        kinds=frozenset(found),
         acts_on=tuple(_ANY if query == HARMLESS else _parse(query) for query in wanted if query != "all"),
         acts_on_all="all" in wanted,
         act_scope=tuple(f"act: {query}" for query in wanted),
-        manages=Right.MANAGE in found,
-        is_raw=Right.RAW in found,
         robots=tuple(found.get(Right.ROBOT, ())),
     )
 

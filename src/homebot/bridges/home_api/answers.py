@@ -16,8 +16,14 @@ from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.outcomes import Evidence
 from homebot.devices.query.tokens import quoted
-from homebot.devices.wording.history_words import chain_lines, chains_of, finding_text, result_text
-from homebot.devices.wording.journal_words import clock_text, issuer_text
+from homebot.devices.wording.journal_words import (
+    chain_lines,
+    chains_of,
+    clock_text,
+    finding_text,
+    issuer_text,
+    result_text,
+)
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import from_seconds, iso
 from homebot.devices.wording.values import main_parts, span, state_text

@@ -115,7 +115,9 @@ class ClientAccess:
     @classmethod
     def of(cls, name: str, rights: ClientRights, owners: RobotOwners, *, is_page: bool) -> ClientAccess:
         """Return the access of a client, or of homebot's own page without a token."""
-        rights = rights._replace(manages=False, is_raw=False, robots=()) if is_page else rights
+        if is_page:
+            own = rights.kinds - {Right.MANAGE, Right.RAW, Right.ROBOT}
+            rights = rights._replace(kinds=own, robots=())
         return cls(name, rights, owners, is_page)
 
     @property

@@ -14,8 +14,17 @@ from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE
 from homebot.devices.outcomes import has_succeeded
-from homebot.devices.wording.history_words import Chain, chain_lines, chains_of, finding_text, result_text
-from homebot.devices.wording.journal_words import ago_text, clock_text, issuer_text, trigger_text
+from homebot.devices.wording.journal_words import (
+    Chain,
+    ago_text,
+    chain_lines,
+    chains_of,
+    clock_text,
+    finding_text,
+    issuer_text,
+    result_text,
+    trigger_text,
+)
 from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
 from homebot.errors import UsageError
