@@ -174,6 +174,7 @@ def order_of(command: IssuedCommand) -> Order:
         turns_on=command.turns_on,
         has_ramp=has_ramp,
         echoed=echoed,
+        place=command.place,
         issuer=command.issuer,
         label=label_of(command.device, command.part.id),
     )

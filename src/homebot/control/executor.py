@@ -26,8 +26,8 @@ from homebot.control.leases import Leases
 from homebot.control.policy_engine import PolicyEngine
 from homebot.control.sending import OpenCommand, Sending
 from homebot.control.settings import ControlSettings
-from homebot.control.timeline.cause import Cause, cause_of_undoing
-from homebot.control.timeline.facts import PartRef, Reported, ReportRole
+from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
+from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
 from homebot.control.values import changes, related, settings_text
@@ -174,12 +174,9 @@ class CommandExecutor:
             self.leases.record_stop(command, now)
             self._policies.turns.record(command, now)
             self._journal.record("would", command)
-            self._node.log.info(
-                WOULD_SEND,
-                message=f"{command.issuer.removeprefix('/')} would set {command.label} → {_settings_text(command)}",
-                device=command.device.id,
-                command=command.id,
-            )
+            wanted = settings_text(_shown(command, command.settings))
+            text = f"{command.issuer.removeprefix('/')} would set {command.label} → {wanted}"
+            self._node.log.info(WOULD_SEND, message=text, device=command.device.id, command=command.id)
         return outcome
 
     def _issued(self, name: str, request: CommandRequest, device: Device, part: DevicePart, at: float) -> IssuedCommand:
@@ -259,10 +256,9 @@ class CommandExecutor:
         await asyncio.sleep(durations.REHEARSED)
         command = opened.command
         opened.progress.send(self._clock.monotonic())
-        wanted = tuple(Setting.of(name, one.value) for name, one in opened.progress.wanted.items())
         self._decided(opened, AlreadySo(command_id=command.id))
-        shown = without_codes(wanted, command.device, command.part) if assumed.succeeded else ()
-        return replace(assumed, reported={one.capability: one.value.plain() for one in shown})
+        wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
+        return replace(assumed, reported=_shown(command, wanted))
 
     async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
         """Return whether no answer came because the device or its part was removed meanwhile."""
@@ -289,39 +285,38 @@ class CommandExecutor:
         self.timelines.schedule(command.place)
         return outcome
 
-    def _on_report(self, place: PartRef, progress: CommandProgress, fact: Reported) -> None:
+    def _on_report(self, progress: CommandProgress, fact: Reported) -> None:
         """Record a report for a command, and wake the task that waits for it."""
         opened = self._open.get(progress.order.id) if progress.is_open else None
         if opened is None:
-            if _is_late_answer(progress, fact) and self.timelines.cause_of(place, fact).command == progress.order.id:
-                self._record_report(place, progress, fact, Cause.COMMAND.value)
+            if _is_late_answer(progress, fact) and self._cause_of(progress, fact).command == progress.order.id:
+                self._journal.reported(progress.order, fact, Cause.COMMAND.value)
             return
         if fact.capability in progress.wanted and _is_news(opened, fact):
-            self._record_report(place, progress, fact, self._cause_of_answer(place, progress, fact))
+            self._journal.reported(progress.order, fact, self._cause_of_answer(progress, fact))
         opened.wake()
 
-    def _cause_of_answer(self, place: PartRef, progress: CommandProgress, fact: Reported) -> str:
+    def _cause_of(self, progress: CommandProgress, fact: Reported) -> Attribution:
+        return self.timelines.cause_of(progress.order.place, fact)
+
+    def _cause_of_answer(self, progress: CommandProgress, fact: Reported) -> str:
         """Return the cause of a change while a command waits for its outcome; empty for no change."""
         if progress.roles[fact.number] is ReportRole.EFFECT:
             return Cause.COMMAND.value
         if not fact.is_change:
             return ""
-        cause = self.timelines.cause_of(place, fact).cause  # a person, or the device's own answer
+        cause = self._cause_of(progress, fact).cause  # a person, or the device's own answer
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
-    def _record_report(self, place: PartRef, progress: CommandProgress, fact: Reported, cause: str) -> None:
-        order = progress.order
-        self._journal.reported(place, order.id, order.issuer, (fact.capability, fact.value), cause)
-
-    def _on_undone(self, place: PartRef, progress: CommandProgress) -> None:
+    def _on_undone(self, progress: CommandProgress) -> None:
         """Record and publish the end of the confirmed value of a part."""
         settling, order = progress.settling, progress.order
         if settling is None or settling.undoing is None or not self._publishes_undoings:
             return
         is_usual = cause_of_undoing(progress, settling.undoing.capability) is Cause.DEVICE
         outcome = Reverted(settling.undoing.after, "device" if is_usual else "unknown", command_id=order.id)
-        device, part = place
-        self._journal.decided(order.issuer, place, outcome, "reverted")
+        device, part = order.place
+        self._journal.decided(order.issuer, order.place, outcome, "reverted")
         self._events.publish(
             CommandEvent(device=device, part=part, issuer=order.issuer, result=CommandResult.of(outcome))
         )
@@ -360,7 +355,7 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
     return has_failed and not progress.is_raw and fact.is_change and progress.roles[fact.number] is ReportRole.EFFECT
 
 
-def _settings_text(command: IssuedCommand) -> str:
-    wanted = tuple(Setting.of(name, value) for name, value in command.settings.items())
-    shown = without_codes(wanted, command.device, command.part)
-    return settings_text({one.capability: one.value.plain() for one in shown})
+def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> dict[str, PlainValue]:
+    """Return *values* of the commanded part without codes."""
+    shown = without_codes(tuple(map(Setting.of, values, values.values())), command.device, command.part)
+    return {one.capability: one.value.plain() for one in shown}

@@ -52,9 +52,9 @@ class Timelines:
         settle: Seconds for which a confirmed value has to hold.
 
     Attributes:
-        on_report: Called with each part, command and report that may be due to it.
+        on_report: Called with each command and report that may be due to it.
         on_end: Called with a command that a newer one replaced, or that was answered.
-        on_undone: Called with a part and a command when its confirmed value ended.
+        on_undone: Called with a command when its confirmed value ended.
     """
 
     def __init__(self, node: Node, feed: GatewayFeed, profiles: Profiles, timeout: float, settle: float) -> None:
@@ -65,9 +65,9 @@ class Timelines:
         self._settle = settle
         self._limits = TimeLimits()
         self._entries: OrderedDict[PartRef, _TrackedPart] = OrderedDict()
-        self.on_report: Callable[[PartRef, CommandProgress, Reported], None] = lambda *_: None
+        self.on_report: Callable[[CommandProgress, Reported], None] = lambda *_: None
         self.on_end: Callable[[CommandProgress], None] = lambda *_: None
-        self.on_undone: Callable[[PartRef, CommandProgress], None] = lambda *_: None
+        self.on_undone: Callable[[CommandProgress], None] = lambda *_: None
 
     def of(self, device: Device, part: DevicePart) -> PartTimeline:
         """Return the timeline of a part; a new one begins with the known values."""
@@ -119,8 +119,7 @@ class Timelines:
         target = _target(device, part)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
-        timeline.on_report, timeline.on_end = partial(self.on_report, place), self.on_end
-        timeline.on_undone = partial(self._on_undone, place)
+        timeline.on_report, timeline.on_end, timeline.on_undone = self.on_report, self.on_end, self._on_undone
         entry = self._entries[place] = _TrackedPart(timeline, target)
         if len(self._entries) > _MOST:
             self._forget_oldest()
@@ -168,15 +167,15 @@ class Timelines:
                 entry.stop_watch()
                 return
 
-    def _on_undone(self, place: PartRef, progress: CommandProgress) -> None:
+    def _on_undone(self, progress: CommandProgress) -> None:
         """Publish the end of a confirmed value, also to listeners that got its last report as a step on the way."""
-        entry, settling = self._entries.get(place), progress.settling
+        entry, settling = self._entries.get(progress.order.place), progress.settling
         if entry is not None and settling is not None and settling.undoing is not None:
             capability = settling.undoing.capability
             attribution = Attribution(cause_of_undoing(progress, capability), progress.order.id)
             for listener in tuple(entry.listeners):
                 listener(capability, entry.timeline.value(capability), attribution)
-        self.on_undone(place, progress)
+        self.on_undone(progress)
 
 
 def _target(device: Device, part: DevicePart) -> str:

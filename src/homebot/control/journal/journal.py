@@ -11,7 +11,7 @@ from homebot.control.journal.command_folding import CommandFolding
 from homebot.control.journal.command_log import ENDS, CommandLog
 from homebot.control.journal.given_codes import CODE_GIVEN, is_for_code, public_text
 from homebot.control.journal.store import JournalNote, with_newer
-from homebot.control.timeline.facts import PartRef
+from homebot.control.timeline.facts import Order, PartRef, Reported
 from homebot.devices import Device, RawCommand
 from homebot.devices.client_rights import CLIENT_RIGHTS
 from homebot.devices.command_messages import Setting
@@ -157,13 +157,10 @@ class CommandJournal:
         noted = JournalVerdict(policy=verdict.policy, allowed=verdict.allowed, reason=verdict.reason, facts=facts)
         self.record("judged", command, verdicts=(noted,))
 
-    def reported(
-        self, place: PartRef, command_id: str, issuer: str, reported: tuple[str, PlainValue], cause: str = ""
-    ) -> None:
-        """Record a reported value of a commanded part; *cause* is that of a change, else empty."""
-        settings = (Setting.of(*reported),)
-        now = self._clock.now()
-        self._add(JournalNote("reported", now, *place, command_id, issuer, settings=settings, cause=cause))
+    def reported(self, order: Order, fact: Reported, cause: str) -> None:
+        """Record a report of a commanded part; *cause* is that of a change, else empty."""
+        settings, now = (Setting.of(fact.capability, fact.value),), self._clock.now()
+        self._add(JournalNote("reported", now, *order.place, order.id, order.issuer, settings=settings, cause=cause))
 
     def decided(self, issuer: str, place: PartRef, outcome: Outcome, kind: EntryKind = "outcome") -> None:
         """Record the outcome of a command of *issuer* to the part *place*."""

@@ -59,6 +59,7 @@ class Order:
     turns_on: bool = False
     has_ramp: bool = False
     echoed: frozenset[str] = frozenset()
+    place: PartRef = ("", "")
     issuer: str = ""
     label: str = ""
 
