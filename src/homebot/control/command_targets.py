@@ -175,7 +175,6 @@ class CommandTargets:
     async def _one_query(
         self, request: CommandDevicesRequest, text: str, *, is_alternative: bool = False
     ) -> list[_Target]:
-        """Return the targets that fit a query without alternatives."""
         near, rest = split_near(parse_query(text))
         if near is not None and math.isinf(near.within):
             return await self._nearest(request, near, rest)
@@ -242,7 +241,6 @@ class CommandTargets:
         return [(device, _parts(device, query)) for device in meant]
 
     async def _total(self, query: Query) -> int:
-        """Return the number of devices that fit *query*."""
         answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
         if not answer.success:
             raise NoTargetError(answer.message)

@@ -62,10 +62,10 @@ class ControlLayer:
     ) -> None:
         settings = _with_approvals(settings, approves_all=approves_all)
         store = store or _store(node, settings, journal_file)
-        self.journal = CommandJournal(node, store, lookup, house_watch.changes.begin_raw, settings.settle)
+        self.journal = CommandJournal(node, store, lookup, house_watch.begin_raw, settings.settle)
         self.learnt = LearntPersistence(node, store)
         profiles = Profiles(self.learnt.saver(PROFILE))
-        self.learnt.add(PROFILE, profiles)
+        self.learnt.add(PROFILE, profiles.restore)
         self.timelines = Timelines(node, feed, profiles, settings.timeout, settings.settle)
         self.policies = PolicyEngine(
             node,

@@ -272,7 +272,6 @@ class CommandExecutor:
         return device is None or device.part(command.part.id) is None
 
     def _decided(self, opened: OpenCommand, outcome: Outcome) -> Outcome:
-        """Record the outcome of a command, learn from it, and return it."""
         command, timeline, progress = opened.command, opened.timeline, opened.progress
         if isinstance(outcome, Confirmed):
             progress.is_witnessed = outcome.evidence is Evidence.WITNESSED
@@ -309,7 +308,6 @@ class CommandExecutor:
         return Cause.UNKNOWN.value if cause is Cause.PERSON else cause.value
 
     def _on_undone(self, progress: CommandProgress) -> None:
-        """Record and publish the end of the confirmed value of a part."""
         settling, order = progress.settling, progress.order
         if settling is None or settling.undoing is None or not self._publishes_undoings:
             return

@@ -186,7 +186,6 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
 
 
 def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
-    """Return whether *entry* is of a change of the device."""
     if entry.kind in {"changed", "reverted"}:
         return True
     if entry.kind == "outcome":  # of a device that reports nothing, the acknowledgement is all there is
@@ -226,7 +225,6 @@ def _since(state: State) -> float:
 
 
 def _settable_states(device: Device) -> list[State]:
-    """Return the states of *device* that a command could have changed."""
     settable = {
         (part.id, one.name)
         for part in device.parts

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from functools import partial
-from typing import Annotated, Final, Literal, Protocol, TypeAlias, final
+from typing import Annotated, Final, Literal, TypeAlias, final
 
 import anyio
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -20,6 +20,9 @@ __all__ = ["PROFILE", "LearntPersistence", "Profiles"]
 
 SaveRecord: TypeAlias = Callable[[str, str], None]
 """Saves a record over a restart: its name, and the record, empty to remove it."""
+
+RestoreRecord: TypeAlias = Callable[[str, str], None]
+"""Restores a record of an earlier run; a `WireError` is raised for one that is unreadable, or of another version."""
 
 PROFILE: Final = "profile"
 """The kind of the profiles."""
@@ -38,18 +41,6 @@ _PATIENCE: Final = 1.0
 """Seconds for which a command waits for the records: another program may lock the file for longer."""
 
 
-class Learner(Protocol):
-    """A part of the control layer with saved records."""
-
-    def restore(self, name: str, record: str) -> None:
-        """Restore a record of an earlier run.
-
-        Raises:
-            WireError: It cannot be read, or is of another version.
-        """
-        ...
-
-
 @final
 class LearntPersistence:
     """Saves records when they change, and restores them before the first command.
@@ -64,7 +55,7 @@ class LearntPersistence:
     def __init__(self, node: Node, store: JournalStore) -> None:
         self._node = node
         self._store = store
-        self._learners: dict[str, Learner] = {}
+        self._restorers: dict[str, RestoreRecord] = {}
         self._loaded: anyio.Event | None = None
         self.is_awaited = store.remembers
 
@@ -72,9 +63,9 @@ class LearntPersistence:
         """Return the function that saves records of *kind*."""
         return partial(self._save, kind)
 
-    def add(self, kind: str, learner: Learner) -> None:
-        """Restore the records of *kind* with *learner*."""
-        self._learners[kind] = learner
+    def add(self, kind: str, restore: RestoreRecord) -> None:
+        """Restore the records of *kind* by *restore*."""
+        self._restorers[kind] = restore
 
     async def load(self) -> None:
         """Restore all records; once. After a second they are restored later, and that is logged."""
@@ -84,13 +75,13 @@ class LearntPersistence:
         with anyio.move_on_after(_PATIENCE):
             await self._loaded.wait()
         if not self._loaded.is_set() and self.is_awaited:
-            kinds = ", ".join(sorted(self._learners))
+            kinds = ", ".join(sorted(self._restorers))
             text = f"records of earlier runs ({kinds}) cannot be read yet; commands are sent without them"
             self._node.log.warning(LATE, message=text)
         self.is_awaited = False
 
     async def _load(self, loaded: anyio.Event) -> None:
-        rows = [one for one in await self._store.learnt() if one.kind in self._learners or one.kind not in KINDS]
+        rows = [one for one in await self._store.learnt() if one.kind in self._restorers or one.kind not in KINDS]
         problems = [problem for row in rows if (problem := self._restore(row))]
         self.is_awaited = False
         loaded.set()
@@ -104,11 +95,11 @@ class LearntPersistence:
 
     def _restore(self, row: LearntRow) -> str:
         """Restore one row; return its problem, or an empty text."""
-        learner = self._learners.get(row.kind)
-        problem = "" if learner is not None else "this version has no such records"
+        restore = self._restorers.get(row.kind)
+        problem = "" if restore is not None else "this version has no such records"
         try:
-            if learner is not None:
-                learner.restore(row.name, row.record)
+            if restore is not None:
+                restore(row.name, row.record)
         except WireError as exc:
             problem = exc.problem
         if problem:

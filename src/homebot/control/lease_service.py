@@ -181,7 +181,6 @@ class LeaseService:
         return outcome
 
     def _on_outcome(self, lease: Lease, outcome: Outcome) -> None:
-        """Record the outcome of a command for *lease*."""
         now = self._clock.monotonic()
         if now < lease.hand_until:
             return  # a stop came meanwhile
@@ -223,7 +222,6 @@ class LeaseService:
         return lease.outcome
 
     def _begin_due(self, tasks: TaskGroup) -> None:
-        """Command the values that are due again."""
         now = self._clock.monotonic()
         for lease in self._leases:
             if lease.again_at <= now:

@@ -90,7 +90,7 @@ class PolicyEngine(HouseWatcher):
             self._watch()
         if settings.presence_guard is not None and not self._guards_presence:
             self._guards_presence = True
-            self._learnt.add(DETECTION, self._house.detections)
+            self._learnt.add(DETECTION, self._house.detections.restore)
             self._node.create_task(self._learnt.load)
 
     def check(self, command: IssuedCommand, *, is_recorded: bool = True) -> Refused | None:
@@ -182,7 +182,6 @@ class PolicyEngine(HouseWatcher):
         return ALL_RIGHTS if self._trusts_apps or not self._settings.always_ask else LOCAL_RIGHTS
 
     def _watch(self) -> None:
-        """Put the devices that the policies need now into the house."""
         if not self._watches:
             self._watches = True
             self._node.create_task(self._await_house)

@@ -92,7 +92,6 @@ def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
 
 
 def _capability(word: str, part: Part) -> str:
-    """Return the capability that *word* means."""
     if word != "mode":
         return _ALIASES.get(word, word)
     settable = [one.name for one in part.capabilities if one.settable]

@@ -134,7 +134,6 @@ def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
 
 
 def _shown(capability: str, value: PlainValue, address: str) -> Setting:
-    """Return the setting of a text to *address* for the journal."""
     if isinstance(value, str):
         text = public_text(value, address) if capability == UNREAD else value
         return Setting.of(capability, text[:_LONGEST_NOTED])

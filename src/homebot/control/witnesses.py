@@ -180,7 +180,6 @@ class Witnesses:
 def _with_answer(
     answer: Observed, witnesses: Iterable[Witness], opened: OpenCommand, reported_at: float
 ) -> list[Witness]:
-    """Return the witnesses with that *answer* about a command."""
     is_rise = rises(opened.command.settings) is True
     return [one for one in witnesses if one.answer(reported_at, is_rise=is_rise) is answer]
 

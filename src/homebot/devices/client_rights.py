@@ -189,7 +189,6 @@ def without_taught_room(device: Device) -> Device:
 
 
 def _read_right(text: str) -> tuple[Right, str]:
-    """Return the right that *text* names, and its query."""
     word, _, query = (one.strip() for one in text.partition(":"))
     right = next((one for one in Right if one.value == word), None)
     if right is None:

@@ -22,7 +22,7 @@ from homebot.devices.command_sender import CommandSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.gateway_messages import Command
-from homebot.devices.hold import hold_part
+from homebot.devices.hold import HoldBlock
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.setting_check import check_setting
@@ -171,7 +171,7 @@ class Commander:
 
     def hold(self, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AbstractAsyncContextManager[Hold]:
         """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
-        return hold_part(self._node, view, part_id, word, by, ttl)
+        return HoldBlock(self._node, view, part_id, word, by, ttl)
 
     @cached_property
     def _texts(self) -> Client[SendTextRequest, SendTextResponse]:
@@ -206,7 +206,6 @@ class Commander:
 def _checked(
     device: Device, part: DevicePart, values: Mapping[str, PlainValue], transition: float, code: str
 ) -> tuple[Setting, ...]:
-    """Return the settings of a command that makes sense."""
     target = f"{device.id}#{part.id}" if part.id else device.id
     if type(transition) not in (int, float) or not (0 <= transition < math.inf):
         raise RefusedError(f"a transition of {transition!r} s", "it must be a finite number of seconds, 0 or more")

@@ -151,11 +151,9 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
         return view
 
     def _is_near(self, device_id: str) -> bool:
-        """Return whether a device is as near as was asked."""
         return self._near is None or device_id in self._near.ids
 
     def _compare_near(self, device_ids: Iterable[str]) -> None:
-        """Compare devices that came near, or left, with the query."""
         for device_id in device_ids:
             known = self._view.get(device_id) if self._view is not None else None
             if known is not None:

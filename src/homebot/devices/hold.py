@@ -31,7 +31,7 @@ from homebot.devices.value import Value
 from homebot.errors import RefusedError, ServiceError, UsageError
 from homebot.graph import Node
 
-__all__ = ["Hold", "hold_part"]
+__all__ = ["Hold", "HoldBlock"]
 
 _LONGEST: Final = 900.0
 """Seconds after which the control layer has answered: it bounds its waiting itself."""
@@ -59,19 +59,15 @@ class Hold:
         return self.is_held and self.outcome.succeeded
 
 
-def hold_part(
-    node: Node, view: DeviceView, part_id: str, word: str, by: str, ttl: float
-) -> AbstractAsyncContextManager[Hold]:
-    """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
-    return _HoldBlock(_hold(node, view, part_id, word, by, ttl))
+class HoldBlock(AbstractAsyncContextManager[Hold]):
+    """A block that holds a part; Python warns of one that is never entered, as of a command that is never awaited.
 
+    See :meth:`homebot.devices.handles.Handle.hold`.
+    """
 
-class _HoldBlock(AbstractAsyncContextManager[Hold]):
-    """A block of code; Python warns of one that is never entered, as of a command that is never awaited."""
-
-    def __init__(self, block: AbstractAsyncContextManager[Hold]) -> None:
-        self._block = block
-        self._entering = _enter(block)
+    def __init__(self, node: Node, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> None:
+        self._block = _hold(node, view, part_id, word, by, ttl)
+        self._entering = _enter(self._block)
 
     async def __aenter__(self) -> Hold:
         return await self._entering

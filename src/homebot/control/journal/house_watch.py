@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from homebot.control.journal.journal import CommandJournal
     from homebot.control.timeline.cause import Attribution
 
-__all__ = ["HouseChanges", "HouseWatch", "RawWindow"]
+__all__ = ["HouseWatch"]
 
 _SETTINGS: Final = QoSProfile(depth=100)
 """Each message has the changes of half a second; the oldest is dropped in a flood."""
@@ -62,40 +62,6 @@ class RawWindow(NamedTuple):
 _NONE: Final = RawWindow()
 
 
-@final
-class HouseChanges:
-    """The last values of settings, and recent raw commands.
-
-    The first value of each place is no change. At most 100,000 places and devices are stored; the longest unused are
-    dropped.
-    """
-
-    def __init__(self) -> None:
-        self._raw: BoundedMap[str, deque[RawWindow]] = BoundedMap(_MOST)
-        self._values: BoundedMap[_Place, tuple[PlainValue, float]] = BoundedMap(_MOST)
-
-    def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
-        """Add a raw command that explains changes of the device from *now* to *until*."""
-        known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_COMMANDS)
-        known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))
-
-    def record(self, change: ChangedSetting, at: float) -> tuple[RawWindow, PlainValue] | None:
-        """Record a live report.
-
-        Returns:
-            The raw command that may explain it, an empty one if there is none, and the value before; None if it is no
-            change.
-        """
-        place, value = (change.device, change.part, change.capability), change.value.plain()
-        known = self._values.get(place)
-        self._values[place] = value, at
-        if known is None or not _is_change(known, value, at):
-            return None
-        raw = [one for one in self._raw.get(change.device, ()) if one.began <= at <= one.until]
-        meant = [one for one in raw if one.means(value)] or raw
-        return max(meant, key=lambda one: one.began, default=_NONE), known[0]
-
-
 def _is_change(known: tuple[PlainValue, float], value: PlainValue, at: float) -> bool:
     before, before_at = known
     is_dial = isinstance(value, float) and before and value and at - before_at < _CALM
@@ -105,6 +71,9 @@ def _is_change(known: tuple[PlainValue, float], value: PlainValue, at: float) ->
 @final
 class HouseWatch:
     """Records unexplained changes and raw commands in the journal.
+
+    The first value of each setting is no change. At most 100,000 values, and devices with recent raw commands, are
+    stored; the longest unused are dropped.
 
     Args:
         journal: Returns the journal, which is built for the first entry.
@@ -127,7 +96,8 @@ class HouseWatch:
         self._journal = journal
         self._is_dry_run = is_dry_run
         self._cause_of = cause_of
-        self.changes = HouseChanges()
+        self._raw: BoundedMap[str, deque[RawWindow]] = BoundedMap(_MOST)
+        self._values: BoundedMap[_Place, tuple[PlainValue, float]] = BoundedMap(_MOST)
 
     def follow_settings(self) -> None:
         """Record changes of settings from now on."""
@@ -140,18 +110,31 @@ class HouseWatch:
         out = GatewayNames(gateway).out
         self._node.create_subscription(RawCommand, out, partial(self._on_raw, gateway), _RAW, from_node=OTHERS)
 
+    def begin_raw(self, device: str, command: str, text: str, now: float, until: float) -> None:
+        """Add a raw command that explains changes of the device from *now* to *until*."""
+        known = self._raw[device] = self._raw.get(device) or deque(maxlen=_MOST_COMMANDS)
+        known.append(RawWindow(command, now - _DELAY, until, text.strip().casefold()))
+
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
-            found = self.changes.record(change, change.told_at.to_seconds())
-            if found is None:
+            place, value, at = (change.device, change.part, change.capability), change.value.plain(), change.told_at
+            known = self._values.get(place)
+            self._values[place] = value, at.to_seconds()
+            if known is None or not _is_change(known, value, at.to_seconds()):
                 continue
-            raw, before = found
+            raw, before = self._explaining(change.device, value, at.to_seconds()), known[0]
             attribution = self._cause_of(change)
-            if raw.id and raw.means(change.value.plain()):
+            if raw.id and raw.means(value):
                 self._journal().changed(change, before, raw.id, "command")
             elif attribution is None or attribution.role is None:  # else the entries of a command have it
                 cause = "person" if attribution is None else attribution.cause.value
                 self._journal().changed(change, before, raw.id, "command" if raw.id else cause)
+
+    def _explaining(self, device: str, value: PlainValue, at: float) -> RawWindow:
+        """Return the newest raw command that may explain a report; an empty one if there is none."""
+        raw = [one for one in self._raw.get(device, ()) if one.began <= at <= one.until]
+        meant = [one for one in raw if one.means(value)] or raw
+        return max(meant, key=lambda one: one.began, default=_NONE)
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:

@@ -114,7 +114,6 @@ class JournalStore:
             self._drop_oldest()
 
     def _drop_oldest(self) -> None:
-        """Drop the oldest entries of the issuer with the most."""
         ((issuer, count),) = Counter(note.issuer for note in self._entries).most_common(1)
         excess = max(1, round(_SHARE * count))
         self.dropped += excess

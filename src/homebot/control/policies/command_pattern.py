@@ -109,7 +109,6 @@ Patterns: TypeAlias = Annotated[
 
 
 def _query_text(text: str) -> str:
-    """Return *text* if it is a query."""
     if not text.strip():
         raise ValueError("must be a query such as 'open contact sensor'")
     with value_errors():

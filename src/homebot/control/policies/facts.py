@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable
 from datetime import datetime, tzinfo
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from pydantic import BaseModel, ConfigDict
 
@@ -19,12 +19,6 @@ from homebot.devices.value import PlainValue
 
 __all__ = ["FactUsed", "Facts", "PolicyTable", "Verdict"]
 
-TimelineOf: TypeAlias = Callable[[Device, DevicePart], PartTimeline]
-"""Returns the timeline of a part."""
-
-CountTurns: TypeAlias = Callable[[IssuedCommand, float, float], int]
-"""Returns how often the values that a command turns turned within so many seconds before a monotonic time."""
-
 
 class Facts(NamedTuple):
     """A read-only view of the house at one moment.
@@ -33,6 +27,8 @@ class Facts(NamedTuple):
         now: Seconds since the Unix epoch.
         monotonic: Seconds of a clock that is never set.
         zone: The time zone of the home; None for that of the computer.
+        turns: Returns how often the values that a command turns turned within so many seconds before a monotonic time.
+        timeline_of: Returns the timeline of a part.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -40,8 +36,8 @@ class Facts(NamedTuple):
     monotonic: float
     zone: tzinfo | None
     house: House
-    turns: CountTurns
-    timeline_of: TimelineOf
+    turns: Callable[[IssuedCommand, float, float], int]
+    timeline_of: Callable[[Device, DevicePart], PartTimeline]
     clock_set_at: float = -math.inf
 
     def age(self, stamp: float) -> float:

@@ -17,7 +17,6 @@ NAME: Final = "quiet_hours"
 
 
 def _local(value: time) -> time:
-    """Return *value* if it is a time of day in the home."""
     if value.tzinfo is not None:
         raise ValueError("must be a local time such as 22:00; `[home] zone` says where")
     return value

@@ -191,7 +191,6 @@ class PartTimeline:
         return [one for one in self._active if one.is_open]
 
     def _learn(self, progress: CommandProgress) -> None:
-        """Learn from the end of a confirmed value, or from a late answer."""
         settling = progress.settling
         if settling is None:
             if progress.learns_late and progress.is_met:

@@ -241,7 +241,6 @@ class _Parser:
         return IsNear(robot, self._metres(within) if within is not None and self._takes("within") else math.inf)
 
     def _robot(self, token: Token) -> str:
-        """Parse the name of a robot, after *token*."""
         self._takes("the")
         named = self._peek()
         if named is None or named.kind not in {"word", "text"} or fold(named.text) in KEYWORDS | NOT_UNDERSTOOD:

@@ -218,7 +218,6 @@ def all_of(terms: list[Query]) -> Query:
 
 
 def _with_scopes(terms: list[Query]) -> list[Query]:
-    """Restrict adjectives to the types beside them."""
     types = frozenset(one for term in terms if isinstance(term, TypeIs) for one in term.types)
     return [_scoped(term, types) for term in terms] if types else terms
 
