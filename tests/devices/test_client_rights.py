@@ -9,7 +9,7 @@ from homebot.control.policies.rights import is_safe
 from homebot.devices.always_ask import always_asks, why_device_asks, why_it_asks, why_it_drives
 from homebot.devices.client_rights import ALL_RIGHTS, LOCAL_RIGHTS, ClientRights, Right, read_scope
 from homebot.devices.device import Device, Fact, KeyValue
-from homebot.devices.part import Capability, Category
+from homebot.devices.part import Capability
 from homebot.devices.words import ALL_THAT_ASK, HEAT, WATER, Groups
 from homebot.errors import UsageError
 from homebot.messages import Time
@@ -117,21 +117,121 @@ def test_a_relay_or_button_asks_whichever_one_its_name_says_it_is(name: str) -> 
         assert always_asks(one, one.parts[0]), service_type
 
 
-def test_a_contact_that_can_be_set_asks() -> None:
-    """Who sets it opens what it is the contact of, as a Thing with a property ``open`` has it."""
-    one = device("garage", part("contact_sensor", "contact"))
-    assert always_asks(one, one.parts[0])
+def choice(options: tuple[str, ...]) -> Capability:
+    return Capability(name="option", settable=True, options=options)
 
 
-def test_a_choice_without_a_name_is_called_as_its_device() -> None:
-    one = device("Garage door", part("x_setting", "option"))
-    assert always_asks(one, one.parts[0])
+def up_to(most: float, least: float = 30.0) -> Capability:
+    return Capability(name="heating_setpoint", settable=True, unit="°C", bounds=(least, most))
 
 
-@pytest.mark.parametrize(("name", "asks"), [("", True), ("Volume", False)])
-def test_a_text_without_a_name_is_called_as_its_device(name: str, *, asks: bool) -> None:
-    """As Home Assistant calls an entity that is announced with the name null."""
-    one = device("Unlock door", part("x_setting", "text", name=name))
+PARTS: list[tuple[str, Device, bool]] = [
+    # Who sets a contact opens what it is the contact of, as a Thing with a property `open` has it.
+    ("contact that can be set", device("garage", part("contact_sensor", "contact")), True),
+    # As Home Assistant calls an entity that is announced with the name null.
+    ("text without a name", device("Unlock door", part("x_setting", "text")), True),
+    ("text of another name", device("Unlock door", part("x_setting", "text", name="Volume")), False),
+    ("choice without a name", device("Garage door", part("x_setting", "option")), True),
+    ("choice with a name", device("Front gate", part("x_setting", "option", name="Sensitivity")), False),
+    ("virtual button", device("shelly", part("generic_switch", "push", name="Open gate")), True),
+    ("button of a garage", device("Garage door", part("x_setting", "push", name="Toggle")), True),
+    ("boiler without bounds", device("Boiler", part("thermostat", "heating_setpoint")), True),
+    ("radiator valve", RADIATOR, False),
+    *(
+        (f"button for care {more}", device("Garage door", part("x_setting", "push", name="Press", **more)), False)
+        for more in ({"category": "config"}, {"tag": "restart"}, {"tag": "identify"})
+    ),
+    *(
+        (f"{capability} {name}", device("yard", part("x_setting", capability, name=name, category="config")), asks)
+        for capability in ("option", "state")
+        for name, asks in (("Gate trigger", True), ("Main valve", True), ("Wasserventil", True), ("Keypad lock", False))
+    ),
+    # A cover that is called garage is its door, as one of ESPHome or Home Assistant without class.
+    *(
+        (f"cover {name} {own} {tag}", device(name, part("window_covering", "movement", name=own, tag=tag)), asks)
+        for name, own, tag, asks in (
+            ("Garage", "", "", True),
+            ("Garage left", "", "shutter", True),
+            ("Shutters", "Garage", "", True),
+            ("Garage", "Blind", "", False),
+            ("Garage", "", "blind", False),
+            ("Garage blind", "", "", False),
+        )
+    ),
+    # The switch of that name is that of its lamp.
+    *((f"switch {name}", device(name, part("switch", "on_off")), False) for name in ("Garage", "Garage left")),
+    # As the action `open` of a Thing called Garage, and the buttons of an ESPHome of that name.
+    *(
+        (f"button {button} of {name}", device(name, part("generic_switch", "push", name=button)), asks)
+        for name, button, asks in (
+            ("Garage", "Open", True),
+            ("Door", "Release", True),
+            ("Front door", "Open", True),
+            ("Garage light", "Open", False),
+            ("Kitchen", "Open", False),
+            ("Garage", "Light", False),
+        )
+    ),
+    *(
+        (f"{capability} {name}", device("0x1", part("x_setting", capability, part_id=name)), False)
+        for name in ("Unlocked by", "Room name", "open_window", "Door open alarm", "Child lock")
+        for capability in ("text", "on_off")
+    ),
+    # A boiler becomes hotter than a room, and a sauna or a grill boils water.
+    *(
+        (f"thermostat {name} to {most:g} °C", device(name, part("thermostat", capabilities=(up_to(most),))), asks)
+        for name, most, asks in (
+            ("Boiler", 75.0, True),
+            ("Boiler", 30.0, False),
+            ("Boiler room", 75.0, False),
+            ("Living room", 75.0, False),
+            ("x", 120.0, True),
+            ("x", 100.0, True),
+            ("x", 90.0, False),
+            ("x", 35.0, False),
+        )
+    ),
+    *(
+        (f"number {name}", device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,))), asks)
+        for names, asks in (
+            (("DHW setpoint", "dhw1 target", "Hot water target", "Water heater limit", "Boiler setpoint"), True),
+            (("Flow target", "Water pressure", "Hot day limit"), False),
+        )
+        for name in names
+    ),
+    # Only relays and covers ask by their name.
+    *(
+        (f"{service_type} {name}", device(name, part(service_type, "on_off")), False)
+        for service_type in ("light", "x_sensor", "x_setting", "thermostat", "fan")
+        for name in ("Oven clock", "Garage door left", "Valve battery", "Gate motor 2", "Boiler 1")
+    ),
+    *(
+        (f"{service_type} of {model}", of_model(model, service_type, "on_off"), False)
+        for model, service_type in (
+            ("Zigbee 30A relay with NTC temperature sensors and water leak detection", "switch"),
+            ("Pilot wire heating module", "switch"),
+            ("Gateway", "switch"),
+            ("Thermostatic radiator valve", "thermostat"),
+            ("Zigbee smart water valve", "x_setting"),
+            ("1 gang touch panel switch with backlight and child lock", "switch"),
+            ("Garage door opener", "light"),
+            ("Smart garage door sensor", "x_setting"),
+        )
+    ),
+    # As the select of a camera that has no alarm panel of its own.
+    *(
+        (f"choice of {' or '.join(options)}", device("x", part("x_setting", capabilities=(choice(options),))), asks)
+        for options, asks in (
+            (("Disarmed", "Armed home"), True),
+            (("arm", "disarm"), True),
+            (("armed", "idle"), False),
+        )
+    ),
+]
+
+
+@pytest.mark.parametrize(("one", "asks"), [pytest.param(one, asks, id=name) for name, one, asks in PARTS])
+def test_a_part_asks_by_its_type_its_name_or_its_model(one: Device, *, asks: bool) -> None:
     assert always_asks(one, one.parts[0]) is asks
 
 
@@ -139,37 +239,6 @@ def test_a_deed_without_a_name_is_called_by_its_id() -> None:
     """Many an action of a Thing has no title."""
     one = device("Porch", part("generic_switch", "push", part_id="unlockDoor"), part("light", "on_off", part_id="lamp"))
     assert [always_asks(one, each) for each in one.parts] == [True, False]
-
-
-def test_a_virtual_button_asks_by_its_name() -> None:
-    one = device("shelly", part("generic_switch", "push", name="Open gate"))
-    assert always_asks(one, one.parts[0])
-
-
-def test_a_button_asks_by_the_name_of_its_device() -> None:
-    one = device("Garage door", part("x_setting", "push", name="Toggle"))
-    assert always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize(("category", "tag"), [("config", ""), ("", "restart"), ("", "identify")])
-def test_a_button_that_keeps_a_device_in_order_does_not(category: Category, tag: str) -> None:
-    one = device("Garage door", part("x_setting", "push", name="Press", category=category, tag=tag))
-    assert not always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize("capability", ["option", "state"])
-@pytest.mark.parametrize(
-    ("name", "asks"),
-    [("Gate trigger", True), ("Main valve", True), ("Wasserventil", True), ("Keypad lock", False)],
-)
-def test_a_setting_asks_by_its_name_but_no_lock_of_its_keys(name: str, capability: str, *, asks: bool) -> None:
-    one = device("yard", part("x_setting", capability, name=name, category="config"))
-    assert always_asks(one, one.parts[0]) is asks
-
-
-def test_a_choice_does_not_ask_by_the_name_of_its_device() -> None:
-    one = device("Front gate", part("x_setting", "option", name="Sensitivity"))
-    assert not always_asks(one, one.parts[0])
 
 
 OTHER_NAMES = (
@@ -212,15 +281,6 @@ def test_a_relay_asks_if_its_model_is_for_water_gas_boilers_or_stoves(model: str
 
 
 @pytest.mark.parametrize(
-    "model",
-    ["Zigbee 30A relay with NTC temperature sensors and water leak detection", "Pilot wire heating module", "Gateway"],
-)
-def test_a_relay_of_another_model_does_not_ask(model: str) -> None:
-    one = of_model(model, "switch", "on_off")
-    assert not always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize(
     ("one", "drives"),
     [
         (VALVE, WATER),
@@ -239,42 +299,6 @@ def test_a_policy_can_ask_for_the_load_that_a_part_is_or_switches(one: Device, d
     assert found == drives
 
 
-@pytest.mark.parametrize(
-    ("name", "part_name", "tag", "asks"),
-    [
-        ("Garage", "", "", True),
-        ("Garage left", "", "shutter", True),
-        ("Shutters", "Garage", "", True),
-        ("Garage", "Blind", "", False),
-        ("Garage", "", "blind", False),
-        ("Garage blind", "", "", False),
-    ],
-)
-def test_a_cover_that_is_called_garage_is_its_door(name: str, part_name: str, tag: str, *, asks: bool) -> None:
-    """As one of ESPHome or Home Assistant without class; the switch of that name is that of its lamp."""
-    cover = device(name, part("window_covering", "movement", name=part_name, tag=tag))
-    assert always_asks(cover, cover.parts[0]) is asks
-    switch = device(name, part("switch", "on_off"))
-    assert not always_asks(switch, switch.parts[0])
-
-
-@pytest.mark.parametrize(
-    ("name", "button", "asks"),
-    [
-        ("Garage", "Open", True),
-        ("Door", "Release", True),
-        ("Front door", "Open", True),
-        ("Garage light", "Open", False),
-        ("Kitchen", "Open", False),
-        ("Garage", "Light", False),
-    ],
-)
-def test_a_button_asks_by_the_name_of_its_device_and_its_own(name: str, button: str, *, asks: bool) -> None:
-    """As the action ``open`` of a Thing called Garage, and the buttons of an ESPHome of that name."""
-    one = device(name, part("generic_switch", "push", name=button))
-    assert always_asks(one, one.parts[0]) is asks
-
-
 @pytest.mark.parametrize("part_id", ["unlock_door", "door_unlock", "openDoor"])
 @pytest.mark.parametrize("capability", ["text", "on_off"])
 def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:
@@ -282,29 +306,6 @@ def test_a_setting_that_opens_asks(part_id: str, capability: str) -> None:
     one = device("0x1", part("x_setting", capability, part_id=part_id, category="config"))
     assert "'unlock'" in (why := why_it_asks(one, one.parts[0])) or "'open door'" in why
     assert not may(LOCAL_RIGHTS, one)
-
-
-@pytest.mark.parametrize("name", ["Unlocked by", "Room name", "open_window", "Door open alarm", "Child lock"])
-def test_another_text_or_flag_of_a_device_does_not(name: str) -> None:
-    one = device("0x1", part("x_setting", "text", part_id=name), part("x_setting", "on_off", part_id=name))
-    assert why_device_asks(one) == ""
-
-
-@pytest.mark.parametrize(
-    ("name", "most", "asks"),
-    [("Boiler", 75.0, True), ("Boiler", 30.0, False), ("Boiler room", 75.0, False), ("Living room", 75.0, False)],
-)
-def test_a_thermostat_asks_if_it_is_called_a_boiler_and_becomes_hotter_than_a_room(
-    name: str, most: float, *, asks: bool
-) -> None:
-    setpoint = Capability(name="heating_setpoint", settable=True, unit="°C", bounds=(30.0, most))
-    one = device(name, part("thermostat", capabilities=(setpoint,)))
-    assert always_asks(one, one.parts[0]) is asks
-
-
-def test_a_boiler_without_bounds_asks() -> None:
-    one = device("Boiler", part("thermostat", "heating_setpoint"))
-    assert always_asks(one, one.parts[0])
 
 
 @pytest.mark.parametrize(
@@ -324,53 +325,6 @@ def test_a_device_says_why_it_always_asks(one: Device, reason: str) -> None:
     assert why_device_asks(one) == why_it_asks(one, one.parts[0]) == reason
 
 
-@pytest.mark.parametrize("service_type", ["light", "x_sensor", "x_setting", "thermostat", "fan"])
-@pytest.mark.parametrize("name", ["Oven clock", "Garage door left", "Valve battery", "Gate motor 2", "Boiler 1"])
-def test_only_relays_and_covers_ask_by_their_name(name: str, service_type: str) -> None:
-    one = device(name, part(service_type, "on_off"))
-    assert not always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize(
-    ("model", "service_type"),
-    [
-        ("Thermostatic radiator valve", "thermostat"),
-        ("Zigbee smart water valve", "x_setting"),
-        ("1 gang touch panel switch with backlight and child lock", "switch"),
-        ("Garage door opener", "light"),
-        ("Smart garage door sensor", "x_setting"),
-    ],
-)
-def test_a_part_that_does_not_drive_the_load_in_the_model_does_not_ask(model: str, service_type: str) -> None:
-    one = of_model(model, service_type, "on_off")
-    assert not always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize(
-    "name", ["DHW setpoint", "dhw1 target", "Hot water target", "Water heater limit", "Boiler setpoint"]
-)
-def test_how_hot_the_water_becomes_asks(name: str) -> None:
-    one = device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,)))
-    assert always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize("name", ["Flow target", "Water pressure", "Hot day limit"])
-def test_another_temperature_does_not(name: str) -> None:
-    one = device("heat pump", part("x_setting", name=name, capabilities=(HOT_WATER,)))
-    assert not always_asks(one, one.parts[0])
-
-
-@pytest.mark.parametrize(("most", "asks"), [(120.0, True), (100.0, True), (90.0, False), (35.0, False)])
-def test_a_thermostat_asks_if_it_boils_water(most: float, *, asks: bool) -> None:
-    setpoint = Capability(name="heating_setpoint", settable=True, bounds=(20.0, most))
-    one = device("x", part("thermostat", capabilities=(setpoint,)))
-    assert always_asks(one, one.parts[0]) is asks
-
-
-def test_the_limit_of_a_radiator_valve_does_not_ask() -> None:
-    assert not always_asks(RADIATOR, RADIATOR.parts[0])
-
-
 @pytest.mark.parametrize("service_type", ["switch", "x_setting"])
 def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> None:
     """The WKE502Z arms by a switch, so that to turn it off disarms; whoever sets its code can do so later."""
@@ -381,16 +335,6 @@ def test_a_keypad_that_disarms_asks_with_all_that_it_has(service_type: str) -> N
     )
     assert [may(LOCAL_RIGHTS, keypad, number) for number in range(2)] == [False, False]
     assert not is_safe(keypad, keypad.parts[0], {"on_off": False})
-
-
-@pytest.mark.parametrize(
-    ("options", "asks"), [(("Disarmed", "Armed home"), True), (("arm", "disarm"), True), (("armed", "idle"), False)]
-)
-def test_a_choice_asks_if_it_disarms_an_alarm(options: tuple[str, ...], *, asks: bool) -> None:
-    """As the select of a camera that has no alarm panel of its own."""
-    choice = Capability(name="option", settable=True, options=options)
-    camera = device("x", part("x_setting", capabilities=(choice,)))
-    assert always_asks(camera, camera.parts[0]) is asks
 
 
 def test_all_parts_of_a_garage_door_ask_but_for_its_lamp() -> None:

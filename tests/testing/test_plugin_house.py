@@ -443,10 +443,10 @@ def test_a_command_that_nobody_awaits_fails_its_test(tried: Tried) -> None:
 def test_a_hold_that_nobody_enters_fails_its_test(tried: Tried) -> None:
     tests = """
         import gc
-        from homebot.devices.hold import hold_part
+        from homebot.devices.hold import HoldBlock
 
         async def test_forgets():
-            hold_part(None, None, "", "open", "robot", 10.0)
+            HoldBlock(None, None, "", "open", "robot", 10.0)
             gc.collect()
 
         async def test_that_is_well():
