@@ -46,13 +46,6 @@ _FAN_MODE: Final = "fan_mode"
 """The capability that turns a fan on or off as well."""
 
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
-_RELATED: Final = {
-    **{one: tuple(sorted(_OPENINGS)) for one in _OPENINGS},
-    **{one: tuple(sorted(POWERS | COLORS | {_FAN_MODE})) for one in POWERS},
-    _FAN_MODE: (_FAN_MODE, *sorted(POWERS)),
-    "effect": ("effect", *sorted(POWERS)),
-    **{one: (*sorted(_HUES), *sorted(POWERS)) for one in _HUES},
-}
 _PRESS: Final = "push"
 _NEARLY: Final = 1e-3
 
@@ -226,6 +219,12 @@ _CHANGES: Final[tuple[tuple[frozenset[str], frozenset[str], Callable[[PlainValue
     (COLORS, POWERS, lambda _value, wanted: not is_on(wanted)),
 )
 """For the held capability and the one that is set: whether the wanted value changes the held one."""
+
+_RELATED: Final = {
+    one: tuple(sorted({one}.union(*(others for held, others, _ in _CHANGES if one in held))))
+    for group, _, _ in _CHANGES
+    for one in group
+}
 
 
 def value_text(value: PlainValue) -> str:

@@ -115,14 +115,8 @@ def wanted_types(word: str) -> frozenset[str]:
 
 
 def _singulars(word: str) -> tuple[str, ...]:
-    forms = []
-    if word.endswith("ies"):
-        forms.append(word[:-3] + "y")
-    if word.endswith("es"):
-        forms.append(word[:-2])
-    if word.endswith("s"):
-        forms.append(word[:-1])
-    return tuple(forms)
+    endings = (("ies", "y"), ("es", ""), ("s", ""))
+    return tuple(word.removesuffix(plural) + singular for plural, singular in endings if word.endswith(plural))
 
 
 def _index() -> Mapping[str, frozenset[str]]:

@@ -106,19 +106,6 @@ class HandleQuery(Generic[HandleT]):
         ValueError: There is no such category, or *within* is no length or of nothing.
     """
 
-    __slots__ = (
-        "_category",
-        "_device_terms",
-        "_filters",
-        "_part_terms",
-        "_terms",
-        "asks_for_values",
-        "kind",
-        "names",
-        "near",
-        "search",
-    )
-
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
         _check(kind, filters, terms)
         self._category: Final = filters.get("category", "")
