@@ -71,6 +71,22 @@ async def refusal(outcome: Awaitable[Outcome]) -> str:
     return refused.reason
 
 
+def end_of_ramp(seconds: float) -> tuple[list[int], Behaviour]:
+    """Report the end alone, so many seconds after the newest command; return the commands, which begin it anew."""
+    ramps: list[int] = []
+
+    async def fade(home: Home, command: Command) -> None:
+        ramps.append(number := len(ramps))
+        home.tasks.start_soon(end, home, command, number)
+
+    async def end(home: Home, command: Command, number: int) -> None:
+        await anyio.sleep(seconds)
+        if number == len(ramps) - 1:
+            await obey(home, command)
+
+    return ramps, fade
+
+
 class Home:
     """A home with one gateway.
 

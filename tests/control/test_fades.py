@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 import anyio
 import pytest
-from tests.control.conftest import Behaviour, Home, OpenHome, ignore
+from tests.control.conftest import Behaviour, Home, OpenHome, end_of_ramp, ignore
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.outcomes import Confirmed, Contradicted, Evidence, NoAnswer, Outcome
@@ -93,19 +93,8 @@ async def test_a_dimmer_that_gets_stuck_on_its_way_is_told_again_and_contradicte
 
 async def test_a_dimmer_that_reports_the_end_of_its_ramp_alone_is_told_once_after_it_gave_no_answer(home: Home) -> None:
     """Its ramp takes longer than it is waited for before a repetition, which begins it anew."""
-    lamp = await home.lamp("on_off", "level")
-    ramps: list[int] = []
-
-    async def fade(home: Home, command: Command) -> None:
-        ramps.append(number := len(ramps))
-        home.tasks.start_soon(end, command, number)
-
-    async def end(command: Command, number: int) -> None:
-        await anyio.sleep(6)
-        if number == len(ramps) - 1:
-            await home.report("lamp", command.capability, command.value.plain())
-
-    home.behaviours["lamp"] = fade
+    ramps, fade = end_of_ramp(6)
+    lamp = await home.lamp("on_off", "level", behaviour=fade)
     found: list[tuple[type[Outcome], int]] = []
     for on in (True, False, True, False):
         before = len(ramps)

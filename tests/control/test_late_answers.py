@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import anyio
 import pytest
-from tests.control.conftest import Home, ignore, obey_after
+from tests.control.conftest import Home, end_of_ramp, ignore, obey_after
 
-from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed, Contradicted, NoAnswer, Outcome
 
@@ -38,18 +37,7 @@ async def test_a_lamp_that_is_slower_than_the_limit_fails_once(home: Home, secon
 async def test_a_dimmer_with_a_long_ramp_fails_once(home: Home) -> None:
     """It reports the end alone, and each repetition begins the ramp anew."""
     home.put("lamp", "light", "on_off", "level")
-    ramps: list[int] = []
-
-    async def fade(home: Home, command: Command) -> None:
-        ramps.append(number := len(ramps))
-        home.tasks.start_soon(end, command, number)
-
-    async def end(command: Command, number: int) -> None:
-        await anyio.sleep(15)
-        if number == len(ramps) - 1:
-            await home.report("lamp", command.capability, command.value.plain())
-
-    home.behaviours["lamp"] = fade
+    _, home.behaviours["lamp"] = end_of_ramp(15)
     assert await switched(home, 3) == [(NoAnswer, 3), (Confirmed, 1), (Confirmed, 1)]
 
 

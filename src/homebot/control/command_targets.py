@@ -108,11 +108,7 @@ class CommandTargets:
         return [(called[0], _main_parts(called[0]))] if called else []
 
     async def _any_of(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
-        """Return the targets that fit any alternative of the query *target*, if it is not ambiguous.
-
-        Raises:
-            NoTargetError: It is ambiguous; the message names the targets of each reading.
-        """
+        """Return the targets that fit any alternative of the query *target*; an ambiguous one is an error."""
         if len(readings.alternatives) == 1:
             return await self._one_query(request, target)
         found, unnamed = await self._all_of(request, readings.alternatives, readings.words)
@@ -185,15 +181,7 @@ class CommandTargets:
         return await self._named_part(text, request) or found
 
     async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[_Target]:
-        """Return the parts of a device that are called *text*, such as one of four relays.
-
-        Args:
-            taking: The command that one of them must take; None for any.
-
-        Raises:
-            NoTargetError: Several devices have such parts.
-            ServiceError: The directory does not answer.
-        """
+        """Return the parts of a device that are called *text*, such as one of four relays, one of them for *taking*."""
         words, name = words_of(text), fold(text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
         named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
@@ -204,12 +192,7 @@ class CommandTargets:
         return found
 
     async def _nearest(self, request: CommandDevicesRequest, near: IsNear, rest: Query) -> list[_Target]:
-        """Return the nearest target that may be commanded.
-
-        Raises:
-            NoTargetError: None of the nearest may be; the message names them and the reasons.
-            ServiceError: The directory does not answer.
-        """
+        """Return the nearest target that may be commanded; if none may, the error names the nearest and the reasons."""
         wanted = query_terms(And((rest, near)))
         answer = await self._query.call(QueryDevicesRequest(query=wanted, limit=_MOST_NEAR))
         if not answer.success:
@@ -331,11 +314,7 @@ def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
 
 
 def _spelled(text: str, query: Query, devices: tuple[Device, ...]) -> list[Device]:
-    """Return those of *devices* that fit the query *text* without a typo.
-
-    Raises:
-        NoTargetError: None does; the message names the similar ones.
-    """
+    """Return those of *devices* that fit the query *text* without a typo; an error names similar ones if none does."""
     meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
     if devices and not meant:
         similar = " or ".join(device.name or device.id for device in devices[:3])

@@ -63,12 +63,7 @@ class HistoryClient:
         return Time.from_seconds(max(0.0, self._node.graph.clock.now() - parse_duration(since, "since")))
 
     async def _call(self, service: ServiceType[RequestT, AnswerT], name: str, request: RequestT) -> AnswerT:
-        """Return the answer to *request*.
-
-        Raises:
-            UsageError: No history is kept, or the request is wrong.
-            ServiceError: No answer came.
-        """
+        """Return the answer to *request*; without a history, or to a wrong one, the error is a `UsageError`."""
         client = self._node.create_client(service, name)
         try:
             await client.wait_for_service(_STARTS_WITHIN)

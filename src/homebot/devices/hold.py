@@ -180,12 +180,7 @@ class _BlockHolder:
 
 
 def _setting(view: DeviceView, part_id: str, word: str) -> Setting | None:
-    """Return the setting that *word* means; None if the device or the part is gone.
-
-    Raises:
-        UsageError: It is no word.
-        RefusedError: The part does not take it, or it does not last.
-    """
+    """Return the setting that *word* means; None if the device or the part is gone."""
     if type(word) is not str:
         raise UsageError(f"hold() takes a word, such as 'on' or '0.4', not {word!r:.60}")
     part = None if view.is_gone else view.device.part(part_id)

@@ -93,11 +93,7 @@ class ConfiguredNames:
         return HealthResponse(counts=(), troubles=await self.problems())
 
     async def _look(self) -> AsyncIterator[str]:
-        """Yield the first problems.
-
-        Raises:
-            ServiceError: The directory does not answer.
-        """
+        """Yield the first problems; a `ServiceError` if the directory does not answer."""
         stated = self._read()
         async for problem in self._unknown_rooms(stated.rooms[:_MOST]):
             yield problem
