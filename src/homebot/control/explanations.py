@@ -20,8 +20,7 @@ from homebot.devices.journal_messages import (
     ReadJournalResponse,
 )
 from homebot.devices.outcomes import OUTCOMES, Confirmed
-from homebot.devices.part import Capability
-from homebot.devices.setting_check import accepted_values
+from homebot.devices.part import Capability, accepted_values
 from homebot.devices.trigger import Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import PeerError, ServiceError

@@ -32,7 +32,7 @@ from homebot.devices.lease_messages import (
     LeaseState,
 )
 from homebot.devices.outcomes import Contradicted, NoAnswer, Outcome, Refused
-from homebot.devices.setting_check import check_setting
+from homebot.devices.part import check_setting
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, ServiceError

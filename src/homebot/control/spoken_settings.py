@@ -11,8 +11,7 @@ from typing import Final
 from homebot.control.values import changes, related
 from homebot.devices import KeyValue
 from homebot.devices.capabilities import CAPABILITIES, OWN
-from homebot.devices.part import Capability, Part
-from homebot.devices.setting_check import accepted_values, check_setting
+from homebot.devices.part import Capability, Part, accepted_values, check_setting
 from homebot.devices.text.commands import decode_command
 from homebot.devices.text.states import FRACTION_CAPABILITIES
 from homebot.devices.value import PlainValue

@@ -25,7 +25,7 @@ from homebot.devices.gateway_messages import Command
 from homebot.devices.hold import HoldBlock
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
-from homebot.devices.setting_check import check_setting
+from homebot.devices.part import check_setting
 from homebot.devices.text_sender import TextSender
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError, UnansweredError

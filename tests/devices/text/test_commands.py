@@ -7,8 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from homebot.devices.names import is_text_address, read_text_address, text_address
-from homebot.devices.part import Capability, Part
-from homebot.devices.setting_check import accepted_values, check_setting
+from homebot.devices.part import Capability, Part, accepted_values, check_setting
 from homebot.devices.text.commands import decode_command, encode_command, main_part
 from homebot.devices.text.states import decode_text, encode_state
 from homebot.devices.value import PlainValue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Final, Literal, NamedTuple
+from typing import Final, Literal
 
 from pydantic import Field
 
@@ -21,19 +21,6 @@ __all__ = ["Interlock"]
 NAME: Final = "interlock"
 
 
-class _Rule(NamedTuple):
-    """The parsed condition of an interlock.
-
-    Attributes:
-        possible: The query for the parts that may match it at some time.
-    """
-
-    condition: str
-    query: Query
-    possible: Query
-    capabilities: frozenset[str]
-
-
 class Interlock(PolicyTable):
     """A table ``[[control.interlocks]]``.
 
@@ -47,15 +34,17 @@ class Interlock(PolicyTable):
     where: Literal["room", "home"] = "room"
 
     @cached_property
-    def _rule(self) -> _Rule:
-        query = parse_lasting_query(self.condition)
-        capabilities = frozenset([one.capability for one in leaves(query) if isinstance(one, StateIs)])
-        return _Rule(self.condition, query, without_states(query), capabilities)
+    def _query(self) -> Query:
+        return parse_lasting_query(self.condition)
 
-    @property
+    @cached_property
+    def _capabilities(self) -> frozenset[str]:
+        return frozenset([one.capability for one in leaves(self._query) if isinstance(one, StateIs)])
+
+    @cached_property
     def needs(self) -> Query:
         """The devices that may match the condition at some time."""
-        return self._rule.possible
+        return without_states(self._query)
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
         """Refuse a command while the condition holds, or while that is unknown."""
@@ -64,10 +53,30 @@ class Interlock(PolicyTable):
             if not facts.house.is_known or room == "":
                 unknown = "the state of the house" if room != "" else "the room of the device"
                 return Verdict(NAME, allowed=False, reason=f"not while {self.condition}: {unknown} is unknown")
-            for device, part in _concerned_parts(self._rule, room, facts):
-                if (verdict := _check_part(self._rule, device, part)) is not None:
+            for device, part in self._concerned_parts(room, facts):
+                if (verdict := self._check_part(device, part)) is not None:
                     return verdict
         return Verdict(NAME, allowed=True)
+
+    def _concerned_parts(self, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
+        for tracked in facts.house.devices(room):
+            for part in tracked.device.parts:
+                if self._capabilities and not any(one.name in self._capabilities for one in part.part.capabilities):
+                    continue
+                if fits(self.needs, PartFacets(tracked.device, part)):
+                    yield tracked.current(), part
+
+    def _check_part(self, device: Device, part: DevicePart) -> Verdict | None:
+        facets = PartFacets(device, part)
+        used = tuple(_facts(device, part.id, self._capabilities))
+        is_silent = bool(self._capabilities) and not used
+        if doubt := _doubt(device, is_away=facets.reachable == "no", is_silent=is_silent):
+            reason = f"not while {self.condition}, and the state of {device.name} is unknown: {doubt}"
+        elif fits(self._query, facets):
+            reason = f"not while {self.condition}: {device.name}"
+        else:
+            return None
+        return Verdict(NAME, allowed=False, reason=reason, facts=used)
 
 
 def without_states(query: Query, *, is_possible: bool = True) -> Query:
@@ -82,28 +91,6 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
         case Not(term):
             return Not(without_states(term, is_possible=not is_possible))
     return query
-
-
-def _concerned_parts(rule: _Rule, room: str | None, facts: Facts) -> Iterator[tuple[Device, DevicePart]]:
-    for tracked in facts.house.devices(room):
-        for part in tracked.device.parts:
-            if rule.capabilities and not any(one.name in rule.capabilities for one in part.part.capabilities):
-                continue
-            if fits(rule.possible, PartFacets(tracked.device, part)):
-                yield tracked.current(), part
-
-
-def _check_part(rule: _Rule, device: Device, part: DevicePart) -> Verdict | None:
-    condition = rule.condition
-    facets = PartFacets(device, part)
-    used = tuple(_facts(device, part.id, rule.capabilities))
-    if doubt := _doubt(device, is_away=facets.reachable == "no", is_silent=bool(rule.capabilities) and not used):
-        reason = f"not while {condition}, and the state of {device.name} is unknown: {doubt}"
-    elif fits(rule.query, facets):
-        reason = f"not while {condition}: {device.name}"
-    else:
-        return None
-    return Verdict(NAME, allowed=False, reason=reason, facts=used)
 
 
 def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
