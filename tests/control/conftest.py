@@ -16,13 +16,15 @@ from homebot.clock import Clock
 from homebot.control import Control, ControlSettings
 from homebot.control.journal.store import JournalStore
 from homebot.devices import Devices
-from homebot.devices.command_messages import CommandEvent
+from homebot.devices.command_messages import CommandEvent, Setting
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Handle, Light
 from homebot.devices.handles.handle_query import HandleType
-from homebot.devices.names import COMMAND_EVENTS
+from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest, ReadJournalResponse
+from homebot.devices.lease_messages import GetLeases, HeldPart, HoldPart, HoldRequest, LeaseResponse
+from homebot.devices.names import COMMAND_EVENTS, GET_LEASES, HOLD_PART, READ_JOURNAL
 from homebot.devices.outcomes import Outcome, Refused
-from homebot.devices.value import PlainValue
+from homebot.devices.value import PlainValue, Value
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.memory import MemoryGateway
@@ -69,6 +71,15 @@ async def refusal(outcome: Awaitable[Outcome]) -> str:
     refused = await outcome
     assert isinstance(refused, Refused)
     return refused.reason
+
+
+def hold_request(
+    device: str, capability: str, value: PlainValue, issuer: str = "client:robot", **more: Any
+) -> HoldRequest:
+    """Return what a program outside sends, which may be killed."""
+    setting = Setting(capability=capability, value=Value.of(value))
+    fields = {"lease": "1", "by": "robot", "ttl": 10.0, **more}
+    return HoldRequest(device=device, setting=setting, issuer=issuer, **fields)
 
 
 def end_of_ramp(seconds: float) -> tuple[list[int], Behaviour]:
@@ -160,6 +171,19 @@ class Home:
     async def report(self, key: str, capability: str, value: PlainValue) -> None:
         """Let a device report a value."""
         await self.gateway.devices.report(key, {capability: value})
+
+    async def hold(self, request: HoldRequest) -> LeaseResponse:
+        """Hold what *request* says."""
+        return LeaseResponse.of(await self.app.create_client(HoldPart, HOLD_PART).call(request, timeout=900))
+
+    async def leases(self, device: str = "") -> tuple[HeldPart, ...]:
+        """Return what is held."""
+        return (await self.app.create_client(GetLeases, GET_LEASES).call(GetLeases.Request(device=device))).parts
+
+    async def read(self, **request: object) -> ReadJournalResponse:
+        """Read the journal."""
+        wanted = ReadJournalRequest.model_validate(request)
+        return await self.app.create_client(ReadJournal, READ_JOURNAL).call(wanted)
 
     def later(self, seconds: float, key: str, capability: str, value: PlainValue) -> None:
         """Let a device report a value in so many seconds."""

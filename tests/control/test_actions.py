@@ -19,8 +19,8 @@ from homebot.devices.action_messages import (
 from homebot.devices.command_messages import Setting
 from homebot.devices.handles import Closure
 from homebot.devices.journal_messages import ReadJournalRequest
-from homebot.devices.lease_messages import EndLeases, GetLeases, HeldPart
-from homebot.devices.names import END_LEASES, GET_LEASES, HOLD_DEVICE, PERFORM_COMMANDS
+from homebot.devices.lease_messages import EndLeases
+from homebot.devices.names import END_LEASES, HOLD_DEVICE, PERFORM_COMMANDS
 from homebot.errors import GoalAbortedError
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, GoalState
@@ -43,13 +43,6 @@ async def put_door(home: Home) -> None:
     home.put("door", "closure", "movement", "position")
     await home.report("door", "movement", "closed")
     await anyio.sleep(0.01)  # of virtual time, in which the directory takes everything in
-
-
-async def leases(home: Home) -> tuple[HeldPart, ...]:
-    client = home.app.create_client(GetLeases, GET_LEASES)
-    held = (await client.call(GetLeases.Request())).parts
-    client.close()
-    return held
 
 
 HoldClient = ActionClient[HoldDeviceGoal, HoldDeviceResult, HoldDeviceFeedback]
@@ -123,10 +116,10 @@ async def test_a_hold_is_released_when_its_goal_is_cancelled(open_home: OpenHome
         await anyio.sleep(10.5)
         assert (phases[0], phases[-1]) == ("commanding", "held")
         assert not (await (await home.handle(Closure)).close()).succeeded
-        assert len(await leases(home)) == 1
+        assert len(await home.leases()) == 1
         await goal.cancel()
         assert await goal.result() == (GoalState.CANCELED, HoldDeviceResult(success=True, message="released"))
-        assert await leases(home) == ()
+        assert await home.leases() == ()
 
 
 async def test_a_hold_names_its_device_as_people_do(open_home: OpenHome) -> None:
@@ -144,7 +137,7 @@ async def test_a_hold_without_a_name_of_its_holder_has_that_of_the_client(open_h
         fields = hold_goal().model_dump(exclude={"by", "setting"})
         goal = await hold_client(home.app).send_goal(HoldDeviceGoal(**fields, setting=hold_goal().setting))
         await anyio.sleep(1.0)
-        ((holder,),) = (part.holders for part in await leases(home))
+        ((holder,),) = (part.holders for part in await home.leases())
         assert (holder.by, holder.issuer) == ("robot", "client:robot")
         await goal.cancel()
 
@@ -160,7 +153,7 @@ async def test_a_hold_of_an_unknown_setting_is_refused_with_the_known_ones_and_s
             await hold_client(home.app).perform(goal)
         assert isinstance(caught.value.result, HoldDeviceResult)
         assert "on of lamp: it has no such setting; it takes on_off, level" in caught.value.result.message
-        assert (await leases(home), list(home.commands)) == ((), [])
+        assert (await home.leases(), list(home.commands)) == ((), [])
 
 
 async def test_a_hold_ends_after_its_seconds_which_it_counts_from_the_first_success(open_home: OpenHome) -> None:
@@ -175,7 +168,7 @@ async def test_a_hold_ends_after_its_seconds_which_it_counts_from_the_first_succ
         assert result.success
         assert anyio.current_time() - began == pytest.approx(8.0, abs=0.2)
         assert left == [3, 3, 2, 1]
-        assert await leases(home) == ()
+        assert await home.leases() == ()
 
 
 async def test_a_hold_lasts_while_its_first_command_takes_long(open_home: OpenHome) -> None:
@@ -224,6 +217,6 @@ async def test_a_hold_ends_with_the_node_of_its_client(open_home: OpenHome) -> N
         async with Node(home.graph, "robot") as robot:
             await hold_client(robot).send_goal(hold_goal())
             await anyio.sleep(10.0)
-            assert len(await leases(home)) == 1
+            assert len(await home.leases()) == 1
         await anyio.sleep(0.01)
-        assert await leases(home) == ()
+        assert await home.leases() == ()

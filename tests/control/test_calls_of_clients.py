@@ -7,18 +7,14 @@ from collections.abc import Awaitable, Callable
 
 import anyio
 import pytest
-from tests.control.conftest import Home, OpenHome
+from tests.control.conftest import Home, OpenHome, hold_request
 
 from homebot.bridges.rosbridge.access import ClientAccess
 from homebot.bridges.rosbridge.protocol import CallService
 from homebot.bridges.rosbridge.services import call_service
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.client_rights import LOCAL_RIGHTS, ClientRights, read_scope
-from homebot.devices.command_messages import Setting
 from homebot.devices.handles import Light
-from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
-from homebot.devices.lease_messages import GetLeases, GetLeasesRequest, HoldPart, HoldRequest
-from homebot.devices.names import GET_LEASES, HOLD_PART, READ_JOURNAL
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.trigger import Trigger as Cause
 from homebot.devices.wording.journal_words import trigger_text
@@ -81,7 +77,7 @@ async def test_a_client_with_few_rights_and_a_later_command_are_no_wish(
 async def test_the_journal_names_the_client_and_the_service(open_home: OpenHome) -> None:
     async with open_home(presence_guard=True) as home:
         await call(home)
-        entries = (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
+        entries = (await home.read()).entries
         (asked,) = (one for one in entries if one.kind == "requested")
         assert asked.issuer == "/app"
         assert trigger_text(asked.trigger, {}) == "the client tablet called /app/dark"
@@ -89,16 +85,15 @@ async def test_the_journal_names_the_client_and_the_service(open_home: OpenHome)
 
 async def test_a_lease_names_the_client_whose_call_is_its_cause(home: Home) -> None:
     """So do the refusal of another command, and the commands and steps of the lease in the journal."""
-    leases = home.app.create_client(GetLeases, GET_LEASES)
 
     async def hold(lamp: Light) -> str:
         async with lamp.hold("on", by="party"):
-            ((holder,),) = (one.holders for one in (await leases.call(GetLeasesRequest())).parts)
+            ((holder,),) = (one.holders for one in await home.leases())
             return f"{trigger_text(holder.trigger, {})}; {(await lamp.turn_off()).text}"
 
     cause = "the client tablet called /app/dark"
     assert await call(home, dark=hold) == f"{cause}; refused (lease): held on by party ({cause}) for 10 s more"
-    entries = (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
+    entries = (await home.read()).entries
     causes = [(one.kind, trigger_text(one.trigger, {})) for one in entries if one.trigger.kind]
     assert causes == [("held", cause), ("requested", f"party ({cause}) holds it"), ("requested", cause)]
 
@@ -106,16 +101,6 @@ async def test_a_lease_names_the_client_whose_call_is_its_cause(home: Home) -> N
 async def test_a_client_names_no_other_as_the_cause_of_its_lease(home: Home) -> None:
     await home.lamp("on_off")
     cause = Cause(kind="client", text="client:owner called /app/dark")
-    wanted = HoldRequest(
-        device="lamp",
-        setting=Setting.of("on_off", plain=True),
-        lease="1",
-        by="robot",
-        ttl=10,
-        issuer="client:robot",
-        scope=("act: all",),
-        trigger=cause,
-    )
-    await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900)
-    (held,) = (await home.app.create_client(GetLeases, GET_LEASES).call(GetLeasesRequest())).parts
+    await home.hold(hold_request("lamp", "on_off", True, scope=("act: all",), trigger=cause))
+    (held,) = await home.leases()
     assert [one.trigger.kind for one in held.holders] == [""]

@@ -10,7 +10,6 @@ from random import Random
 import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, ignore, obey, obey_after, report
-from tests.control.test_journal import read
 
 from homebot.devices.gateway_messages import Command
 from homebot.devices.handles import Light
@@ -64,7 +63,7 @@ async def test_every_command_has_a_complete_chain(home: Home, seed: int) -> None
             tasks.start_soon(partial(command, lamp, on=random.random() < 0.6))
             await anyio.sleep(random.expovariate(0.5))
     await anyio.sleep(60)
-    found = await read(home)
+    found = await home.read()
     assert found.complete
     chains = by_command(found.entries)
     assert set(chains) == {one.command_id for one in outcomes}

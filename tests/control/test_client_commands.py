@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from tests.control.conftest import Home, OpenHome, refusal
+from tests.control.conftest import Home, OpenHome, hold_request, refusal
 
 from homebot.devices.command_messages import CommandDevicesRequest, CommandRequest, CommandResult, Setting
 from homebot.devices.handles import DoorLock, Light
-from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
-from homebot.devices.names import HOLD_PART
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import Value
 
@@ -86,18 +84,9 @@ async def test_to_hold_a_lock_locked_takes_a_right_that_names_it(home: Home) -> 
     """A lease keeps others from unlocking, those who have the right as well."""
     await put_house(home)
     lock = await home.handle(DoorLock, "door")
-    wanted = HoldRequest(
-        device=lock.device.id,
-        setting=Setting(capability="lock", value=Value.of("locked")),
-        by="x",
-        lease="1",
-        ttl=10,
-        issuer="client:local",
-    )
-    hold = home.app.create_client(HoldPart, HOLD_PART)
-    answer = LeaseResponse.of(await hold.call(wanted))
+    answer = await home.hold(hold_request(lock.device.id, "lock", "locked", "client:local"))
     assert (answer.held, answer.result.policy, home.commands) == (False, "rights", [])
-    answer = LeaseResponse.of(await hold.call(wanted.model_copy(update={"issuer": "/app"})))
+    answer = await home.hold(hold_request(lock.device.id, "lock", "locked", "/app"))
     assert (answer.held, answer.result.policy, home.commands) == (False, "always_ask", [])
 
 

@@ -14,8 +14,7 @@ from tests.control.test_journal_file import NOW, opened, read
 from homebot.control.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
 from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices.command_messages import CommandRequest
-from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.devices.names import READ_JOURNAL
+from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.outcomes import AlreadySo, NoAnswer
 
 FLOOD = 200
@@ -119,8 +118,7 @@ def test_a_command_names_nothing_in_a_text_without_end(field: str) -> None:
 
 
 async def outcomes(home: Home) -> list[JournalEntry]:
-    response = await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())
-    return [one for one in response.entries if one.kind == "outcome"]
+    return [one for one in (await home.read()).entries if one.kind == "outcome"]
 
 
 async def test_a_full_journal_drops_the_entries_of_the_issuer_with_the_most(tmp_path: Path) -> None:

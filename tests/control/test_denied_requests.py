@@ -7,7 +7,6 @@ from collections.abc import Mapping
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
-from tests.control.test_journal import read
 
 from homebot.control.journal.denied_requests import MOST_CLIENTS, MOST_ENTRIES
 from homebot.devices.access_messages import AccessRefused
@@ -37,7 +36,7 @@ async def refuse(home: Home, *requests: Mapping[str, object]) -> list[JournalEnt
         }
         publisher.publish(AccessRefused.model_validate(refused))
     await anyio.sleep(1)
-    return [one for one in (await read(home)).entries if one.kind == "denied"]
+    return [one for one in (await home.read()).entries if one.kind == "denied"]
 
 
 def count_of(entry: JournalEntry) -> object:
@@ -88,7 +87,7 @@ async def test_a_flood_is_some_entries_in_an_hour_and_a_count(home: Home) -> Non
     entries = await refuse(home, *same, *others, {"target": "/app/0", "held_back": 99})
     assert len(entries) == MOST_ENTRIES
     await anyio.sleep(3600)
-    *_, last = (await read(home)).entries
+    *_, last = (await home.read()).entries
     assert count_of(last) == 500 + 300 + 100 - MOST_ENTRIES
     assert last.verdicts[0].facts[1].value.plain() == "/app/0"
     await anyio.sleep(3600)
@@ -102,4 +101,4 @@ async def test_clients_are_told_apart_up_to_a_number(home: Home) -> None:
     entries = await refuse(home, *clients)
     assert [one.issuer for one in entries] == [f"client:{number}" for number in range(MOST_CLIENTS + 1)]
     await anyio.sleep(3600)
-    assert count_of((await read(home)).entries[-1]) == MOST_CLIENTS - 1
+    assert count_of((await home.read()).entries[-1]) == MOST_CLIENTS - 1

@@ -5,15 +5,14 @@ from __future__ import annotations
 import anyio
 import pytest
 from structlog.testing import capture_logs
-from tests.control.conftest import Home, OpenHome, ignore
+from tests.control.conftest import Home, OpenHome, hold_request, ignore
 
 from homebot.control.journal.given_codes import CODE_GIVEN, public_text
 from homebot.devices import GatewayNames, RawCommand
 from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Handle
-from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest
-from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
-from homebot.devices.names import HOLD_PART, JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.devices.journal_messages import JournalEntry
+from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError
 from homebot.recording.lines import RecordedCommand
@@ -22,10 +21,6 @@ from homebot.recording.recorded_commands import CommandNews
 pytestmark = pytest.mark.virtual_time
 
 CODE = "73550173"
-
-
-async def entries(home: Home) -> tuple[JournalEntry, ...]:
-    return (await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())).entries
 
 
 async def give(home: Home, key: str, capability: str, value: PlainValue) -> None:
@@ -47,7 +42,7 @@ async def test_a_code_that_is_commanded_is_sent_and_kept_nowhere(
             home.put("keypad", "x_setting", capability, name="Pin Code", is_silent=True)
             await give(home, "pin code", capability, code)
             assert [one.value.plain() for one in home.commands] == [code]
-            found = await entries(home)
+            found = (await home.read()).entries
             assert [one.kind for one in found] == ["requested", "sent", "acknowledged", "outcome"]
             assert [one.value.plain() for one in found[0].settings] == [CODE_GIVEN]
             recorded = CommandNews().of(found[0])
@@ -59,24 +54,16 @@ async def test_a_code_that_is_commanded_is_sent_and_kept_nowhere(
 async def test_what_is_no_code_is_in_the_journal(home: Home) -> None:
     home.put("display", "x_setting", "text", is_silent=True)
     await give(home, "display", "text", "Dinner is ready")
-    assert [one.value.plain() for one in (await entries(home))[0].settings] == ["Dinner is ready"]
+    assert [one.value.plain() for one in (await home.read()).entries[0].settings] == ["Dinner is ready"]
 
 
 async def test_a_code_is_not_held(home: Home) -> None:
     """Everybody may see what is held."""
     home.put("keypad", "x_setting", "text", name="Pin Code", is_silent=True)
     device = (await home.handle(Handle, "pin code")).device
-    request = HoldRequest(
-        device=device.id,
-        setting=Setting(capability="text", value=Value.of(CODE)),
-        lease="1",
-        by="robot",
-        ttl=60,
-        issuer="client:kitchen",
-    )
-    answer = LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(request))
+    answer = await home.hold(hold_request(device.id, "text", CODE, "client:kitchen"))
     assert (answer.held, answer.result.reason) == (False, "a code is given once, and nothing to hold")
-    (denied,) = await entries(home)
+    (denied,) = (await home.read()).entries
     assert (denied.kind, CODE in str(denied)) == ("denied", False)
     assert home.commands == []
 
@@ -88,7 +75,7 @@ async def test_a_text_for_what_takes_a_code_is_noted_without_it(home: Home, capa
     home.put("keypad", "x_setting", capability, name="Pin Code", is_silent=True)
     device = (await home.handle(Handle, "pin code")).device
     await home.devices.tell(device, text)
-    found = await entries(home)
+    found = (await home.read()).entries
     assert [one.kind for one in found] == ["requested", "published"]
     assert ([one.value.plain() for one in found[0].settings], found[1].text) == ([CODE_GIVEN], CODE_GIVEN)
 
@@ -100,7 +87,7 @@ async def test_a_code_that_is_not_sent_is_noted_nowhere(home: Home, name: str, t
     home.gateway.set_unavailable("no link")
     with pytest.raises(LinkError, match=CODE):
         await home.devices.tell(device, text)
-    found = await entries(home)
+    found = (await home.read()).entries
     assert [one.kind for one in found] == ["requested", "outcome"]
     assert (CODE in str(found), "its gateway memory is unavailable: no link" in str(found[1])) == (False, True)
 
@@ -110,7 +97,7 @@ async def test_a_raw_text_with_a_code_is_noted_without_it(home: Home) -> None:
     publisher = home.app.create_publisher(RawCommand, GatewayNames("memory").out)
     publisher.publish(RawCommand(address=address, payload=f'{{"action": "DISARM", "code": "{CODE}"}}'))
     await anyio.sleep(0.1)
-    (noted,) = await entries(home)
+    (noted,) = (await home.read()).entries
     assert (noted.kind, noted.text) == ("published", '{"action": "DISARM", "code": "***"}')
 
 

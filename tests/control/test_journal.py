@@ -10,19 +10,13 @@ from homebot.devices.command_messages import CommandRequest, Setting
 from homebot.devices.handles import Light, OccupancySensor
 from homebot.devices.journal_messages import (
     JournalEntry,
-    ReadJournal,
-    ReadJournalRequest,
     ReadJournalResponse,
 )
-from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL
+from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.value import Value
 from homebot.messages import Time
 
 pytestmark = pytest.mark.virtual_time
-
-
-async def read(home: Home, **request: object) -> ReadJournalResponse:
-    return await home.app.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest.model_validate(request))
 
 
 def kinds(response: ReadJournalResponse) -> list[str]:
@@ -32,7 +26,7 @@ def kinds(response: ReadJournalResponse) -> list[str]:
 async def test_a_confirmed_command_has_a_complete_chain(home: Home) -> None:
     lamp = await home.lamp("on_off", behaviour=obey_after(0.5))
     outcome = await lamp.turn_on()
-    found = await read(home)
+    found = await home.read()
     assert kinds(found) == ["requested", "sent", "acknowledged", "reported", "outcome"]
     assert {one.command for one in found.entries} == {outcome.command_id}
     assert {one.issuer for one in found.entries} == {"/app"}
@@ -46,13 +40,13 @@ async def test_a_confirmed_command_has_a_complete_chain(home: Home) -> None:
 async def test_each_try_is_an_entry_and_so_is_what_goes_back(home: Home) -> None:
     lamp = await home.lamp("on_off", behaviour=ignore)
     await lamp.turn_on()
-    assert kinds(await read(home)) == ["requested", *["sent", "acknowledged"] * 3, "outcome"]
+    assert kinds(await home.read()) == ["requested", *["sent", "acknowledged"] * 3, "outcome"]
     home.behaviours["lamp"] = report((0.1, True), (3.0, False))
     outcome = await lamp.turn_on()
     await anyio.sleep(5)
-    found = await read(home, command=outcome.command_id)
+    found = await home.read(command=outcome.command_id)
     assert kinds(found)[-2:] == ["outcome", "reverted"]
-    assert "changed" not in kinds(await read(home))
+    assert "changed" not in kinds(await home.read())
 
 
 async def test_a_command_of_an_app_names_the_report_that_led_to_it(home: Home) -> None:
@@ -69,7 +63,7 @@ async def test_a_command_of_an_app_names_the_report_that_led_to_it(home: Home) -
     await anyio.sleep(1)
     await home.report("motion", "occupancy", True)
     await anyio.sleep(1)
-    requested = (await read(home)).entries[0]
+    requested = (await home.read()).entries[0]
     trigger = requested.trigger
     assert (requested.kind, trigger.kind) == ("requested", "report")
     assert trigger.device.endswith("motion")
@@ -86,7 +80,7 @@ async def test_a_command_of_a_timer_says_so(home: Home) -> None:
     timer = home.app.create_timer(60.0, turn_on)
     await anyio.sleep(61)
     timer.cancel()
-    trigger = (await read(home)).entries[0].trigger
+    trigger = (await home.read()).entries[0].trigger
     assert (trigger.kind, trigger.text) == ("timer", "every 60 s")
 
 
@@ -96,7 +90,7 @@ async def test_entries_are_published_as_they_come(home: Home) -> None:
     home.app.create_subscription(JournalEntry, JOURNAL_ENTRIES, seen.append, 100)
     await (await home.handle(Light)).turn_on()
     await anyio.sleep(0.1)
-    assert tuple(seen) == (await read(home)).entries
+    assert tuple(seen) == (await home.read()).entries
 
 
 async def test_it_is_read_by_device_and_time_and_bounded(home: Home) -> None:
@@ -106,14 +100,14 @@ async def test_it_is_read_by_device_and_time_and_bounded(home: Home) -> None:
         await (await home.handle(Light, key)).turn_on()
         await anyio.sleep(60)
     lamp = (await home.handle(Light, "lamp")).device.id
-    everything = await read(home)
+    everything = await home.read()
     assert len(everything.entries) == 10
-    assert (await read(home, device=lamp)).entries == everything.entries[:5]
+    assert (await home.read(device=lamp)).entries == everything.entries[:5]
     since = Time.from_seconds(everything.entries[5].at.to_seconds())
-    assert (await read(home, since=since)).entries == everything.entries[5:]
+    assert (await home.read(since=since)).entries == everything.entries[5:]
     until = Time.from_seconds(everything.entries[4].at.to_seconds())
-    assert (await read(home, until=until)).entries == everything.entries[:5]
-    newest = await read(home, limit=2)
+    assert (await home.read(until=until)).entries == everything.entries[:5]
+    newest = await home.read(limit=2)
     assert (newest.entries, newest.complete) == (everything.entries[-2:], False)
     assert newest.begins == everything.entries[0].at
 
@@ -129,6 +123,6 @@ async def test_a_command_to_a_device_that_is_gone_is_in_it(home: Home) -> None:
         issuer="client:kitchen",
     )
     await home.control.perform(request)
-    found = await read(home)
+    found = await home.read()
     assert kinds(found) == ["requested", "outcome"]
     assert found.entries[-1].results[0].outcome == "gone"

@@ -9,8 +9,7 @@ import anyio
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from tests.control.conftest import Home, OpenHome, ignore, obey_after, refusal, report
-from tests.control.test_journal import read
+from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey_after, refusal, report
 from tests.sizes import examples
 
 from homebot.control.leases import MOST_HOLDERS, MOST_OF_ISSUER, Lease, LeaseHolder, Leases
@@ -20,19 +19,14 @@ from homebot.devices.handles import Closure, DoorLock, Thermostat
 from homebot.devices.journal_messages import JournalEntry, ReadJournalRequest
 from homebot.devices.lease_messages import (
     EndLeases,
-    GetLeases,
     HeldPart,
     HolderRequest,
-    HoldPart,
     HoldRequest,
-    LeaseResponse,
     ReleaseLease,
     RenewLease,
 )
 from homebot.devices.names import (
     END_LEASES,
-    GET_LEASES,
-    HOLD_PART,
     PERFORM_COMMAND,
     RELEASE_LEASE,
     RENEW_LEASE,
@@ -57,25 +51,8 @@ async def a_door(
 
 
 def request(door: Closure, *, value: str = "open", by: str = "robot", ttl: float = 10, lease: str = "1") -> HoldRequest:
-    return HoldRequest(
-        device=door.device.id,
-        setting=Setting(capability="movement", value=Value.of(value)),
-        lease=lease,
-        by=by,
-        ttl=ttl,
-        issuer="client:robot",
-        scope=("act: closure",),
-    )
-
-
-async def hold(home: Home, wanted: HoldRequest) -> LeaseResponse:
-    """Hold as a program outside does, which may be killed."""
-    return LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(wanted, timeout=900))
-
-
-async def leases(home: Home, device: str = "") -> tuple[HeldPart, ...]:
-    client = home.app.create_client(GetLeases, GET_LEASES)
-    return (await client.call(GetLeases.Request(device=device))).parts
+    scope = ("act: closure",)
+    return hold_request(door.device.id, "movement", value, by=by, ttl=ttl, lease=lease, scope=scope)
 
 
 async def end(home: Home, door: Closure) -> tuple[HeldPart, ...]:
@@ -86,7 +63,7 @@ async def end(home: Home, door: Closure) -> tuple[HeldPart, ...]:
 
 async def steps(home: Home) -> list[JournalEntry]:
     """Return the entries of leases."""
-    return [one for one in (await read(home)).entries if one.kind in LEASE_STEPS]
+    return [one for one in (await home.read()).entries if one.kind in LEASE_STEPS]
 
 
 def told(entries: list[JournalEntry]) -> list[tuple[str, str, str]]:
@@ -100,7 +77,7 @@ async def test_a_hold_without_a_block_is_a_warning_as_a_forgotten_await_is(open_
         with pytest.warns(RuntimeWarning, match=r"coroutine 'Handle\.hold\.__aenter__' was never awaited") as seen:
             door.hold("open", by="robot")
         assert [one.filename for one in seen] == [__file__]
-        assert await leases(home) == ()
+        assert await home.leases() == ()
 
 
 async def test_a_door_is_opened_and_a_close_of_another_is_refused_while_it_is_held(open_home: OpenHome) -> None:
@@ -236,7 +213,7 @@ async def test_a_door_that_opens_slower_than_the_ttl_is_held_meanwhile(open_home
 
 async def test_a_holder_that_died_blocks_no_longer_than_its_ttl(open_home: OpenHome) -> None:
     async with a_door(open_home) as (home, door):
-        assert (await hold(home, request(door))).held
+        assert (await home.hold(request(door))).held
         await anyio.sleep(9.9)
         assert isinstance(await door.close(), Refused)
         await anyio.sleep(0.2)
@@ -249,7 +226,7 @@ async def test_two_holders_whose_time_is_over_at_once_are_both_released(open_hom
         await home.report("door", "movement", "open")
         async with anyio.create_task_group() as tasks:
             for name in ("1", "2"):
-                tasks.start_soon(hold, home, request(door, lease=name))
+                tasks.start_soon(home.hold, request(door, lease=name))
         await anyio.sleep(10.1)
         assert (await door.close()).succeeded
 
@@ -357,15 +334,13 @@ async def test_the_brightness_of_a_lamp_that_is_held_dark_is_no_hand(home: Home)
         await home.report("lamp", "level", 100.0)
 
     home.behaviours["lamp"] = be_off
-    dark = Setting(capability="level", value=Value.of(0.0))
-    wanted = HoldRequest(device="lamp", setting=dark, lease="1", by="cinema", ttl=10, issuer="/cinema")
-    assert (await hold(home, wanted)).held
+    assert (await home.hold(hold_request("lamp", "level", 0.0, "/cinema"))).held
     await home.report("lamp", "level", 90.0)
-    (held,) = await leases(home)
+    (held,) = await home.leases()
     assert (held.setting.capability, held.saw) == ("on_off", "")
     await home.report("lamp", "on_off", True)
     await anyio.sleep(1)  # of virtual time
-    (held,) = await leases(home)
+    (held,) = await home.leases()
     assert held.saw == "on_off is on"
 
 
@@ -382,8 +357,7 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
     home.put("lamp", "light", "on_off")
     await anyio.sleep(0.1)
     lit = Setting(capability="on_off", value=Value.of(True))
-    wanted = HoldRequest(device=device, part=part, setting=lit, lease="1", by="cook", ttl=10, issuer="client:cook")
-    answer = await hold(home, wanted)
+    answer = await home.hold(hold_request(device, "on_off", True, part=part))
     assert (answer.held, answer.result.outcome, answer.result.text) == (False, "gone", problem)
     command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
     result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
@@ -408,7 +382,7 @@ async def test_a_part_is_named_only_where_several_take_what_is_held_or_commanded
     home.behaviours["plug"] = ignore
     await anyio.sleep(0.1)
     lit = Setting(capability="on_off", value=Value.of(True))
-    held = await hold(home, HoldRequest(device="plug", setting=lit, lease="1", by="cook", ttl=60, issuer="/cook"))
+    held = await home.hold(hold_request("plug", "on_off", True, "/cook", ttl=60))
     assert (held.held, held.result.outcome) == answer
     assert [one.part for one in home.commands] == ["relay"] * 3 * held.held
     assert ("it has lock, left, right" in held.result.text) is not held.held
@@ -443,11 +417,11 @@ async def test_a_client_without_a_name_or_a_right_blocks_nobody(open_home: OpenH
     async with open_home(always_ask=False) as home:
         home.put("lock", "door_lock", "lock")
         door = await home.new(Closure, "door", "movement")
-        blank = await hold(home, request(door, by=" "))
+        blank = await home.hold(request(door, by=" "))
         assert (blank.held, blank.result.policy) == (False, "lease")
         lock = await home.handle(DoorLock, "lock")
         wanted = Setting(capability="lock", value=Value.of("unlocked"))
-        refused = await hold(home, request(door).model_copy(update={"device": lock.device.id, "setting": wanted}))
+        refused = await home.hold(request(door).model_copy(update={"device": lock.device.id, "setting": wanted}))
         assert (refused.held, refused.result.policy) == (False, "rights")
         assert (await door.close()).succeeded
         assert (await lock.unlock()).succeeded
@@ -502,13 +476,13 @@ async def test_a_person_ends_a_lease_and_its_block_does_not_get_it_again(open_ho
 
 async def test_who_holds_again_under_another_name_may(open_home: OpenHome) -> None:
     async with a_door(open_home) as (home, door):
-        assert (await hold(home, request(door))).held
+        assert (await home.hold(request(door))).held
         await end(home, door)
-        assert not (await hold(home, request(door))).held
-        assert (await hold(home, request(door, lease="2"))).held
+        assert not (await home.hold(request(door))).held
+        assert (await home.hold(request(door, lease="2"))).held
         await end(home, door)
         await anyio.sleep(11)
-        assert (await hold(home, request(door))).held
+        assert (await home.hold(request(door))).held
 
 
 async def test_all_holders_of_a_device_are_ended_and_no_others(open_home: OpenHome) -> None:
@@ -523,32 +497,32 @@ async def test_all_holders_of_a_device_are_ended_and_no_others(open_home: OpenHo
 
 async def test_who_holds_what_until_when_is_told(open_home: OpenHome) -> None:
     async with a_door(open_home, hand_time=30) as (home, door):
-        assert await leases(home) == ()
+        assert await home.leases() == ()
         async with door.hold("open", by="robot", ttl=9):
             now = home.graph.clock.now()
-            (part,) = await leases(home, door.device.id)
+            (part,) = await home.leases(door.device.id)
             assert (part.device, part.setting.value.plain(), part.saw) == (door.device.id, "open", "")
             assert part.outranked_until.to_seconds() == 0
             assert [round(one.until.to_seconds() - now) for one in part.holders] == [9]
             await anyio.sleep(20)
             await home.report("door", "movement", "closed")
             await anyio.sleep(0.1)
-            (part,) = await leases(home)
+            (part,) = await home.leases()
             assert part.saw == "movement is closed"
             assert round(part.outranked_until.to_seconds() - now) == 50
-            assert await leases(home, "another") == ()
+            assert await home.leases("another") == ()
 
 
 async def test_who_may_not_hold_does_not_block_while_somebody_else_is_commanding(open_home: OpenHome) -> None:
     """Neither alone nor when the one before it, for whose command it would wait, has left."""
     async with a_door(open_home) as (home, door):
         home.behaviours["door"] = ignore
-        home.tasks.start_soon(hold, home, request(door, ttl=1))
+        home.tasks.start_soon(home.hold, request(door, ttl=1))
         await anyio.sleep(0.1)
         for wanted in nobodies(door, "2"):
-            assert not (await hold(home, wanted)).held
+            assert not (await home.hold(wanted)).held
         await anyio.sleep(1)
-        assert await leases(home) == ()
+        assert await home.leases() == ()
         home.behaviours["door"] = obey_after(0.1)
         assert not isinstance(await door.close(), Refused)
 
@@ -559,7 +533,7 @@ async def test_who_renews_or_releases_what_it_does_not_hold_changes_nothing(open
         renew = home.app.create_client(RenewLease, RENEW_LEASE)
         assert not (await renew.call(stranger)).held
         assert (await door.close()).succeeded
-        assert (await hold(home, request(door))).held
+        assert (await home.hold(request(door))).held
         assert not (await renew.call(stranger)).held
         await home.app.create_client(ReleaseLease, RELEASE_LEASE).call(stranger)
         assert isinstance(await door.close(), Refused)
@@ -567,7 +541,7 @@ async def test_who_renews_or_releases_what_it_does_not_hold_changes_nothing(open
 
 async def test_who_releases_hears_what_became_of_the_newest_command(open_home: OpenHome) -> None:
     async with a_door(open_home) as (home, door):
-        assert (await hold(home, request(door))).held
+        assert (await home.hold(request(door))).held
         release = home.app.create_client(ReleaseLease, RELEASE_LEASE)
         mine = HolderRequest(lease="1", by="robot", issuer="client:robot")
         answers = [await release.call(mine) for _ in range(2)]
@@ -666,11 +640,11 @@ class Doorway:
 
     async def _die(self, wanted: HoldRequest) -> None:
         began = anyio.current_time()
-        if (await hold(self._home, wanted)).held:
+        if (await self._home.hold(wanted)).held:
             self._held_until = max(self._held_until, began + wanted.ttl)
 
     async def _refuse(self, wanted: HoldRequest) -> None:
-        assert not (await hold(self._home, wanted)).held
+        assert not (await self._home.hold(wanted)).held
 
     async def _obey(self, home: Home, command: Command) -> None:
         is_held = self._inside or anyio.current_time() < self._held_until

@@ -5,7 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, obey_after, report
-from tests.control.test_journal import kinds, read
+from tests.control.test_journal import kinds
 from tests.control.test_motors import Step, on_the_way
 
 from homebot.clock import LoopClock
@@ -25,7 +25,7 @@ async def publish(home: Home, lamp: Device, text: str, issuer: str = "/app") -> 
 
 async def changes(home: Home) -> list[JournalEntry]:
     await anyio.sleep(1)
-    return [one for one in (await read(home)).entries if one.kind == "changed"]
+    return [one for one in (await home.read()).entries if one.kind == "changed"]
 
 
 async def test_a_hand_at_the_switch_is_in_the_journal(home: Home) -> None:
@@ -111,7 +111,7 @@ async def test_a_raw_command_explains_what_the_device_reports(home: Home) -> Non
     home.later(0.3, "lamp", "on_off", True)
     await publish(home, lamp, "on")
     assert await changes(home) == []
-    found = await read(home)
+    found = await home.read()
     assert kinds(found) == ["published", "reported"]
     published, reported = found.entries
     assert (published.issuer, published.text, published.device) == ("/app", "on", lamp.id)
@@ -126,7 +126,7 @@ async def test_a_raw_command_explains_what_undoes_another_command(home: Home) ->
     await publish(home, lamp.device, "off")
     await home.report("lamp", "on_off", False)
     assert await changes(home) == []
-    found = await read(home)
+    found = await home.read()
     assert kinds(found)[-3:] == ["published", "reverted", "reported"]
     assert found.entries[-1].command == found.entries[-3].command
 
@@ -144,5 +144,5 @@ async def test_a_raw_command_of_nobody_known_is_there_too(home: Home) -> None:
     lamp = (await home.lamp("on_off")).device
     await publish(home, lamp, "on", issuer="")
     await anyio.sleep(1)
-    (published,) = (await read(home)).entries
+    (published,) = (await home.read()).entries
     assert (published.kind, published.issuer, published.device) == ("published", "", lamp.id)

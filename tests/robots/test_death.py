@@ -10,7 +10,6 @@ import pytest
 from anyio.abc import TaskGroup
 from tests.bridges.fibonacci import server
 from tests.control.conftest import Home, OpenHome
-from tests.control.test_leases import leases
 from tests.robots.test_tracker import HOUSE
 
 from homebot.bridges.rosbridge.access import ClientAccess
@@ -104,12 +103,12 @@ async def test_goals_pose_and_leases_of_a_robot_that_dies_end_within_their_limit
         client = await act(home, tasks, door)
         where = home.app.create_client(WhereIsRobot, WHERE_IS_ROBOT)
         await anyio.sleep(1)
-        assert (len(fib.goals), len(await leases(home))) == (1, 1)
+        assert (len(fib.goals), len(await home.leases())) == (1, 1)
         assert (await where.call(WhereIsRobotRequest(robot="rosie"))).pose[0].room == "Hall"
         began = anyio.current_time()
         getattr(client, death)()
         await anyio.sleep(1 if death == "close" else 2)
-        assert (len(fib.goals), await leases(home)) == (0, ())
+        assert (len(fib.goals), await home.leases()) == (0, ())
         await anyio.sleep_until(began + 4.5)  # it told its pose a second before
         assert "pose is 5 s old (limit 5 s)" in (await where.call(WhereIsRobotRequest(robot="rosie"))).message
         tasks.cancel_scope.cancel()

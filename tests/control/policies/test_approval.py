@@ -7,9 +7,8 @@ from dataclasses import replace
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.control.conftest import Home, OpenHome
+from tests.control.conftest import Home, OpenHome, hold_request
 from tests.control.policies.houses import make_command, make_device, make_facts
-from tests.control.test_journal import read
 
 from homebot.control import Control, ControlSettings
 from homebot.control.policies import Verdict
@@ -22,8 +21,7 @@ from homebot.devices.command_messages import CommandRequest, CommandResult, Sett
 from homebot.devices.device import KeyValue, Route
 from homebot.devices.handles import DoorLock, Light
 from homebot.devices.health import GetHealth
-from homebot.devices.lease_messages import HoldPart, HoldRequest, LeaseResponse
-from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED, HOLD_PART
+from homebot.devices.names import APPROVE_DEVICE, GET_UNAPPROVED
 from homebot.devices.outcomes import Refused
 from homebot.devices.query import IsUnapproved, PartFacets, facets_of, fits, read_terms
 from homebot.devices.services import FindDevicesRequest, FindDevicesResponse
@@ -171,18 +169,10 @@ async def test_what_is_not_approved_is_held_by_nobody(open_home: OpenHome) -> No
 async def test_a_device_of_a_client_that_is_not_approved_blocks_nobody(open_home: OpenHome) -> None:
     async with open_home(grants={"/app": ("act: all",)}, approvals=True) as home:
         lock = await home.new(DoorLock, "lock", "lock")
-        wanted = HoldRequest(
-            device=lock.device.id,
-            setting=Setting(capability="lock", value=Value.of("unlocked")),
-            lease="1",
-            by="robot",
-            ttl=3600,
-            issuer="client:owner",
-            scope=("act: all",),
-        )
-        answer = LeaseResponse.of(await home.app.create_client(HoldPart, HOLD_PART).call(wanted))
+        wanted = hold_request(lock.device.id, "lock", "unlocked", "client:owner", ttl=3600, scope=("act: all",))
+        answer = await home.hold(wanted)
         assert (answer.held, answer.result.outcome, answer.result.policy) == (False, "refused", "approval")
-        kinds = [one.kind for one in (await read(home)).entries]
+        kinds = [one.kind for one in (await home.read()).entries]
         assert kinds == ["denied"]  # it was held at no time
 
 

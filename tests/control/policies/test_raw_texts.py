@@ -5,7 +5,7 @@ from __future__ import annotations
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome
-from tests.control.test_journal import kinds, read
+from tests.control.test_journal import kinds
 
 from homebot.devices import Device
 from homebot.devices.handles import DoorLock, Light
@@ -36,7 +36,7 @@ async def test_a_text_that_turns_a_lamp_off_is_refused_where_somebody_is(open_ho
         with pytest.raises(RefusedError, match=r"somebody is in Hall: .* \(presence_guard\)"):
             await home.devices.tell(lamp, text)
         assert home.commands == []
-        found = await read(home)
+        found = await home.read()
         assert kinds(found)[-3:] == ["requested", "judged", "outcome"]
         assert found.entries[-1].results[0].policy == "presence_guard"
         assert len({one.command for one in found.entries[-3:]}) == 1
@@ -57,7 +57,7 @@ async def test_in_an_empty_room_it_is_sent_and_its_chain_is_whole(open_home: Ope
         await anyio.sleep(5)
         await home.devices.tell(lamp, "off")
         await anyio.sleep(1)
-        found = await read(home)
+        found = await home.read()
         assert kinds(found)[-4:] == ["requested", "judged", "published", "reported"]
         assert len({one.command for one in found.entries[-4:]}) == 1
         assert {one.issuer for one in found.entries[-4:-1]} == {"/app"}
@@ -75,7 +75,7 @@ async def test_what_cannot_be_read_is_left_to_the_device_where_no_policy_minds(o
     async with open_home(presence_guard=True) as home:
         lamp = (await home.lamp("on_off")).device
         await home.devices.tell(lamp, "dance")
-        assert kinds(await read(home)) == ["requested", "published"]
+        assert kinds(await home.read()) == ["requested", "published"]
 
 
 async def test_a_lock_takes_a_text_of_who_has_a_right_that_names_it(open_home: OpenHome) -> None:
