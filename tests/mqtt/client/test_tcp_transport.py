@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import concurrent.futures
 import contextlib
+import errno
 import socket
 import ssl
 import threading
@@ -15,6 +16,8 @@ from typing import Any
 import anyio
 import pytest
 import trustme
+from hypothesis import given
+from hypothesis import strategies as st
 from tests.mqtt.client.conftest import ClientKind
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
@@ -23,7 +26,7 @@ from homebot.errors import LinkError, RefusedError
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.client.aiomqtt_adapter import AiomqttClient
-from homebot.mqtt.client.tcp_transport import TcpTransport, dial_tcp
+from homebot.mqtt.client.tcp_transport import ReadAhead, TcpTransport, dial_tcp, socket_error
 from homebot.mqtt.options import MqttOptions
 
 
@@ -272,3 +275,69 @@ async def silent_peer() -> AsyncIterator[tuple[int, anyio.Event, anyio.Event]]:
 async def drain(stream: anyio.abc.SocketStream) -> None:
     while True:
         await stream.receive()
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (
+            ConnectionRefusedError(errno.ECONNREFUSED, "Connect call failed ('127.0.0.1', 19511)"),
+            "nothing is listening there (connection refused): start it, or correct the address",
+        ),
+        (ConnectionResetError(errno.ECONNRESET, "Connection reset by peer"), "the broker reset the connection"),
+        (
+            ssl.SSLEOFError(8, "EOF occurred in violation of protocol (_ssl.c:2427)"),
+            "the broker closed the connection",
+        ),
+    ],
+)
+def test_the_link_is_to_blame_in_plain_words(error: OSError, words: str) -> None:
+    found = socket_error(error)
+    assert isinstance(found, LinkError)
+    assert str(found) == words
+
+
+@pytest.mark.parametrize(
+    ("reason", "words"),
+    [
+        ("TLSV13_ALERT_CERTIFICATE_REQUIRED", "client certificate required; set cert_file and key_file"),
+        ("WRONG_VERSION_NUMBER", "the server there does not use TLS; is it the port for mqtt://?"),
+        (
+            "SSLV3_ALERT_HANDSHAKE_FAILURE",
+            "handshake failure; does the broker require a client certificate (cert_file)?",
+        ),
+        ("TLSV1_ALERT_PROTOCOL_VERSION", "tlsv1 alert protocol version"),
+    ],
+)
+def test_a_no_of_tls_is_a_no_with_a_hint(reason: str, words: str) -> None:
+    error = ssl.SSLError(1, f"[SSL: {reason}] (_ssl.c:1006)")
+    error.reason = reason
+    found = socket_error(error)
+    assert isinstance(found, RefusedError)
+    assert found.reason == words
+
+
+@given(st.lists(st.binary(max_size=50)), st.integers(1, 20))
+def test_bytes_come_out_in_order_and_in_portions(chunks: list[bytes], portion: int) -> None:
+    ahead = ReadAhead(portion, 1000)
+    for chunk in chunks:
+        ahead.put(chunk)
+    taken = []
+    while ahead.size:
+        taken.append(ahead.pop())
+    assert b"".join(taken) == b"".join(chunks)
+    assert all(len(one) <= portion for one in taken)
+
+
+def test_it_is_full_until_enough_is_taken() -> None:
+    ahead = ReadAhead(4, 6)
+    ahead.put(b"12345")
+    assert not ahead.is_full
+    ahead.put(b"6")
+    assert ahead.is_full
+    assert ahead.pop() == b"1234"
+    assert not ahead.is_full
+
+
+def test_nothing_is_left_of_nothing() -> None:
+    assert ReadAhead(4, 6).pop() == b""
