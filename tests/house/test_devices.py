@@ -1,12 +1,19 @@
-"""Simulated lamps, locks, motors and thermostats."""
+"""Simulated lamps, locks, motors, thermostats, sensors, tags and robots."""
 
 from __future__ import annotations
 
+import math
 import random
 
 import pytest
 
+from homebot.house.description import parse_world
 from homebot.house.devices import CoverMotor, SimulatedDoorLock, SimulatedLamp, SimulatedThermostat, WindowMotor
+from homebot.house.robot import Robot
+from homebot.house.rooms import Room, Rooms
+from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.tag import SimulatedTag
+from homebot.places.rigid import MapPose
 
 
 def test_a_lamp_is_dimmed_by_a_number() -> None:
@@ -149,3 +156,131 @@ def test_a_thermostat_takes_a_target_and_says_it() -> None:
     assert room.handle_command("22.5", 1.0) == ("22.5",)
     assert room.restore() == "22.5"
     assert room.handle_command("50", 2.0) == ()
+
+
+def test_a_contact_reports_changes() -> None:
+    """And nothing twice."""
+    contact = SimulatedContactSensor("door")
+    assert contact.apply_input(1, 0.0) == ("open",)
+    assert contact.apply_input(1, 1.0) == ()
+    assert contact.apply_input(0, 2.0) == ("closed",)
+
+
+def test_a_motion_sensor_is_clear_a_while_after_the_last_motion() -> None:
+    """Somebody who comes back in time keeps it in motion."""
+    motion = MotionSensor("hall", hold=60.0)
+    assert motion.apply_input(1, 0.0) == ("motion",)
+    assert motion.apply_input(0, 10.0) == ()
+    assert motion.apply_input(2, 69.0) == ()
+    assert motion.apply_input(0, 80.0) == ()
+    assert motion.apply_input(0, 90.0) == ()
+    assert motion.next_event() == 140.0
+    assert motion.advance(139.0) == ()
+    assert motion.advance(140.0) == ("clear",)
+    assert (motion.state(), motion.next_event()) == ("clear", None)
+
+
+def test_a_person_may_walk_past_a_motion_sensor() -> None:
+    motion = MotionSensor("hall", hold=60.0)
+    assert motion.operate_manually("nonsense", 0.0) == ()
+    assert motion.operate_manually("motion", 1.0) == ("motion",)
+    assert motion.operate_manually("motion", 31.0) == ()
+    assert motion.advance(90.0) == ()
+    assert motion.advance(91.0) == ("clear",)
+
+
+def test_a_passer_by_does_not_hide_a_person_that_stays() -> None:
+    motion = MotionSensor("hall", hold=60.0)
+    assert motion.apply_input(1, 0.0) == ("motion",)
+    assert motion.operate_manually("motion", 1.0) == ()
+    assert motion.advance(1000.0) == ()
+
+
+def test_a_light_sensor_says_changes_that_are_worth_a_word() -> None:
+    """A fifth of the last word, and never under 1 lux."""
+    lux = LuxSensor("living")
+    assert lux.apply_input(0.5, 0.0) == ()
+    assert lux.apply_input(100.0, 1.0) == ("100",)
+    assert lux.apply_input(119.0, 2.0) == ()
+    assert lux.apply_input(120.0, 3.0) == ("120",)
+
+
+def test_a_power_meter_says_watts() -> None:
+    """As text."""
+    meter = PowerMeter("meter")
+    assert meter.apply_input(12.34, 0.0) == ("12.3",)
+    assert meter.apply_input(12.9, 1.0) == ()
+    assert meter.state() == "12.3"
+
+
+def test_a_sensor_takes_no_command() -> None:
+    """It says nothing to it."""
+    assert SimulatedContactSensor("door").handle_command("open", 0.0) == ()
+
+
+def test_a_tag_is_at_the_reader_for_a_while() -> None:
+    tag = SimulatedTag("tag", "hall_lamp")
+    assert tag.state() == "away"
+    assert tag.handle_command("tap", 10.0) == ("hall_lamp",)
+    assert tag.handle_command("tap", 11.0) == ()
+    assert (tag.state(), tag.next_event()) == ("hall_lamp", 13.0)
+    assert tag.advance(20.0) == ("away",)
+    assert tag.next_event() is None
+
+
+def test_a_tag_that_is_tapped_again_and_again_comes_and_goes() -> None:
+    tag = SimulatedTag("tag", "hall_lamp", hold=1.0, every=60.0)
+    assert tag.advance(130.0) == ("hall_lamp", "away") * 2
+    assert tag.next_event() == 180.0
+
+
+def test_a_timer_of_a_house_taps_it() -> None:
+    tables = {
+        "rooms": {"hall": {}},
+        "devices": {"tag": {"kind": "tag", "room": "hall", "dialect": "nfc", "text": "lamp"}},
+        "errands": [{"at": "07:00", "device": "tag", "command": "tap"}],
+    }
+    world = parse_world(tables, "test")
+    said = [event.what for event in world.run_until(8 * 3600.0) if event.verb == "says"]
+    assert said == ["lamp", "away"]
+
+
+PLAN = Rooms(
+    {"hall": Room(), "living": Room(x=4.0), "kitchen": Room(x=4.0, y=2.0), "loft": Room()},
+    [("hall", "living"), ("living", "kitchen")],
+)
+
+
+def test_a_robot_says_each_room_on_its_way() -> None:
+    """Its pose is between them at its speed."""
+    robot = Robot("robot", PLAN, "hall", speed=0.5)
+    assert robot.handle_command("go kitchen", 0.0) == ("moving",)
+    assert robot.advance(4.0) == ()
+    assert robot.pose() == MapPose(2.0, 0.0, 0.0)
+    assert robot.advance(8.0) == ("living",)
+    assert robot.advance(12.0) == ("kitchen",)
+    assert robot.pose() == MapPose(4.0, 2.0, math.pi / 2)
+    assert (robot.state(), robot.next_event()) == ("kitchen", None)
+
+
+def test_a_stopped_robot_stays_and_drives_on_from_there() -> None:
+    """First back to the middle of the room it left."""
+    robot = Robot("robot", PLAN, "hall", speed=0.5)
+    robot.handle_command("go living", 0.0)
+    assert robot.handle_command("stop", 4.0) == ("hall",)
+    assert robot.advance(100.0) == ()
+    assert robot.pose() == MapPose(2.0, 0.0, 0.0)
+    robot.handle_command("go hall", 100.0)
+    assert robot.advance(104.0) == ("hall",)
+    assert (robot.pose().x, robot.pose().y) == (0.0, 0.0)
+
+
+def test_a_robot_that_is_there_says_so() -> None:
+    """It does not move."""
+    assert Robot("robot", PLAN, "hall").handle_command("go hall", 0.0) == ("hall",)
+
+
+@pytest.mark.parametrize("command", ["go loft", "go moon", "dance"])
+def test_a_robot_ignores_unknown_commands(command: str) -> None:
+    """No way, no room, no such command."""
+    assert Robot("robot", PLAN, "hall").handle_command(command, 0.0) == ()

@@ -1,10 +1,13 @@
-"""Delivery to one client: QoS, acknowledgement, redelivery, flow control, bounds."""
+"""Messages from and to one client: QoS, acknowledgement, redelivery, flow control, aliases, bounds."""
 
 from __future__ import annotations
 
+import pytest
+from structlog.testing import capture_logs
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewState
 
 from homebot.mqtt import packets as mqtt
+from homebot.mqtt.packets import Properties, Publish
 
 V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 FOREVER = 0xFFFF_FFFF
@@ -194,3 +197,95 @@ def test_an_acknowledgement_before_the_second_sending_stops_it(join: Join) -> No
     client = join("s", clean=False, present=True, receive_maximum=1)
     client.send(mqtt.Puback(2), mqtt.Puback(1))
     assert payloads(client) == [b"1"]
+
+
+def alias(number: int) -> mqtt.Properties:
+    return mqtt.Properties(topic_alias=number)
+
+
+def test_a_qos_2_message_is_forwarded_once_even_over_a_lost_connection(join: Join) -> None:
+    watcher = join("w", to="t")
+    client = join(session_expiry_interval=60)
+    client.publish("t", qos=2, packet_id=5)
+    client.lose()
+    client = join(clean=False, present=True, session_expiry_interval=60)
+    client.publish("t", qos=2, packet_id=5, dup=True)
+    client.send(mqtt.Pubrel(5))
+    assert client.take() == [mqtt.Pubrec(5), mqtt.Pubcomp(5)]
+    assert len(watcher.messages()) == 1
+
+
+@pytest.mark.parametrize(
+    ("number", "reason"), [(65, mqtt.ReasonCode.TOPIC_ALIAS_INVALID), (64, mqtt.ReasonCode.PROTOCOL_ERROR)]
+)
+def test_an_alias_too_high_or_not_set_ends_the_connection(join: Join, number: int, reason: mqtt.ReasonCode) -> None:
+    client = join()
+    client.publish("", properties=alias(number))
+    assert client.take_only(mqtt.Disconnect)[0].reason is reason
+
+
+def test_more_messages_than_receive_maximum_end_the_connection(new_state: NewState, join: Join) -> None:
+    client = join(at=new_state(receive_maximum=3))
+    for packet_id in (1, 2, 3):
+        client.publish("t", qos=2, packet_id=packet_id)
+    client.publish("t", qos=2, packet_id=3, dup=True)
+    client.publish("t", qos=0)
+    assert not client.link.closed
+    client.send(mqtt.Pubrel(1))
+    client.publish("t", qos=2, packet_id=4)
+    assert not client.link.closed
+    client.publish("t", qos=1, packet_id=5)
+    assert client.take_only(mqtt.Disconnect)[0].reason is mqtt.ReasonCode.RECEIVE_MAXIMUM_EXCEEDED
+
+
+def test_an_older_client_knows_no_receive_maximum(new_state: NewState, join: Join) -> None:
+    client = join(at=new_state(receive_maximum=1), version=mqtt.ProtocolVersion.V311)
+    for packet_id in range(1, 50):
+        client.publish("t", qos=2, packet_id=packet_id)
+    assert not client.link.closed
+
+
+def test_a_client_that_wants_aliases_gets_them(join: Join) -> None:
+    client = join(topic_alias_maximum=1)
+    client.subscribe("#", qos=1)
+    for payload in (b"1", b"2"):
+        client.publish("a", payload, 1, 1)
+        client.publish("b", payload)
+    one = Properties(topic_alias=1)
+    assert client.messages() == [
+        Publish("a", b"1", 1, packet_id=1, properties=one),
+        Publish("b", b"1"),
+        Publish("", b"2", 1, packet_id=2, properties=one),
+        Publish("b", b"2"),
+    ]
+
+
+def test_a_message_sent_again_on_a_new_connection_has_its_topic(join: Join) -> None:
+    client = join(topic_alias_maximum=5, session_expiry_interval=60)
+    client.subscribe("#", qos=1)
+    client.publish("a", b"0", 0)
+    client.publish("a", b"1", 1, 1)
+    client.lose()
+    client = join(clean=False, present=True)
+    assert client.messages() == [Publish("a", b"1", 1, dup=True, packet_id=1)]
+
+
+def test_a_message_too_large_for_the_client_is_left_out_counted_and_told(join: Join) -> None:
+    client, other = join(maximum_packet_size=64, topic_alias_maximum=1, receive_maximum=1, to="t"), join("b")
+    with capture_logs() as lines:
+        for size in (64, 57, 30):
+            other.publish("t", bytes(size), 1, 1)
+    (message,) = client.messages()
+    assert (message.topic, len(message.payload)) == ("t", 30)
+    assert client.state.stats.dropped_too_large == 2
+    assert [line["message"] for line in lines] == [
+        f"client 'a' (memory) missed a message on 't': it has {size} bytes, the client accepts at most 64"
+        for size in (75, 68)
+    ]
+
+
+def test_the_largest_message_that_fits_is_sent(join: Join) -> None:
+    client = join(maximum_packet_size=64, to="t")
+    client.publish("t", bytes(58))
+    client.publish("t", bytes(59))
+    assert [len(message.payload) for message in client.messages()] == [58]

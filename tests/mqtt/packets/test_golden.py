@@ -1,11 +1,18 @@
-"""Packets whose bytes were worked out by hand from the standards, both ways."""
+"""Packets whose bytes were worked out by hand from the standards, both ways; and a round trip in older versions."""
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from tests.mqtt.packets.test_every_type_against_mqtt5 import PACKETS
 
 from homebot.errors import UsageError
 from homebot.mqtt import packets as mqtt
+from homebot.mqtt.packets.primitives import Cursor
+from homebot.mqtt.packets.properties import _TABLE, decode_properties, encode_properties
 
 V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
 
@@ -149,3 +156,32 @@ def test_a_value_that_does_not_fit_its_field_is_our_mistake(packet: mqtt.Packet,
 
 def test_a_password_is_not_shown() -> None:
     assert "secret" not in repr(mqtt.Connect("a", username="u", password=b"secret"))
+
+
+@given(
+    PACKETS["PUBLISH"],
+    st.sampled_from([mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311]),
+)
+def test_a_message_survives_older_versions_without_its_properties(
+    packet: mqtt.Publish, version: mqtt.ProtocolVersion
+) -> None:
+    expected = packet._replace(properties=mqtt.NO_PROPERTIES)
+    assert list(mqtt.PacketReader(version).feed(mqtt.encode(packet, version))) == [expected]
+
+
+def test_a_topic_may_be_longer_than_255_bytes() -> None:
+    packet = mqtt.Publish("t" * 700, b"x")
+    assert mqtt.encode(packet)[3:5] == b"\x02\xbc"
+    assert list(mqtt.PacketReader().feed(mqtt.encode(packet))) == [packet]
+
+
+def test_the_table_has_every_property_once() -> None:
+    names = [row.name for row in _TABLE]
+    assert sorted(names) == sorted(field.name for field in fields(mqtt.Properties))
+    assert len({row.number for row in _TABLE}) == len(_TABLE)
+
+
+def test_a_message_may_carry_several_subscription_identifiers() -> None:
+    properties = mqtt.Properties(subscription_identifiers=(1, 300, 2**28 - 1))
+    raw = encode_properties(properties, mqtt.PacketType.PUBLISH)
+    assert decode_properties(Cursor(raw), mqtt.PacketType.PUBLISH) == properties
