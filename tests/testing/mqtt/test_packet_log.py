@@ -1,11 +1,14 @@
-"""The log of packets, and its words."""
+"""The log of packets and the journal of messages, and their words."""
 
 from __future__ import annotations
 
+import anyio
 import pytest
 
 from homebot.mqtt import packets as mqtt
+from homebot.mqtt.broker.message import BrokerMessage
 from homebot.testing.mqtt import PacketLog
+from homebot.testing.mqtt.journal import Journal
 from homebot.testing.mqtt.packet_log import packet_text
 
 
@@ -53,3 +56,34 @@ def test_beyond_a_thousand_the_oldest_packet_is_forgotten_and_counted() -> None:
 )
 def test_a_packet_has_words_without_secrets(packet: mqtt.Packet, words: str) -> None:
     assert packet_text(packet) == words
+
+
+async def test_beyond_ten_thousand_the_oldest_message_is_forgotten_and_counted() -> None:
+    journal = Journal()
+    for number in range(10_003):
+        journal.record(BrokerMessage("t", b"%d" % number, origin="lamp"))
+    assert journal.forgotten == 3
+    first = await journal.pop("t", None, 1.0)
+    assert first is not None
+    assert first.payload == b"3"
+
+
+async def test_what_the_test_published_itself_is_not_kept() -> None:
+    journal = Journal()
+    journal.record(BrokerMessage("t", b"1"))
+    assert journal.waiting("#") == []
+
+
+async def test_only_one_of_two_that_wait_gets_the_message() -> None:
+    journal = Journal()
+    got: list[object] = []
+
+    async def wait() -> None:
+        got.append(await journal.pop("t", None, 0.05))
+
+    async with anyio.create_task_group() as tasks:
+        tasks.start_soon(wait)
+        tasks.start_soon(wait)
+        await anyio.lowlevel.checkpoint()
+        journal.record(BrokerMessage("t", b"1", origin="lamp"))
+    assert [each is None for each in got] == [False, True]
