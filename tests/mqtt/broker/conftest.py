@@ -6,7 +6,7 @@ import asyncio
 import ssl
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import suppress
+from contextlib import asynccontextmanager, suppress
 from typing import TypeVar
 
 import anyio
@@ -21,6 +21,7 @@ from homebot.mqtt.broker.deadlines import BrokerTimers
 from homebot.mqtt.broker.retained import Owed, Replay, RetainedMessages
 from homebot.mqtt.broker.session_subscription import SessionSubscription
 from homebot.support.turn_budget import TurnBudget
+from homebot.testing.mqtt import TestBroker
 
 Kind = TypeVar("Kind")
 
@@ -252,13 +253,14 @@ def pass_time(clock: ManualClock, state: BrokerState) -> Callable[[float], None]
 
 
 class WireClient:
-    """A client on a real socket: packets in, packets out; ``end`` is what the stream ended with."""
+    """A client on a real socket: packets in, packets out; ``unread`` is what came last, such as half a packet."""
 
     def __init__(
         self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, version: mqtt.ProtocolVersion
     ) -> None:
         self.reader, self.writer, self.version = reader, writer, version
         self._packets = mqtt.PacketReader(version)
+        self.unread = b""
 
     async def send(self, *packets: mqtt.Packet) -> None:
         await self.send_bytes(b"".join(mqtt.encode(packet, self.version) for packet in packets))
@@ -274,6 +276,7 @@ class WireClient:
                 data = await self.reader.read(65_536)
                 if not data:
                     raise EOFError
+                self.unread = data
                 self._packets.feed(data)
         return packet
 
@@ -302,11 +305,18 @@ Dial = Callable[..., Awaitable[WireClient]]
 
 @pytest.fixture
 async def dial() -> AsyncIterator[Dial]:
-    """Open a socket to a broker; logged in unless ``client_id`` is None. All are closed after the test."""
+    """See :func:`dialled`."""
+    async with dialled() as make:
+        yield make
+
+
+@asynccontextmanager
+async def dialled() -> AsyncIterator[Dial]:
+    """Open a socket to a broker; logged in unless ``client_id`` is None. All are closed after the block."""
     clients: list[WireClient] = []
 
     async def make(
-        broker: Broker,
+        broker: Broker | TestBroker,
         client_id: str | None = "a",
         version: mqtt.ProtocolVersion = mqtt.ProtocolVersion.V5,
         *,
