@@ -173,6 +173,7 @@ class MemoryClient:
 NewState = Callable[..., BrokerState]
 Join = Callable[..., MemoryClient]
 Stranger = Callable[..., MemoryClient]
+PassTime = Callable[[float], None]
 
 
 @pytest.fixture
@@ -242,7 +243,7 @@ def join(state: BrokerState) -> Join:
 
 
 @pytest.fixture
-def pass_time(clock: ManualClock, state: BrokerState) -> Callable[[float], None]:
+def pass_time(clock: ManualClock, state: BrokerState) -> PassTime:
     """Move the clock and let the broker do what is due."""
 
     def move(seconds: float) -> None:

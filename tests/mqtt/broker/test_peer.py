@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
-from tests.mqtt.broker.conftest import Join, NewState, Stranger
+from tests.mqtt.broker.conftest import Join, NewState, PassTime, Stranger
 
 from homebot.mqtt import packets as mqtt
 
 V31, V311, V5 = mqtt.ProtocolVersion.V31, mqtt.ProtocolVersion.V311, mqtt.ProtocolVersion.V5
-PassTime = Callable[[float], None]
 
 
 class Gatekeeper:

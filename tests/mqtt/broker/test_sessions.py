@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
-from tests.mqtt.broker.conftest import Join, NewState
+from tests.mqtt.broker.conftest import Join, NewState, PassTime
 
 from homebot.mqtt.packets import Disconnect, Properties, ProtocolVersion, Publish, ReasonCode, Will
 
 V311 = ProtocolVersion.V311
 FOREVER = 0xFFFF_FFFF
-PassTime = Callable[[float], None]
 
 
 def will(delay: int | None = None, *, retain: bool = False, expiry: int | None = None) -> Will:

@@ -310,13 +310,16 @@ async def test_an_open_qos_2_publish_is_brought_to_its_end_and_its_identifier_is
     assert numbers[0] != numbers[1]
 
 
-async def test_a_failed_publish_of_qos_1_does_not_fire_on_the_next_link(make: MakeClient) -> None:
+@pytest.mark.parametrize(("qos", "session_present"), [(1, True), (2, False)])
+async def test_a_failed_publish_of_qos_1_or_into_a_lost_session_does_not_fire_on_the_next_link(
+    make: MakeClient, qos: int, *, session_present: bool
+) -> None:
     async def first(peer: Peer) -> None:
         await peer.login()
         await peer.expect(mqtt.Publish)
 
     async def second(peer: Peer) -> None:
-        await peer.login(session_present=True)
+        await peer.login(session_present=session_present)
         assert (await peer.expect(mqtt.Publish)).payload == b"new"
         await peer.expect(mqtt.Disconnect)
 
@@ -324,26 +327,7 @@ async def test_a_failed_publish_of_qos_1_does_not_fire_on_the_next_link(make: Ma
         client = make(port, session_expiry=60)
         async with client.connected():
             with pytest.raises(LinkError):
-                await client.publish("t", b"old", qos=1)
-        async with client.connected():
-            await client.publish("t", b"new")
-
-
-async def test_nothing_open_is_sent_into_a_lost_session(make_native: MakeClient) -> None:
-    async def first(peer: Peer) -> None:
-        await peer.login()
-        await peer.expect(mqtt.Publish)
-
-    async def second(peer: Peer) -> None:
-        await peer.login(session_present=False)
-        assert (await peer.expect(mqtt.Publish)).payload == b"new"
-        await peer.expect(mqtt.Disconnect)
-
-    async with broker(first, second) as port:
-        client = make_native(port, session_expiry=60)
-        async with client.connected():
-            with pytest.raises(LinkError):
-                await client.publish("t", b"old", qos=2)
+                await client.publish("t", b"old", qos=qos)
         async with client.connected():
             await client.publish("t", b"new")
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from tests.mqtt.broker.conformance.conftest import Meet
-from tests.mqtt.broker.conftest import Dial
+from tests.mqtt.broker.conftest import Dial, PassTime
 
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import Broker
-
-PassTime = Callable[[float], None]
 
 PAIRS = (("a", "2"), ("c", "3"))
 
