@@ -14,6 +14,7 @@ from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, WorkClock
 
 from homebot.mqtt import packets as mqtt
 from homebot.mqtt.broker import BrokerState
+from homebot.mqtt.topics import topic_matches
 
 pytestmark = pytest.mark.no_cover
 
@@ -104,15 +105,7 @@ def matched(filters: list[str], topics: list[str]) -> list[str]:
     """Each topic as often as a filter matches it."""
     wild = [each for each in filters if "+" in each or "#" in each]
     plain = set(filters) & set(topics)
-    return sorted([*plain, *(topic for topic in topics for each in wild if matches(each, topic))])
-
-
-def matches(name: str, topic: str) -> bool:
-    wanted, levels = name.split("/"), topic.split("/")
-    if wanted[-1] == "#":
-        del wanted[-1]
-        del levels[len(wanted) :]
-    return len(wanted) == len(levels) and all(want in ("+", level) for want, level in zip(wanted, levels, strict=True))
+    return sorted([*plain, *(topic for topic in topics for each in wild if topic_matches(each, topic))])
 
 
 def test_others_are_served_between_the_slices_and_the_client_itself_in_its_order(
