@@ -102,7 +102,8 @@ class Mutator:
                 case 1:
                     del data[where : where + self.rng.choice((1, 1, 20))]
                 case 2 if where < len(data):
-                    data[where] = self.rng.choice((0, 0x22, 0x2C, 0x5C, 0x7B, 0x80, 0xFF))
+                    flipped = data[where] ^ 1 << self.rng.randrange(8)
+                    data[where] = self.rng.choice((0, 0x22, 0x2C, 0x5C, 0x7B, 0x7F, 0x80, 0xC3, 0xFF, flipped))
                 case 3:
                     del data[where:]
                 case _:

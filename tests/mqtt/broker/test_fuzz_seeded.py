@@ -10,13 +10,12 @@ import random
 import re
 
 import pytest
+from tests.fuzz.conftest import PARTS, SEED, Mutator
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, Stranger
 
 from homebot.mqtt import packets as mqtt
 
-SEED = int(os.environ.get("FUZZ_SEED", "1"))
 CASES = int(os.environ.get("FUZZ_CASES", "1000"))
-PARTS = 4
 
 # What may differ between two runs of one stream: an assigned client id, and the CONNACK for a CONNECT whose length
 # alone is wrong, since it is sent only where the bytes that tell the version have come by then.
@@ -76,32 +75,13 @@ def make_stream(rng: random.Random, version: mqtt.ProtocolVersion, *, starts_wit
     packets += [make_packet(rng) for _ in range(rng.randint(1, 6))]
     stream = bytearray()
     for packet in packets:
-        raw = bytearray(mqtt.encode(packet, version))
+        raw = mqtt.encode(packet, version)
         if rng.random() < 0.5:
-            damage(rng, raw)
+            raw = Mutator(rng).damaged_bytes(raw)
         stream += raw
     if rng.random() < 0.3:
         stream += rng.randbytes(rng.randint(1, 40))
     return bytes(stream) or b"\0"
-
-
-def damage(rng: random.Random, raw: bytearray) -> None:
-    """Change a few bytes, bits or the length."""
-    for _ in range(rng.choice((1, 1, 1, 2, 5))):
-        where = rng.randrange(len(raw)) if raw else 0
-        kind = rng.randrange(6)
-        if kind == 0 or not raw:
-            raw.insert(where, rng.randrange(256))
-        elif kind == 1:
-            del raw[where]
-        elif kind == 2:
-            raw[where] ^= 1 << rng.randrange(8)
-        elif kind == 3:
-            raw[where] = rng.choice((0, 1, 0x7F, 0x80, 0xC3, 0xFF))
-        elif kind == 4:
-            del raw[where + 1 :]
-        else:
-            raw[where:where] = raw[rng.randrange(len(raw)) :]
 
 
 def cut(rng: random.Random, stream: bytes) -> list[bytes]:
