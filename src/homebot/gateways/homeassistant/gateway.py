@@ -10,7 +10,6 @@ import anyio.lowlevel
 import anyio.to_thread
 from pydantic import BaseModel
 
-from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
 from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
 from homebot.conventions.homeassistant.states.registries import REGISTRIES
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
@@ -19,7 +18,7 @@ from homebot.errors import LinkError, RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
-from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
+from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
 from homebot.support.isolation import ungrouped

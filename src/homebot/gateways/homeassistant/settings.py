@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, Final, Self
 from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator, model_validator
 
 from homebot.config import FilePath
-from homebot.conventions.homeassistant.states import HOW_TO_LOG_IN
 from homebot.gateways.base import GatewaySettings
 from homebot.gateways.password_settings import read_password
 
-__all__ = ["HomeAssistantGatewaySettings"]
+__all__ = ["HOW_TO_LOG_IN", "HomeAssistantGatewaySettings"]
+
+HOW_TO_LOG_IN: Final = (
+    "make a token in Home Assistant (your profile, Security, Long-lived access tokens) and put it into a file that "
+    "only you can read, named by token_file"
+)
 
 
 class HomeAssistantGatewaySettings(GatewaySettings):
