@@ -2,13 +2,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from homebot.conventions.light_color import (
-    CHANNELS,
-    Channels,
-    from_hue_saturation,
-    kelvin_mired,
-    to_hue_saturation,
-)
+from homebot.conventions.light_color import CHANNELS, Channels, from_hue_saturation, kelvin_mired, to_hue_saturation
 
 WHITE = (2_000, 6_535)
 MODES = sorted(CHANNELS)

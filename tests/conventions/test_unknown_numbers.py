@@ -6,13 +6,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.conventions.announced_parts import (
-    homeassistant_part,
-    homie_part,
-    part_with,
-    thing_part,
-    zigbee2mqtt_part,
-)
+from tests.conventions.announced_parts import homeassistant_part, homie_part, part_with, thing_part, zigbee2mqtt_part
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.payload import is_unknown, read_number

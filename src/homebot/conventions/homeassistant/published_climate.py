@@ -7,12 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from homebot.conventions.homeassistant.published_entity import (
-    Available,
-    PublishedEntity,
-    Row,
-    is_settable,
-)
+from homebot.conventions.homeassistant.published_entity import Available, PublishedEntity, Row, is_settable
 from homebot.devices.part import Part
 
 __all__ = ["publish_climate", "publish_humidifier", "publish_water_heater"]

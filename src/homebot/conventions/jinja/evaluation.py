@@ -6,15 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeAlias, final
 
-from homebot.conventions.jinja.values import (
-    MAX_NUMBER_BITS,
-    MAX_STEPS,
-    MAX_TEXT,
-    UNDEFINED,
-    TemplateError,
-    text,
-    weigh,
-)
+from homebot.conventions.jinja.values import MAX_NUMBER_BITS, MAX_STEPS, MAX_TEXT, UNDEFINED, TemplateError, text, weigh
 
 __all__ = ["Evaluate", "Program", "Run"]
 

@@ -16,15 +16,7 @@ from string import Formatter
 from typing import Final
 
 from homebot.conventions.jinja.evaluation import Run
-from homebot.conventions.jinja.values import (
-    MAX_ITEMS,
-    MAX_TEXT,
-    NotDefinedError,
-    TemplateError,
-    Undefined,
-    text,
-    whole,
-)
+from homebot.conventions.jinja.values import MAX_ITEMS, MAX_TEXT, NotDefinedError, TemplateError, Undefined, text, whole
 from homebot.conventions.payload import parse_json
 from homebot.errors import WireError
 

@@ -10,13 +10,7 @@ from datetime import datetime
 from typing import Final, NamedTuple
 
 from homebot.conventions.command_values import require_transition
-from homebot.conventions.entity_rows import (
-    EntityRow,
-    Fields,
-    options_of,
-    text_of,
-    writer_of,
-)
+from homebot.conventions.entity_rows import EntityRow, Fields, options_of, text_of, writer_of
 from homebot.conventions.homeassistant.states.domains import DOMAINS
 from homebot.conventions.homeassistant.states.registries import EntityEntry
 from homebot.conventions.payload import Readings

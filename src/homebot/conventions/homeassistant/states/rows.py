@@ -11,13 +11,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.entity_rows import (
-    EntityRow,
-    Fields,
-    ReadField,
-    options_of,
-    whole_of,
-)
+from homebot.conventions.entity_rows import EntityRow, Fields, ReadField, options_of, whole_of
 from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
