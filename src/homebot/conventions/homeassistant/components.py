@@ -7,15 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = [
-    "BUILDERS",
-    "COMPONENTS",
-    "LOCK_STATES",
-    "MOWER_ACTIONS",
-    "MOWER_STATES",
-    "VACUUM_ACTIONS",
-    "VACUUM_STATES",
-]
+__all__ = ["BUILDERS", "COMPONENTS", "LOCK_STATES", "MOWER_ACTIONS", "MOWER_STATES", "VACUUM_ACTIONS", "VACUUM_STATES"]
 
 BUILDERS: Mapping[str, tuple[str, str]] = {
     "alarm_control_panel": ("locks", "build_alarm_control_panel"),

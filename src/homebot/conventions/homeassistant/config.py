@@ -183,10 +183,7 @@ class DiscoveryConfig:
         return "" if self.values.get(key) is None else valid_topic(self.text(key), validate_filter)
 
     def source(
-        self,
-        topic_key: str,
-        template_key: str = "value_template",
-        variables: Mapping[str, object] | None = None,
+        self, topic_key: str, template_key: str = "value_template", variables: Mapping[str, object] | None = None
     ) -> ValueSource | None:
         """Return topic and template of a reported value, with further variables; None without a topic."""
         topic = self.state_topic(topic_key)

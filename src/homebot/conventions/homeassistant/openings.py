@@ -84,11 +84,7 @@ class _Cover:
     def __init__(self, config: DiscoveryConfig) -> None:
         self.scale = _scale(config)
         self.tilt_scale = Scale(config.integer("tilt_min", 0), config.integer("tilt_max", 100))
-        self.variables = {
-            **_variables(self.scale),
-            "tilt_min": self.tilt_scale.zero,
-            "tilt_max": self.tilt_scale.full,
-        }
+        self.variables = {**_variables(self.scale), "tilt_min": self.tilt_scale.zero, "tilt_max": self.tilt_scale.full}
         self.state = config.source("state_topic")
         self.position = config.source("position_topic", "position_template", self.variables)
         states = {config.text(f"state_{state}", state): state for state in _STATES}

@@ -16,14 +16,7 @@ from homebot.conventions.jinja import PayloadContext, Template, TemplateError, U
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
 
-__all__ = [
-    "DEVICE",
-    "CommandTopic",
-    "ConfigTopic",
-    "ValueSource",
-    "parse_config_topic",
-    "valid_topic",
-]
+__all__ = ["DEVICE", "CommandTopic", "ConfigTopic", "ValueSource", "parse_config_topic", "valid_topic"]
 
 
 DEVICE = "device"

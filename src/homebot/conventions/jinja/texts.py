@@ -156,12 +156,7 @@ def _trim(_: Run, value: object, characters: object = None) -> str:
 
 
 def _truncate(
-    _: Run,
-    value: object,
-    length: object = 255,
-    killwords: object = False,
-    end: object = "...",
-    leeway: object = 5,
+    _: Run, value: object, length: object = 255, killwords: object = False, end: object = "...", leeway: object = 5
 ) -> object:
     if not isinstance(value, (str, list, tuple, dict, Undefined)):
         raise TypeError(f"truncate is given a {type(value).__name__}")

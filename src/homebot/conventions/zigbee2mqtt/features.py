@@ -196,9 +196,7 @@ class Zigbee2MqttPart(JsonPart):
         writer = None
         if feature.is_settable:
             writer = option_writer(
-                capability,
-                feature.options,
-                lambda option: self.topics.publish({feature.key: feature.options[option]}),
+                capability, feature.options, lambda option: self.topics.publish({feature.key: feature.options[option]})
             )
         meaning = text_of if names is None else partial(_name_of, names)
         options = tuple(feature.options if names is None else names.values())

@@ -281,8 +281,7 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     ),
     "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, *MOWER_STATES)),
     "alarm_control_panel": EntityComponent(
-        "x_alarm_panel",
-        (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES),),
+        "x_alarm_panel", (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES),)
     ),
     "siren": EntityComponent(
         "siren",
