@@ -165,22 +165,6 @@ def operating(mode: str, *modes: str) -> DescribedPart:
     return built({"type": "climate", "features": features}, program)[0]
 
 
-@pytest.mark.parametrize(
-    ("part", "mode", "message"),
-    [
-        (operating("heat"), "heat", {"operating_mode": "manual"}),
-        (operating("heat"), "off", {"operating_mode": "pause"}),
-        (operating("heat"), "auto", {"operating_mode": "schedule"}),
-        (operating("off", "heat", "cool"), "cool", {"operating_mode": "manual", "system_mode": "cool"}),
-        (operating("off", "heat", "cool"), "off", {"operating_mode": "pause"}),
-    ],
-)
-def test_program_and_mode_of_a_thermostat_are_one_mode(part: DescribedPart, mode: str, message: dict[str, Any]) -> None:
-    """As Zigbee2MQTT announces it to Home Assistant: ``system_mode`` alone changes nothing while it is paused."""
-    assert told(part, "thermostat_mode", mode) == message
-    assert said(part, **{"system_mode": "heat", **message})["thermostat_mode"] == mode
-
-
 def test_an_incomplete_mode_of_two_properties_is_ignored() -> None:
     part = operating("heat", "cool")
     assert said(part, system_mode="heat") == {}
@@ -287,13 +271,6 @@ def test_settings_are_sent_in_their_own_types() -> None:
         text.codec.write("text", "\ud800")
     with pytest.raises(RefusedError, match="4096"):
         text.codec.write("text", "x" * 5_000)
-
-
-def test_an_enum_of_one_is_a_button() -> None:
-    button = only(feature("enum", "identify", 2, category="config", values=["identify"]))
-    assert told(button, "locate", value=True) == {"identify": "identify"}
-    with pytest.raises(RefusedError, match="takes only true"):
-        button.codec.write("locate", value=False)
 
 
 def test_a_siren_is_not_readable() -> None:
