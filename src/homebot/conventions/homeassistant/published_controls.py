@@ -132,27 +132,10 @@ def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -
     """Publish the state, the power, the charge and the locator of a robot that cleans."""
     vacuum = available.pop("vacuum")
     payloads = settable_payloads(vacuum, {action: state for state, (_, action) in VACUUM_ACTIONS.items()})
+    commands: dict[str, Values] = {action: {"vacuum": state} for action, state in payloads.items()}
     features = [action.replace("return_to_base", "return_home") for action in payloads]
-    entity.config["supported_features"] = features
-    if vacuum.readable:
-        features += _add_vacuum_state(entity, available)
-    locate = is_settable(available, "locate")
-    if locate:
-        available.pop("locate")
-        features.append("locate")
-
-    def read(text: str) -> Values:
-        if text == "locate" and locate:
-            return {"locate": True}
-        return {"vacuum": payloads[text]} if text in payloads else {}
-
-    entity.add_command("command_topic", "vacuum", read)
-
-
-def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
-    """Add the JSON state of a vacuum cleaner; return the features in it."""
-    features, reported = [], ["vacuum"]
-    speed, battery = available.get("fan_mode"), available.get("battery")
+    reported = ["vacuum"]
+    speed, battery = (available.get(name) if vacuum.readable else None for name in ("fan_mode", "battery"))
     if speed is not None and speed.settable and speed.options:
         reported.append(available.pop("fan_mode").name)
         features.append("fan_speed")
@@ -162,8 +145,14 @@ def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str
     if battery is not None and battery.readable and not battery.settable:
         reported.append(available.pop("battery").name)
         features.append("battery")
-    entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
-    return features
+    if vacuum.readable:
+        entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
+    if is_settable(available, "locate"):
+        available.pop("locate")
+        features.append("locate")
+        commands["locate"] = {"locate": True}
+    entity.config["supported_features"] = features
+    entity.add_command("command_topic", "vacuum", lambda text: commands.get(text, {}))
 
 
 def _vacuum_text(values: Values) -> str:
