@@ -8,8 +8,7 @@ import pytest
 
 from homebot.devices.text.commands import decode_command
 from homebot.errors import RefusedError
-from homebot.wot.binding import RequestBinding
-from homebot.wot.classified import ClassifiedPart
+from homebot.wot.binding import ClassifiedPart, RequestBinding
 from homebot.wot.classify import parts_of
 from homebot.wot.parse import read_thing
 from homebot.wot.payload import decode_document, encode_document

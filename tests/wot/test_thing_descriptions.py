@@ -17,7 +17,7 @@ from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
 from homebot.errors import WireError
 from homebot.messages import Time
-from homebot.wot.classified import ClassifiedPart
+from homebot.wot.binding import ClassifiedPart
 from homebot.wot.classify import parts_of
 from homebot.wot.export import MqttForms, to_thing
 from homebot.wot.mqtt.reader import MqttBinding

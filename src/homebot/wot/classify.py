@@ -12,8 +12,7 @@ from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.part import Capability, Category, Part
 from homebot.support.folding import fold, words_of
-from homebot.wot.binding import Binding
-from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
+from homebot.wot.binding import Binding, ClassifiedAffordance, ClassifiedPart
 from homebot.wot.payload import is_rgb
 from homebot.wot.scale import bounds_of, unit_of
 from homebot.wot.thing import Affordance, DataSchema, Form, Thing

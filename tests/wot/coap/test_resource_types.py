@@ -6,7 +6,7 @@ import pytest
 
 from homebot.conventions.coap.link_format import parse_links
 from homebot.gateways.coap.session import COAP_BINDING
-from homebot.wot.classified import ClassifiedPart
+from homebot.wot.binding import ClassifiedPart
 from homebot.wot.classify import parts_of
 from homebot.wot.coap.resource_types import MAX_RESOURCES, thing_of_links
 from homebot.wot.payload import decode_document, encode_document

@@ -23,8 +23,7 @@ from homebot.errors import LinkError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.device_runner import DriverHost
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.support.isolation import run_as, ungrouped
-from homebot.wot.binding import Binding, RequestBinding
-from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
+from homebot.wot.binding import Binding, ClassifiedAffordance, ClassifiedPart, RequestBinding
 from homebot.wot.classify import parts_of
 from homebot.wot.payload import decode_document, encode_document
 from homebot.wot.scale import in_told_unit

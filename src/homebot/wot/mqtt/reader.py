@@ -22,7 +22,7 @@ from homebot.devices.part import Capability
 from homebot.devices.value import PlainValue
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_filter, validate_topic
-from homebot.wot.classified import ClassifiedAffordance, ClassifiedPart
+from homebot.wot.binding import ClassifiedAffordance, ClassifiedPart
 from homebot.wot.classify import parts_of
 from homebot.wot.parse import read_thing
 from homebot.wot.payload import PayloadFormat, PayloadFormats, basic_formats, decode_document, encode_document
