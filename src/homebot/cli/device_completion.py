@@ -59,7 +59,10 @@ def print_devices(words: Sequence[str]) -> int:
     with suppress(Exception):  # a shell that completes has no place for errors
         signal.signal(signal.SIGALRM, lambda *_: os._exit(0))
         signal.setitimer(signal.ITIMER_REAL, _LIMIT)
-        print(*_names(words), sep="\n")
+        try:
+            print(*_names(words), sep="\n")
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)  # the alarm would kill a Python that ends already
     return 0
 
 
