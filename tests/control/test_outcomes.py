@@ -152,6 +152,24 @@ async def test_a_lamp_that_is_off_at_the_wanted_level_or_colour_is_not_on_alread
         assert home.events == []  # it did not go back: it was turned off
 
 
+@pytest.mark.parametrize("other", [None, 10.0])
+async def test_a_lamp_that_reports_only_what_changed_is_on_as_it_was(home: Home, other: float | None) -> None:
+    """Hue bridges and Matter nodes do so; another value that follows counts."""
+    home.put("lamp", "light", "on_off", "level", "color_temperature")
+    await home.gateway.devices.report("lamp", {"on_off": False, "level": 80.0, "color_temperature": 2703.0})
+
+    async def light_up(home: Home, command: Command) -> None:
+        await home.report("lamp", "on_off", True)
+        if other is not None:
+            home.later(0.5, "lamp", "level", other)
+
+    home.behaviours["lamp"] = light_up
+    await anyio.sleep(120)
+    outcome = await (await home.handle(Light)).turn_on(level=80, kelvin=2700)
+    assert isinstance(outcome, Confirmed if other is None else Contradicted)
+    assert len(home.commands) == (2 if other is None else 6)
+
+
 async def json_lamp(home: Home, command: Command) -> None:
     """Obey in one message with all values, as most lamps do: whatever is set turns it on."""
     is_on = command.value.plain() is not False

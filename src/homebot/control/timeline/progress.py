@@ -106,6 +106,17 @@ class CommandProgress:
         return None not in map(_MET_AT, self.wanted.values())
 
     @property
+    def is_met_for_the_rest(self) -> bool:
+        """True if wanted values were reported, and the others were certain before and not reported since.
+
+        Matter nodes and Hue bridges report only what changed: of a lamp that was at the wanted level when it went off,
+        that it is on.
+        """
+        missing = [one for one in self.wanted.values() if one.met_at is None]
+        is_begun = len(missing) < len(self.wanted) and not (self.must_answer or self.order.opens_further)
+        return is_begun and all(one.seen is NOTHING and one.was_so for one in missing)
+
+    @property
     def met_times(self) -> list[float]:
         """The times at which those wanted values were reported first that still are."""
         return [one.met_at for one in self.wanted.values() if one.met_at is not None]
