@@ -51,6 +51,16 @@ def only(entity_id: str, text: str, **attributes: object) -> HomeAssistantEntity
     return entity
 
 
+def test_a_vacuum_and_a_mower_list_the_moves_of_their_features() -> None:
+    """By them a person says "start" and "dock"."""
+    vacuum = only("vacuum.roomba", "docked", supported_features=4 | 16 | 8192)
+    mower = only("lawn_mower.automower", "docked", supported_features=1 | 4)
+    assert [vacuum.part().capabilities[0].options, mower.part().capabilities[0].options] == [
+        ("cleaning", "paused", "returning"),
+        ("mowing", "docked"),
+    ]
+
+
 @pytest.mark.parametrize(("others", "aliases"), [((), "Reading lamp"), (("light.second",), None)])
 def test_a_device_with_one_entity_is_called_as_home_assistant_shows_that(
     others: tuple[str, ...], aliases: str | None

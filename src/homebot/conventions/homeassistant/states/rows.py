@@ -122,13 +122,18 @@ def choice(
 def moves(name: str, services: Mapping[str, tuple[int, str]], *states: str) -> tuple[EntityRow, EntityRow]:
     """Return the rows of a movement, with the feature and the service of each that can be commanded."""
 
-    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+    def moves_of(info: Fields) -> tuple[str, ...]:
         features = whole_of(info, "supported_features")
-        known = {move: service for move, (bit, service) in services.items() if features & bit}
-        return {"service": known[require_option(name, value, known)]}
+        return tuple(move for move, (bit, _) in services.items() if features & bit)
 
-    read, can_move = read_named(*states), has(*(bit for bit, _ in services.values()))
-    return EntityRow(name, read, when=lambda info: not can_move(info)), EntityRow(name, read, write, "", can_move)
+    def write(info: Fields, value: PlainValue, _code: str) -> Fields:
+        return {"service": services[require_option(name, value, moves_of(info))][1]}
+
+    read = read_named(*states)
+    return (
+        EntityRow(name, read, when=lambda info: not moves_of(info)),
+        EntityRow(name, read, write, when=moves_of, options=moves_of),
+    )
 
 
 def sensed(name: str, field: str, read: ReadField, unit: str = "") -> EntityRow:
