@@ -10,7 +10,8 @@ from tests.control.test_motors import Step, on_the_way
 
 from homebot.clock import LoopClock
 from homebot.devices import Device, GatewayNames, RawCommand
-from homebot.devices.handles import Light, WindowCovering
+from homebot.devices.gateway_messages import Command
+from homebot.devices.handles import Handle, Light, WindowCovering
 from homebot.devices.journal_messages import JournalEntry
 
 pytestmark = pytest.mark.virtual_time
@@ -82,6 +83,23 @@ async def test_a_cover_that_stops_elsewhere_was_stopped(home: Home) -> None:
     home.behaviours["cover"] = on_the_way((0.5, {"movement": "opening"}), stop)
     assert not (await (await home.handle(WindowCovering)).set_position(50)).succeeded
     assert [one.settings[0].value.plain() for one in await changes(home)] == ["stopped"]
+
+
+async def test_a_volume_that_is_only_reported_comes_along_with_on(home: Home) -> None:
+    """A television that is off has none."""
+    home.put("tv", "video_player", "on_off", readable=("volume",))
+    await home.gateway.devices.report("tv", {"on_off": False, "volume": None})
+    await anyio.sleep(1)
+
+    async def turn_on(home: Home, command: Command) -> None:
+        await home.gateway.devices.report("tv", {"on_off": True, "volume": 30.0})
+
+    home.behaviours["tv"] = turn_on
+    assert (await (await home.handle(Handle)).command("on_off", True)).succeeded
+    assert await changes(home) == []
+    await anyio.sleep(20)
+    await home.report("tv", "volume", 40.0)
+    assert len(await changes(home)) == 1
 
 
 async def test_a_sensor_needs_no_reason(home: Home) -> None:

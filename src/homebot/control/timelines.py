@@ -18,6 +18,7 @@ from homebot.control.timeline.part_timeline import PartTimeline
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import related
 from homebot.devices import Device, DevicePart, KeyValue, State
+from homebot.devices.capabilities import SETTABLE
 from homebot.devices.device import Route
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
@@ -128,8 +129,8 @@ class Timelines:
     def _follow(self, place: PartRef, entry: _TrackedPart, part: DevicePart) -> None:
         entry.stop_watch()
         entry.routes = part.routes
-        settable = [one.name for one in part.part.capabilities if one.settable]
-        entry.relevant = frozenset([other for one in settable for other in related(one)])
+        settings = [one.name for one in part.part.capabilities if one.settable or one.name in SETTABLE]
+        entry.relevant = frozenset([other for one in settings for other in related(one)])
         entry.stop_watch = self._feed.watch(part.routes, partial(self._on_value, place, entry))
 
     def _on_value(self, place: PartRef, entry: _TrackedPart, capability: str, value: PlainValue, stamp: float) -> None:
