@@ -471,15 +471,18 @@ async def test_a_dimmer_may_round(home: Home) -> None:
     assert (await lamp.set_level(40)).succeeded
 
 
-async def test_a_fan_that_is_given_a_mode_soon_after_it_was_turned_off_made_it_no_liar(home: Home) -> None:
+@pytest.mark.parametrize(("kind", "mode"), [("fan", "fan_mode"), ("thermostat", "thermostat_mode")])
+async def test_a_device_that_is_given_a_mode_soon_after_it_was_turned_off_is_no_liar(
+    home: Home, kind: str, mode: str
+) -> None:
     async def run(home: Home, command: Command) -> None:
-        mode = command.value.plain() if command.capability == "fan_mode" else "off"
-        await home.gateway.devices.report("fan", {"on_off": mode != "off", "fan_mode": mode})
+        wanted = command.value.plain() if command.capability == mode else "off"
+        await home.gateway.devices.report("device", {"on_off": wanted != "off", mode: wanted})
 
-    fan = await home.new(Handle, "fan", "on_off", "fan_mode", service_type="fan", behaviour=run)
-    assert isinstance(await fan.command("fan_mode", "low"), Confirmed)
-    assert isinstance(await fan.command("on_off", False), Confirmed)
-    assert isinstance(await fan.command("fan_mode", "auto"), Confirmed)
+    device = await home.new(Handle, "device", "on_off", mode, service_type=kind, behaviour=run)
+    assert isinstance(await device.command(mode, "cool"), Confirmed)
+    assert isinstance(await device.command("on_off", False), Confirmed)
+    assert isinstance(await device.command(mode, "auto"), Confirmed)
     await anyio.sleep(20)
     assert home.events == []
 

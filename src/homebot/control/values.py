@@ -13,6 +13,7 @@ from homebot.devices.value import PlainValue
 __all__ = [
     "COLORS",
     "END_POSITIONS",
+    "MODES",
     "POWERS",
     "STOPPED",
     "changes",
@@ -42,8 +43,8 @@ END_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100
 _HUES: Final = frozenset({"color_temperature", "color"})
 """A lamp shows one of them: white replaces a colour, and a colour replaces white."""
 
-_FAN_MODE: Final = "fan_mode"
-"""The capability that turns a fan on or off as well."""
+MODES: Final = frozenset({"fan_mode", "thermostat_mode"})
+"""The capabilities that turn a fan or a thermostat on or off as well."""
 
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
 _PRESS: Final = "push"
@@ -166,7 +167,8 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
     """Return whether setting *capability* to *wanted* would change the capability *held* from *value*.
 
     Openness is one thing, by word or by position; so is power, by on, off, level, speed, the colour of a lamp or the
-    mode of a fan; and so is its light, by colour or by the temperature of its white. The effect of a press is unknown.
+    mode of a fan or thermostat; and so is a lamp's light, by colour or by the temperature of its white. The effect of a
+    press is unknown.
     """
     if capability == held:
         return not _is_same_setting(held, value, wanted)
@@ -208,13 +210,12 @@ def is_on(value: PlainValue) -> bool:
     return value is not None and value is not False and value != 0.0
 
 
-_FAN_MODES: Final = frozenset({_FAN_MODE})
 _CHANGES: Final[tuple[tuple[frozenset[str], frozenset[str], Callable[[PlainValue, PlainValue], bool]], ...]] = (
     (_OPENINGS, _OPENINGS, lambda value, wanted: not fits("position", _position(value), _position(wanted))),
     (POWERS, POWERS, lambda value, wanted: is_on(value) != is_on(wanted)),
     (_HUES, _HUES, lambda _value, _wanted: True),
-    (POWERS, _FAN_MODES, lambda value, wanted: is_on(value) != _is_running(wanted)),
-    (_FAN_MODES, POWERS, lambda value, wanted: _is_running(value) != is_on(wanted)),
+    (POWERS, MODES, lambda value, wanted: is_on(value) != _is_running(wanted)),
+    (MODES, POWERS, lambda value, wanted: _is_running(value) != is_on(wanted)),
     (POWERS, COLORS, lambda value, _wanted: not is_on(value)),
     (COLORS, POWERS, lambda _value, wanted: not is_on(wanted)),
 )

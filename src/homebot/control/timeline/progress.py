@@ -16,13 +16,13 @@ from homebot.control.timeline.facts import Order, Reported, ReportRole
 from homebot.control.timeline.goal import NOTHING, Motion, WantedValue, side_role
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.settling import Settling
-from homebot.control.values import POWERS, STOPPED, changes, is_intermediate, related
+from homebot.control.values import MODES, POWERS, STOPPED, changes, is_intermediate, related
 from homebot.devices.outcomes import Confirmed, Outcome
 from homebot.devices.value import PlainValue
 
 __all__ = ["CommandProgress"]
 
-_TURNED: Final = POWERS | {"fan_mode"}
+_TURNED: Final = POWERS | MODES
 """Capabilities by which a person turns a part on or off against a command."""
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
