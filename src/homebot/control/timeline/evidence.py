@@ -62,11 +62,9 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     """Return the next step of a command at *now*."""
     if not (plan.attempts or progress.superseded_by or progress.refusal):
         return _SEND
-    if progress.is_over:
-        return _DONE
-    if progress.is_met_for_the_rest:
-        until = max(progress.met_times) + durations.LEVEL_FOLLOWS
-        return Step("wait", until) if now < until else _DONE
+    over_at = progress.over_at
+    if over_at < math.inf:
+        return Step("wait", over_at) if now < over_at else _DONE
     echo_until = weakly_met_at(progress) + plan.echo_patience
     until = _answer_until(progress, plan, echo_until)
     if now < min(until, echo_until):
@@ -83,7 +81,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
         return Superseded(progress.superseded_by, command_id=name)
     if progress.refusal:
         return Contradicted(progress.refusal, command_id=name)
-    if progress.is_met or progress.is_met_for_the_rest:
+    if progress.over_at < math.inf:
         if not progress.wanted:
             return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
         latency = max(progress.met_times) - progress.given_at

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from homebot.control.timeline.goal import NOTHING
 from homebot.control.timeline.profile import DeviceProfile
 from homebot.control.timeline.progress import CommandProgress
@@ -88,7 +90,7 @@ def _learn_echoes(progress: CommandProgress, profile: DeviceProfile) -> None:
 def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
     """Return whether an answer may still come; a deaf device that says again how it is gives none."""
     was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
-    if not was_sent or progress.is_over or not progress.wanted or progress.order.is_momentary:
+    if not was_sent or progress.over_at < math.inf or not progress.wanted or progress.order.is_momentary:
         return False
     last = progress.last
     return not all(name in last and fits(name, one.value, last[name]) for name, one in progress.wanted.items())

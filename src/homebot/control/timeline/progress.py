@@ -106,25 +106,29 @@ class CommandProgress:
         return None not in map(_MET_AT, self.wanted.values())
 
     @property
-    def is_met_for_the_rest(self) -> bool:
-        """True if wanted values were reported, and the others were certain before and not reported since.
-
-        Matter nodes and Hue bridges report only what changed: of a lamp that was at the wanted level when it went off,
-        that it is on.
-        """
-        missing = [one for one in self.wanted.values() if one.met_at is None]
-        is_begun = len(missing) < len(self.wanted) and not (self.must_answer or self.order.opens_further)
-        return is_begun and all(one.seen is NOTHING and one.was_so for one in missing)
-
-    @property
     def met_times(self) -> list[float]:
         """The times at which those wanted values were reported first that still are."""
         return [one.met_at for one in self.wanted.values() if one.met_at is not None]
 
     @property
-    def is_over(self) -> bool:
-        """True if no report can make the outcome any better."""
-        return bool(self.superseded_by or self.refusal) or self.is_met
+    def over_at(self) -> float:
+        """The time from which no report can make the outcome any better; inf if one still can.
+
+        Matter nodes and Hue bridges report only what changed: of a lamp that was at the wanted level when it went off,
+        that it is on. Values that were certain before are waited for as long as a level follows.
+        """
+        if self.superseded_by or self.refusal:
+            return -math.inf
+        if self.must_answer:
+            return -math.inf if self.is_accepted else math.inf
+        times = [*map(_MET_AT, self.wanted.values())]
+        if None not in times:
+            return -math.inf
+        if times.count(None) == len(times) or self.order.opens_further:
+            return math.inf
+        missing = [one for one in self.wanted.values() if one.met_at is None]
+        are_certain = all(one.seen is NOTHING and one.was_so for one in missing)
+        return max(self.met_times) + durations.LEVEL_FOLLOWS if are_certain else math.inf
 
     @property
     def is_open(self) -> bool:
