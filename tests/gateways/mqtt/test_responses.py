@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 from homebot.clock import ManualClock
-from homebot.conventions.command_response import problem_of
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.devices.value import Value
-from homebot.gateways.mqtt.responses import MOST_AWAITED, Responses
+from homebot.gateways.mqtt.responses import MOST_AWAITED, Responses, problem_of
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 

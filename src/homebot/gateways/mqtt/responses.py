@@ -15,13 +15,14 @@ from dataclasses import dataclass, replace
 from typing import Final, final
 
 from homebot.clock import Clock
-from homebot.conventions.command_response import problem_of
+from homebot.conventions.payload import clean_text, parse_object
 from homebot.devices.gateway_messages import Command, CommandAnswer
+from homebot.errors import WireError
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 from homebot.support.bounded_map import BoundedMap
 
-__all__ = ["COMMAND_ID", "ResponseCounters", "Responses"]
+__all__ = ["COMMAND_ID", "ResponseCounters", "Responses", "problem_of"]
 
 COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
@@ -30,6 +31,8 @@ MOST_AWAITED: Final = 1000
 """Commands with awaited responses at once; the oldest is forgotten, and its response is then unknown."""
 
 _TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and they are hard to guess
+_LONGEST: Final = 4096  # bytes of a response
+_LONGEST_REASON: Final = 200
 
 
 @dataclass(slots=True)
@@ -95,3 +98,20 @@ class Responses:
                 message=problem,
             )
         )
+
+
+def problem_of(response: bytes) -> str:
+    """Return the reason of a refusing response; empty for any other.
+
+    No standard defines them: one with an error, as of Zigbee2MQTT and Shelly, is a refusal; any other accepts the
+    command.
+    """
+    try:
+        fields = parse_object(response[:_LONGEST])
+    except WireError:
+        return ""
+    error = fields.get("error")
+    if not (error or fields.get("status") == "error" or fields.get("success") is False):
+        return ""
+    text = error.get("message") if isinstance(error, dict) else error or fields.get("message")
+    return clean_text(text, _LONGEST_REASON) if isinstance(text, str) and text.strip() else "the device refuses"
