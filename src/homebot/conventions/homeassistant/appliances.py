@@ -6,14 +6,14 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Container, Mapping
 
 from homebot.conventions.command_values import bool_writer, number_writer, option_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.components import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.entity import Entity, Scale
-from homebot.conventions.homeassistant.topics import ValueSource
+from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
 from homebot.conventions.payload import (
     NO_READINGS,
     Readings,
@@ -150,22 +150,11 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
             raise RefusedError(f"a command on {command.topic}", "its template renders nothing for it")
         return (publication,)
 
-    def read(text: str) -> Readings:
-        if text in states:
-            return {"on_off": states[text]}
-        message = fields_of(text)
-        found: dict[str, PlainValue] = {}
-        state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
-        if isinstance(state, str) and state in states:
-            found["on_off"] = states[state]
-        if isinstance(tone, str) and tone in tones:
-            found["siren_tone"] = tone
-        if has_volume and volume is not None and 0 <= volume <= 1:
-            found["volume"] = volume * 100
-        return found
-
     entity = Entity(config, "siren")
-    readable = entity.read_text_from(config.source("state_topic", "state_value_template"), read)
+    readable = entity.read_text_from(
+        config.source("state_topic", "state_value_template"),
+        lambda text: _read_siren(text, states, tones, has_volume=has_volume),
+    )
     entity.add_capability("on_off", readable=readable, writer=bool_writer("on_off", publish))
     if tones:
         writer = option_writer("siren_tone", tones, lambda tone: publish(tone=tone))
@@ -175,6 +164,21 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
         entity.add_capability("volume", readable=readable, writer=writer)
     entity.add_commands(on_command)
     return entity.build()
+
+
+def _read_siren(text: str, states: Mapping[str, bool | None], tones: tuple[str, ...], *, has_volume: bool) -> Readings:
+    if text in states:
+        return {"on_off": states[text]}
+    message = fields_of(text)
+    found: dict[str, PlainValue] = {}
+    state, tone, volume = message.get("state"), message.get("tone"), number_of(message.get("volume_level"))
+    if isinstance(state, str) and state in states:
+        found["on_off"] = states[state]
+    if isinstance(tone, str) and tone in tones:
+        found["siren_tone"] = tone
+    if has_volume and volume is not None and 0 <= volume <= 1:
+        found["volume"] = volume * 100
+    return found
 
 
 def build_lawn_mower(config: DiscoveryConfig) -> DescribedPart:
@@ -208,11 +212,6 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
     command = config.command("command_topic", template_key="")
     set_speed = config.command("set_fan_speed_topic", template_key="")
     speeds = config.options("fan_speed_list") if "fan_speed" in features else ()
-    payloads = {
-        state: config.text(f"payload_{action}", action)
-        for state, (_, action) in VACUUM_ACTIONS.items()
-        if command is not None and action.replace("return_to_base", "return_home") in features
-    }
 
     def read(text: str) -> Readings:
         message = fields_of(text)
@@ -228,10 +227,7 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
 
     entity = Entity(config, "robotic_vacuum_cleaner")
     readable = entity.read_text_from(config.source("state_topic", template_key=""), read)
-    writer = None
-    if command is not None and payloads:
-        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
-    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))
+    _add_vacuum(entity, config, command, features, readable=readable)
     if speeds:
         writer = option_writer("fan_mode", speeds, set_speed.publish) if set_speed else None
         entity.add_capability("fan_mode", readable=readable, writer=writer, options=speeds)
@@ -240,3 +236,18 @@ def build_vacuum(config: DiscoveryConfig) -> DescribedPart:
         entity.add_push("locate", command, config.text("payload_locate", "locate"))
     entity.add_commands(command, set_speed if speeds else None)
     return entity.build()
+
+
+def _add_vacuum(
+    entity: Entity, config: DiscoveryConfig, command: CommandTopic | None, features: Container[str], *, readable: bool
+) -> None:
+    """Add the state of a robot, with the states that it can be sent to."""
+    payloads = {
+        state: config.text(f"payload_{action}", action)
+        for state, (_, action) in VACUUM_ACTIONS.items()
+        if command is not None and action.replace("return_to_base", "return_home") in features
+    }
+    writer = None
+    if command is not None and payloads:
+        writer = option_writer("vacuum", payloads, lambda state: command.publish(payloads[state]))
+    entity.add_capability("vacuum", readable=readable, writer=writer, options=tuple(payloads))

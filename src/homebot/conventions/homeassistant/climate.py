@@ -6,6 +6,7 @@ Source: Home Assistant core 2025.4, ``components/mqtt/climate.py`` and ``water_h
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
@@ -229,8 +230,8 @@ class _Targets:
         readable = {
             key: entity.read_text_from(_source_of(config, f"{key}_state"), partial(self._read, key)) for key in keys
         }
-        for name, end in _ENDS.items():
-            ways = [key for key in keys if key == end or (key == _SINGLE and name in self._by_single)]
+        for name in _ENDS:
+            ways = self._ways(name, keys)
             if not ways:
                 continue
             self._names.append(name)
@@ -244,6 +245,10 @@ class _Targets:
             )
         entity.add_commands(*self._commands.values())
         entity.remembers()
+
+    def _ways(self, name: str, keys: Iterable[str]) -> list[str]:
+        """Return the keys of the targets that are the setpoint *name* in some mode."""
+        return [key for key in keys if key == _ENDS[name] or (key == _SINGLE and name in self._by_single)]
 
     def _read_mode(self, text: str) -> Readings:
         """Read the mode, which may make other, earlier reported targets effective."""

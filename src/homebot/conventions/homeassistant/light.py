@@ -165,14 +165,9 @@ class _BasicLight:
 
     def _values(self, command: LightCommand) -> Publications:
         found: list[Publication] = []
-        brightness = command.brightness
-        if self._order == "brightness" and brightness is None:
-            brightness = self._brightness or _BYTE
+        brightness = self._brightness_of(command)
         if command.color:
-            full = _BYTE if self._level_command is not None else self._brightness or _BYTE
-            found.append(self._color(command.mode, command.color, full))
-            if command.mode in self._assumes:
-                self._colors[command.mode] = command.color
+            found.append(self._paint(command.mode, command.color))
         if brightness is not None:
             found += self._dim(brightness, has_color=bool(command.color))
         if command.kelvin is not None and self._white_command is not None:
@@ -181,6 +176,18 @@ class _BasicLight:
         if command.effect and self._effect_command is not None:
             found.append(self._effect_command.publication(command.effect))
         return tuple(found)
+
+    def _brightness_of(self, command: LightCommand) -> int | None:
+        """Return the brightness of a command; the last one, if the brightness is what turns the lamp on."""
+        if command.brightness is None and self._order == "brightness":
+            return self._brightness or _BYTE
+        return command.brightness
+
+    def _paint(self, mode: str, color: Channels) -> Publication:
+        full = _BYTE if self._level_command is not None else self._brightness or _BYTE
+        if mode in self._assumes:
+            self._colors[mode] = color
+        return self._color(mode, color, full)
 
     def _dim(self, brightness: int, *, has_color: bool) -> list[Publication]:
         mode = next((one for one in _DIMMED if one in self._color_commands), "")

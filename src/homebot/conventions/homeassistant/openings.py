@@ -94,7 +94,6 @@ class _Cover:
         self._is_settling = False  # stopped, perhaps before the report of its position
 
     def read_state(self, payload: bytes) -> Readings:
-        """Read the state; a stopped cover is closed at position 0 in the same message, and otherwise open."""
         text = self.state.text(payload) if self.state is not None else None
         if text is None or text not in self._states:
             return NO_READINGS
@@ -103,14 +102,19 @@ class _Cover:
         if self._percent is not None and movement == _LEAVES.get(self._percent):
             self._percent = None
         self._is_settling = movement == "stopped" and (self._percent is None or before in _LEAVES.values())
-        if movement == "stopped" and self.position is not None:
-            if not self._is_of_one_message:
-                return {"movement": _ENDS.get(self._percent, movement)}
-            beside = self.position.text(payload)
-            known = self.read_position(beside).get("position") if beside else None
-            if known is not None:
-                movement = "open" if known else "closed"
-        return {"movement": movement}
+        return {"movement": self._stopped(payload) if movement == "stopped" else movement}
+
+    def _stopped(self, payload: bytes) -> str:
+        """Return the movement of a stopped cover; by the position in its message, it is closed at 0, or else open."""
+        if self.position is None:
+            return "stopped"
+        if not self._is_of_one_message:
+            return _ENDS.get(self._percent, "stopped")
+        beside = self.position.text(payload)
+        known = self.read_position(beside).get("position") if beside else None
+        if known is None:
+            return "stopped"
+        return "open" if known else "closed"
 
     @property
     def _is_of_one_message(self) -> bool:

@@ -134,8 +134,20 @@ def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -
     payloads = settable_payloads(vacuum, {action: state for state, (_, action) in VACUUM_ACTIONS.items()})
     commands: dict[str, Values] = {action: {"vacuum": state} for action, state in payloads.items()}
     features = [action.replace("return_to_base", "return_home") for action in payloads]
-    reported = ["vacuum"]
-    speed, battery = (available.get(name) if vacuum.readable else None for name in ("fan_mode", "battery"))
+    if vacuum.readable:
+        features += _add_vacuum_state(entity, available)
+    if is_settable(available, "locate"):
+        available.pop("locate")
+        features.append("locate")
+        commands["locate"] = {"locate": True}
+    entity.config["supported_features"] = features
+    entity.add_command("command_topic", "vacuum", lambda text: commands.get(text, {}))
+
+
+def _add_vacuum_state(entity: PublishedEntity, available: Available) -> list[str]:
+    """Add the state in JSON, which the power and the charge need; return the features that they are."""
+    features, reported = [], ["vacuum"]
+    speed, battery = available.get("fan_mode"), available.get("battery")
     if speed is not None and speed.settable and speed.options:
         reported.append(available.pop("fan_mode").name)
         features.append("fan_speed")
@@ -145,14 +157,8 @@ def publish_vacuum(entity: PublishedEntity, available: Available, _part: Part) -
     if battery is not None and battery.readable and not battery.settable:
         reported.append(available.pop("battery").name)
         features.append("battery")
-    if vacuum.readable:
-        entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
-    if is_settable(available, "locate"):
-        available.pop("locate")
-        features.append("locate")
-        commands["locate"] = {"locate": True}
-    entity.config["supported_features"] = features
-    entity.add_command("command_topic", "vacuum", lambda text: commands.get(text, {}))
+    entity.add_state("state_topic", "vacuum", _vacuum_text, reported)
+    return features
 
 
 def _vacuum_text(values: Values) -> str:
