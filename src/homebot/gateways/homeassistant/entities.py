@@ -195,12 +195,13 @@ class HomeAssistantEntities:
             entry = entity.entry
             if entity.is_left_out or self.registries.is_left_out(entry.device_id):
                 continue
-            parts = groups.setdefault(entry.device_id or entry.key, {})
+            key = entry.device_id or entry.key
+            parts = groups.setdefault(key, {})
             if entry.part_id in parts:  # of another integration, which gave it the same id
                 entity.entry = entry = entry._replace(part_id=entry.key)
             if len(parts) < MAX_PARTS:
                 parts[entry.part_id] = entity
-                entity.device_key = entry.device_id or entry.key
+                entity.device_key = key
         for key in self.triggers:
             if self.registries.device(key) is not None and not self.registries.is_left_out(key):
                 groups.setdefault(key, {})
