@@ -15,8 +15,8 @@ from typing import Final
 import anyio
 from anyio.abc import TaskGroup
 
-from homebot.conventions.homekit.accessory import CharacteristicId, parse_accessories
-from homebot.conventions.homekit.parts import PRESS, PRESSES
+from homebot.conventions.homekit.accessory import CharacteristicId, HapCharacteristic, parse_accessories
+from homebot.conventions.homekit.parts import PRESS, PRESSES, HomekitPart
 from homebot.conventions.payload import as_fields, compact_json, shown
 from homebot.devices.gateway_messages import Command
 from homebot.errors import LinkError, RefusedError
@@ -130,12 +130,8 @@ class AccessoryRunner(DeviceRunner):
     async def perform(self, command: Command) -> None:
         """Carry *command* out; without a connection, wait for one: of an accessory that does not sleep, try once."""
         link = await self._connected()
-        accessory = next((one for one in self._accessories.values() if one.device.key == command.key), None)
-        part = None if accessory is None else accessory.parts.get(command.part)
-        row = None if part is None else part.rows.get(command.capability)
-        if accessory is None or part is None or row is None:
-            raise self._not_connected()
-        known = part.service.characteristics
+        accessory, part = self._find(command)
+        row, known = part.rows[command.capability], part.service.characteristics
         written = row.write_value(part.service, command).items()
         wanted = {known[kind]: value for kind, value in written if kind in known}
         self._writes += 1
@@ -148,6 +144,14 @@ class AccessoryRunner(DeviceRunner):
         ids = {(accessory.aid, one.iid) for one in watched if "pr" in one.perms}
         if ids and self._tasks is not None and self.link is link:
             self._tasks.start_soon(self._read, link, ids)
+
+    def _find(self, command: Command) -> tuple[AccessoryDevice, HomekitPart]:
+        """Return the accessory and its part that have the capability of a command, as it was last described."""
+        for accessory in self._accessories.values():
+            part = accessory.parts.get(command.part)
+            if accessory.device.key == command.key and part is not None and command.capability in part.rows:
+                return accessory, part
+        raise self._not_connected()
 
     async def _connected(self) -> HomekitLink:
         """Return the connection, once there is one; raise LinkError if there is none in time."""
@@ -226,20 +230,25 @@ class AccessoryRunner(DeviceRunner):
         for (aid, iid), fields in values.items():
             one, accessory = as_fields(fields), self._accessories.get(aid)
             known = None if accessory is None else accessory.find(iid)
-            value = one.get("value")
             if accessory is None or known is None or not ("value" in one or is_read):
                 self.reject(b"", f"{aid}.{iid} {shown(fields)} is not the value of a characteristic that it has")
                 continue
             if is_read:
                 is_away = whole_number(one.get("status")) == _NO_POWER
                 self._devices.report_reachable(accessory.device.key, reachable=not is_away)
-            if known.type == PRESS and whole_number(value) not in PRESSES:
-                if value is not None:  # as it is read
-                    self.reject(b"", f"{shown(value)} is not a press")
-            elif "value" in one and not (is_routine and value == known.value):
-                news.setdefault(aid, {})[iid] = value
+            if self._admits(known, one, is_routine=is_routine):
+                news.setdefault(aid, {})[iid] = one["value"]
         for aid, changed in news.items():
             await self._report_changed(self._accessories[aid], changed)
+
+    def _admits(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
+        """Return whether a value is to be reported; reject one that is not a press, where it should be."""
+        value = one.get("value")
+        if known.type == PRESS and whole_number(value) not in PRESSES:
+            if value is not None:  # as it is read
+                self.reject(b"", f"{shown(value)} is not a press")
+            return False
+        return "value" in one and not (is_routine and value == known.value)
 
     async def _report_changed(self, accessory: AccessoryDevice, values: Mapping[int, object]) -> None:
         key = accessory.device.key
