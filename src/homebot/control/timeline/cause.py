@@ -96,11 +96,14 @@ def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause 
         return Cause.UNKNOWN
     if role is ReportRole.AGREES and (command.is_open or fact.at - _last_sign(command) <= durations.CAME_ALONG):
         return Cause.COMMAND
-    if role is ReportRole.ASIDE and fact.value in _RESTS:
-        # A cover that arrives at half is open, has stopped, or was closed until it tells its position.
-        is_arrival = any(abs(fact.at - arrived) <= durations.CAME_ALONG for arrived in command.met_times)
-        return Cause.COMMAND if is_arrival else None
+    if role is ReportRole.ASIDE and _rests_where_sent(fact, command):
+        return Cause.COMMAND
     return None
+
+
+def _rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
+    """Return whether a cover arrived: at half it is open, has stopped, or is closed until it tells its position."""
+    return fact.value in _RESTS and any(abs(fact.at - met) <= durations.CAME_ALONG for met in command.met_times)
 
 
 def _last_sign(command: CommandProgress) -> float:

@@ -69,9 +69,7 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
     until = _answer_until(progress, plan, echo_until)
     if now < min(until, echo_until):
         return Step("wait", until)
-    if not (progress.is_on_its_way or echo_until <= now) and plan.attempts < plan.tries and not progress.is_overruled:
-        return _repetition(progress, plan, now)
-    return _last_wait(progress, plan, now)
+    return _after_silence(progress, plan, now, is_echoed=echo_until <= now)
 
 
 def outcome_of(progress: CommandProgress, now: float) -> Outcome:
@@ -136,6 +134,12 @@ def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: floa
     if progress.has_stopped:
         ends_at = progress.stopped_at + durations.STOPPED
     return min(max(until, ends_at), plan.began + durations.LONGEST_MOVE)
+
+
+def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, is_echoed: bool) -> Step:
+    if not (progress.is_on_its_way or is_echoed) and plan.attempts < plan.tries and not progress.is_overruled:
+        return _repetition(progress, plan, now)
+    return _last_wait(progress, plan, now)
 
 
 def _repetition(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:

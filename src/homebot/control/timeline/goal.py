@@ -67,6 +67,12 @@ class WantedValue:
         known = self._known
         return known is not NOTHING and (is_same(self._capability, self.value, known) or self._is_answer(known))
 
+    @property
+    def is_certain(self) -> bool:
+        """True if the wanted value is reported, or was certain before and nothing else is reported since."""
+        is_kept = self.seen is NOTHING and self.was_so and not self._order.opens_further
+        return self.met_at is not None or is_kept
+
     def fits(self, value: PlainValue) -> bool:
         """Return whether *value* is the wanted one, as the device rounds."""
         wanted = self.value

@@ -29,6 +29,7 @@ _POSITIONS: Final = frozenset({"position", "tilt"})
 _NONE: Final[frozenset[str]] = frozenset()
 _MET_AT: Final = attrgetter("met_at")
 _WAS_SO: Final = attrgetter("was_so")
+_IS_CERTAIN: Final = attrgetter("is_certain")
 
 
 @final
@@ -124,11 +125,9 @@ class CommandProgress:
         times = [*map(_MET_AT, self.wanted.values())]
         if None not in times:
             return -math.inf
-        if times.count(None) == len(times) or self.order.opens_further:
+        if times.count(None) == len(times) or not all(map(_IS_CERTAIN, self.wanted.values())):
             return math.inf
-        missing = [one for one in self.wanted.values() if one.met_at is None]
-        are_certain = all(one.seen is NOTHING and one.was_so for one in missing)
-        return max(self.met_times) + durations.LEVEL_FOLLOWS if are_certain else math.inf
+        return max(self.met_times) + durations.LEVEL_FOLLOWS
 
     @property
     def is_open(self) -> bool:
