@@ -58,10 +58,10 @@ class SightingIntake:
         if sighting.kind == "removed":
             if source is not None:
                 self._withdraw(key, sighting.why)
-        elif source is None:
-            self._add(key, sighting)
-        else:
+        elif source is not None:
             self._refresh(source, sighting)
+        elif not self._table.tombstones.by_id or not self._is_forgotten(key, sighting):
+            self._add(key, sighting)
 
     def report(self, report: Report, now: float | None = None) -> None:
         """Take in the report of a device; that of an unannounced one waits a moment, and is counted."""
@@ -78,9 +78,7 @@ class SightingIntake:
 
     def _add(self, key: SourceKey, sighting: Sighting) -> None:
         """Take in a new announcement, which may be rejected, and the reports that waited for it."""
-        table, merger, now = self._table, self._merger, self._liveness.now
-        if table.tombstones.by_id and self._is_forgotten(key, sighting):
-            return
+        table, merger = self._table, self._merger
         if len(table.sources) >= _SOURCES_PER_DEVICE * self._max_devices:
             table.counters.rejected += 1
             return
@@ -90,7 +88,7 @@ class SightingIntake:
             first_seen=sighting.seen_at,
             seen_at=sighting.seen_at,
             confirmed=sighting.confirmed,
-            heard_at=now,
+            heard_at=self._liveness.now,
             lost=table.lost.get(sighting.gateway),
         )
         key = source.key  # one object, wherever it is kept
@@ -110,16 +108,29 @@ class SightingIntake:
         why = "it was announced" if is_overtaken else sighting.why
         if count == 1:
             merger.appear({key: source}, why)
-        elif sibling is not None:
-            merger.join(table.owners[sibling], source, sibling)
+            merger.join_repetitions(key)
         else:
-            merger.regroup(affected, why)
-        merger.join_repetitions(key)
-        if sighting.confirmed and count > 1:
-            self._liveness.mark_seen(table.owners[key], source, sighting.seen_at, why)
+            self._add_to_known(source, sibling, affected, why)
         if key in self._pending.reports:
-            for report in self._pending.pop(key, now):
-                self.report(report, now)
+            self._report_waiting(key)
+
+    def _add_to_known(
+        self, source: SourceRecord, sibling: SourceKey | None, affected: frozenset[SourceKey], why: str
+    ) -> None:
+        """Add *source* to the device of *sibling*, which has the same identity, or to those of *affected*."""
+        if sibling is not None:
+            self._merger.join(self._table.owners[sibling], source, sibling)
+        else:
+            self._merger.regroup(affected, why)
+        self._merger.join_repetitions(source.key)
+        if source.confirmed:
+            self._liveness.mark_seen(self._table.owners[source.key], source, source.seen_at, why)
+
+    def _report_waiting(self, key: SourceKey) -> None:
+        """Take in the reports that came before the announcement *key*."""
+        now = self._liveness.now
+        for report in self._pending.pop(key, now):
+            self.report(report, now)
 
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
         """Return whether *sighting* is only retained, of a device that the owner had forgotten, and remember it."""

@@ -181,13 +181,16 @@ class DeviceMerger:
         shared = [identifier for identifier, _ in self.identities.shared(keys)]
         if not shared:
             raise RefusedError(f"a split of {entry.id}", "nothing was merged into it")
-        eldest = {one: self.identities.same_identity(one) or one for one in keys}
-        rest = sorted({elder for elder in eldest.values() if key is not None and elder != eldest[key]})
         self.decisions.split(shared, self.decisions.merged_with(keys))
-        if len(rest) > 1:
+        if key is not None and len(rest := self._eldest_beside(key, keys)) > 1:
             self.decisions.merge(rest)
         self._decide(keys, shared, "the owner split it")
         return tuple(dict.fromkeys((entry.id, *(self._table.owners[one].id for one in keys))))
+
+    def _eldest_beside(self, key: SourceKey, keys: Iterable[SourceKey]) -> list[SourceKey]:
+        """Return the eldest announcement of each identity among *keys*, but for the identity of *key*."""
+        eldest = {one: self.identities.same_identity(one) or one for one in keys}
+        return sorted(set(eldest.values()) - {eldest[key]})
 
     def merge(self, device_ids: Iterable[str], now: float) -> str:
         """Make several devices one, because the owner says so; return the id that it has, that of the oldest.

@@ -39,7 +39,7 @@ class DoorState(NamedTuple):
     @property
     def metres(self) -> float:
         """The sum of the terms."""
-        return sum([term.metres for term in self.terms])
+        return _metres(self.terms)
 
 
 Terms: TypeAlias = Callable[[str], Sequence[CostTerm]]
@@ -84,10 +84,14 @@ def nearest(
         if limit and len(found) >= limit and way + least >= found[limit - 1].cost:
             break
         own = tuple(terms(route.target))
-        insort(found, NearDevice(way + sum([term.metres for term in own]), route.target, route, own))
+        insort(found, NearDevice(way + _metres(own), route.target, route, own))
         if len(found) == total:
             break
     return (found[:limit] if limit else found), total
+
+
+def _metres(terms: Iterable[CostTerm]) -> float:
+    return sum([term.metres for term in terms])
 
 
 def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str:
