@@ -65,8 +65,14 @@ def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, objec
         "facts": [{**fields_of(one), "said_at": iso(one.said_at)} for one in device.facts],
         "evidence": device.evidence,
         "conflicts": device.conflicts,
-        "approved": False if device.id in waiting else _is_approved(device) or None,
+        "approved": _approval(device, waiting),
     }
+
+
+def _approval(device: Device, waiting: Container[str]) -> bool | None:
+    if device.id in waiting:
+        return False
+    return True if _is_approved(device) else None
 
 
 def _is_approved(device: Device) -> bool:

@@ -92,11 +92,15 @@ def _named_home(name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
     table = homes[name]
     if not isinstance(table, dict) or not isinstance(table.get("door"), str):
         raise ConfigError(source, name, f"names no address; {example}")
-    file = table.get("token_file")
+    return _home_in(table, name, path)
+
+
+def _home_in(table: TomlTable, name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
+    source, file = str(path), table.get("token_file")
     for key in table.keys() - {"door", "token_file"}:
         raise ConfigError(source, f"{name}.{key}", unknown_key(key, ("door", "token_file")))
     try:
-        address = door_address(table["door"])
+        address = door_address(str(table["door"]))
     except argparse.ArgumentTypeError as exc:
         raise ConfigError(source, f"{name}.door", str(exc)) from exc
     if file is not None and not isinstance(file, str):

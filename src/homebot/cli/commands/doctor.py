@@ -24,7 +24,7 @@ from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device, GatewayState
-    from homebot.devices.health import HealthResponse, PartFailure
+    from homebot.devices.health import Count, HealthResponse, PartFailure
 
 __all__ = ["add_arguments", "gateway_finding", "health_findings"]
 
@@ -190,15 +190,19 @@ def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Ite
         yield FindingKind.TROUBLE, FindingRow("", text)
     for text in health.notes:
         yield FindingKind.NOTE, FindingRow("", text)
-    for count in health.counts:
-        if everything or (count.count and _is_one_of(_FAULTS, count.name)):
-            kind = FindingKind.LOSS if count.count and _is_one_of(_ILLS, count.name) else FindingKind.COUNT
-            yield kind, FindingRow(count.name.replace("_", " "), str(count.count))
+    yield from _count_rows(health.counts, everything=everything)
     for failure in health.failures:
         yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
     for one in health.quarantined:
         text = f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}"
         yield FindingKind.QUARANTINE, FindingRow(one.offender, text)
+
+
+def _count_rows(counts: Iterable[Count], *, everything: bool) -> Iterator[tuple[FindingKind, FindingRow]]:
+    for one in counts:
+        if everything or (one.count and _is_one_of(_FAULTS, one.name)):
+            kind = FindingKind.LOSS if one.count and _is_one_of(_ILLS, one.name) else FindingKind.COUNT
+            yield kind, FindingRow(one.name.replace("_", " "), str(one.count))
 
 
 def _failure(one: PartFailure, now: float) -> FindingRow:

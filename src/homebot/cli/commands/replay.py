@@ -97,10 +97,7 @@ def _replay(options: argparse.Namespace) -> int:
             print(json.dumps(_command_json(one, start, names)) if options.json else _command_text(one, start, names))
         return 0
     diff = command_diff(recording.commands, replayed.commands, replayed.issuers, recording.ends_at)
-    for odd in diff.different:
-        print(json.dumps(_difference_json(odd, start, names)) if options.json else difference_text(odd, start, names))
-    if not options.json:
-        print(_summary_text(diff))
+    _print_diff(diff, start, names, as_json=options.json)
     return 1 if diff.different else 0
 
 
@@ -113,6 +110,13 @@ def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
     if recording.end or not recording.is_whole:
         why = recording.end or "homebot or the recorder stopped before it was over"
         print(f"homebot: the recording ends early: {why}", file=sys.stderr)
+
+
+def _print_diff(diff: CommandDiff, start: float, names: Mapping[str, str], *, as_json: bool) -> None:
+    for one in diff.different:
+        print(json.dumps(_difference_json(one, start, names)) if as_json else difference_text(one, start, names))
+    if not as_json:
+        print(_summary_text(diff))
 
 
 def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -> str:
