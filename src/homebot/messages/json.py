@@ -141,10 +141,14 @@ def _holds_bytes(message_type: type[Message]) -> bool:
     return any(field.is_base64 for one in types for field in fields_of(one))
 
 
+def _form_to_json(message: Message) -> JsonValue:
+    form = message.json_form()
+    return message_to_json(message) if form is message else _value_to_json(form)
+
+
 def _value_to_json(value: object) -> JsonValue:
     if isinstance(value, Message):
-        form = value.json_form()
-        return message_to_json(value) if form is value else _value_to_json(form)
+        return _form_to_json(value)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if isinstance(value, NumericArray) and value.buffer.format != "d":
