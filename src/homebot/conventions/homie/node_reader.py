@@ -128,17 +128,18 @@ class _NodeReader:
         )
         if datatype not in _DATATYPES:
             raise WireError(f"datatype is {shown(datatype)}")
-        options = parse_options(form) if datatype in _WITH_OPTIONS or (datatype == "boolean" and form) else ()
-        _check_options(datatype, options, form)
+        options = _read_options(datatype, form)
         flags = _flags(prop_id, options) if datatype == "enum" else None
+        if flags:
+            datatype = "boolean"
         return HomieProperty(
             id=prop_id,
             name=clean_text(name),
-            datatype="boolean" if flags else datatype,
+            datatype=datatype,
             topic=topic,
             unit=clean_text(unit, _LONGEST_UNIT).translate(_LOOKALIKES),
             range=parse_range(form) if datatype in {"integer", "float"} else Range(),
-            options=options if datatype in _WITH_OPTIONS and not flags else (),
+            options=options if datatype in _WITH_OPTIONS else (),
             is_settable=optional(fields, "settable", bool) or False,
             is_retained=optional(fields, "retained", bool) is not False,
             names_form=self._names_form,
@@ -158,6 +159,18 @@ class _NodeReader:
         return value
 
 
+def _read_options(datatype: str, form: str) -> tuple[str, ...]:
+    """Return the options of an enum, the forms of a colour, or the names of false and true; empty for any other."""
+    if datatype not in _WITH_OPTIONS and not (datatype == "boolean" and form):
+        return ()
+    options = parse_options(form)
+    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
+        raise WireError(f"format {shown(form)} names no colour formats")
+    if datatype == "boolean" and len(options) != len(("false", "true")):
+        raise WireError(f"format {shown(form)} does not name false and true")
+    return options
+
+
 def _flags(prop_id: str, options: tuple[str, ...]) -> tuple[str, str] | None:
     """Return the options for false and true of an enum that is a boolean; None for any other enum."""
     spelled = {option.casefold(): option for option in options}
@@ -165,13 +178,6 @@ def _flags(prop_id: str, options: tuple[str, ...]) -> tuple[str, str] | None:
         if only_id in {"", prop_id} and {false, true} <= spelled.keys() <= {false, true, "unknown"}:
             return spelled[false], spelled[true]
     return None
-
-
-def _check_options(datatype: str, options: tuple[str, ...], form: str) -> None:
-    if datatype == "color" and not set(options) <= set(COLOR_FORMS):
-        raise WireError(f"format {shown(form)} names no colour formats")
-    if datatype == "boolean" and options and len(options) != len(("false", "true")):
-        raise WireError(f"format {shown(form)} does not name false and true")
 
 
 def optional(fields: Mapping[str, object], name: str, kind: type[T]) -> T | None:

@@ -92,8 +92,6 @@ def _build_channel(
     presses: defaultdict[int, Presses],
 ) -> Iterator[BytesPart]:
     topic = f"{kind}/{index}"
-    names = _EMETER if kind == "emeter" else _METER
-    meter = {name: f"{topic}/{name}" for name in names if f"{topic}/{name}" in suffixes}
     match kind:
         case "relay":
             yield build_relay(base, index, is_plug=model.is_plug)
@@ -104,20 +102,25 @@ def _build_channel(
         case "light" | "color" | "white":
             yield build_light(base, kind, index, model.name)
         case "input":
-            has_events = f"input_event/{index}" in suffixes
             yield build_input(
                 base,
                 index,
                 presses[index],
                 has_state=topic in suffixes,
-                has_events=has_events,
+                has_events=f"input_event/{index}" in suffixes,
                 counts_first=model.sleeps,
             )
         case "emeter":
-            yield build_meter(base, f"emeter:{index}", meter)
+            yield build_meter(base, f"emeter:{index}", _published(topic, _EMETER, suffixes))
+            return
         case "adc":
             yield build_meter(base, f"adc:{index}", {"voltage": topic})
         case _:
             yield build_sensor(base, SENSORS[kind], index)
-    if meter and kind != "emeter":
+    if meter := _published(topic, _METER, suffixes):
         yield build_meter(base, f"{kind}:{index}/meter", meter)
+
+
+def _published(topic: str, names: tuple[str, ...], suffixes: frozenset[str]) -> dict[str, str]:
+    """Return the topics below *topic* that the device publishes, by their last level."""
+    return {name: f"{topic}/{name}" for name in names if f"{topic}/{name}" in suffixes}

@@ -115,18 +115,25 @@ def build_input(component: ShellyComponent) -> Parts:
     kind, status = component.config.get("type"), component.status
     if component.config.get("enable") is False:
         return ()
-    is_analog = kind == "analog" or (kind is None and "percent" in status and "state" not in status)
-    if is_analog or kind == "count":
-        part = component.part("", "x_sensor")
-        path, unit = ("percent", "%") if is_analog else ("counts.total", "")
-        component.add_value(part, "measurement", path, unit=unit)
-        return (part,)
-    is_button = kind != "switch"
+    if kind == "analog" or (kind is None and "percent" in status and "state" not in status):
+        return _build_measured_input(component, "percent", "%")
+    if kind == "count":
+        return _build_measured_input(component, "counts.total", "")
+    return _build_binary_input(component, is_button=kind != "switch")
+
+
+def _build_binary_input(component: ShellyComponent, *, is_button: bool) -> Parts:
     part = component.part("", "generic_switch" if is_button else "x_binary_sensor")
-    if not is_button or status.get("state") is not None:
+    if not is_button or component.status.get("state") is not None:
         component.add_value(part, "state", "state")
     if is_button:
         component.add_presses(part, PRESSES)
+    return (part,)
+
+
+def _build_measured_input(component: ShellyComponent, path: str, unit: str) -> Parts:
+    part = component.part("", "x_sensor")
+    component.add_value(part, "measurement", path, unit=unit)
     return (part,)
 
 

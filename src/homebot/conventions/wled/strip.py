@@ -126,8 +126,7 @@ class WledStrip:
             owner, field = _PATHS[part]
             return {owner: {field: require_bool(capability, value)}}
         if part == _PRESET and self._presets and capability == "option":
-            chosen = require_option(capability, value, tuple(self._presets.values()))
-            return given | {"ps": next(number for number, name in self._presets.items() if name == chosen)}
+            return given | {"ps": self._preset_number(require_option(capability, value, self._presets.values()))}
         if part in self._segments:
             segment = self._segments[part]
             return given | segment.write(segment.features.command(capability, value))
@@ -148,6 +147,9 @@ class WledStrip:
         wifi = as_fields(self._info.get("wifi"))
         if "rssi" in wifi:
             yield _SIGNAL, to_number(wifi["rssi"])
+
+    def _preset_number(self, name: str) -> int:
+        return next(number for number, one in self._presets.items() if one == name)
 
     def _shown_preset(self) -> str | None:
         """Return the name of the running playlist, or of the preset that was chosen last."""
