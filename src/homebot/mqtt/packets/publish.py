@@ -101,8 +101,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
     if end - start < 2:
         raise PacketError("PUBLISH ends before its topic", data[start:end])
     position = start + 2 + (data[start] << 8 | data[start + 1])
-    qos = flags >> 1 & 3
-    if position > end or qos == 3 or (flags & 8 and not qos and version is not ProtocolVersion.V31):
+    if position > end or flags in _ILLEGAL_FLAGS[version]:
         raise PacketError(f"PUBLISH has flags 0x{flags:x} or is too short", data[start:end])
     try:
         topic = data[start + 2 : position].decode()
@@ -110,6 +109,7 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
         raise PacketError("the topic is not valid UTF-8", data[start:end]) from None
     if "+" in topic or "#" in topic or "\0" in topic:
         _refuse_topic(topic, data[start:end])
+    qos, retain, dup = _FLAGS[flags]
     packet_id: int | None = None
     if qos:
         packet_id = _read_packet_id("PUBLISH", data, position, end)
@@ -124,7 +124,15 @@ def decode_publish(flags: int, data: bytes, start: int, end: int, version: Proto
             position += cursor.position
     if not topic and properties.topic_alias is None:
         raise PacketError("PUBLISH has no topic", data[start:end], ReasonCode.PROTOCOL_ERROR)
-    return Publish(topic, data[position:end], qos, flags & 1 == 1, flags & 8 == 8, packet_id, properties)
+    return Publish(topic, data[position:end], qos, retain, dup, packet_id, properties)
+
+
+_FLAGS = tuple((flags >> 1 & 3, flags & 1 == 1, flags & 8 == 8) for flags in range(16))
+"""QoS, retain and dup, by the flags of a PUBLISH."""
+
+_OF_QOS_3 = frozenset({0x6, 0x7, 0xE, 0xF})
+_ILLEGAL_FLAGS = dict.fromkeys(ProtocolVersion, _OF_QOS_3 | {0x8, 0x9}) | {ProtocolVersion.V31: _OF_QOS_3}
+"""MQTT 3.1 lets a PUBLISH of QoS 0 be a duplicate."""
 
 
 def _encode_publish(packet: Publish, version: ProtocolVersion) -> bytes:
