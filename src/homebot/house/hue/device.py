@@ -61,8 +61,7 @@ class HueHouseDevice(HubDevice):
     def obey(self, body: Mapping[str, object]) -> None:
         """Carry out a command to its light; the house knows nothing of colours and effects."""
         changed: Resource = {}
-        points = at(body, "gradient", "points")
-        color = at(points[0] if isinstance(points, list) and points else body, "color")
+        color = _first_color(body)
         if "gradient" in self._bridge.resources[self.resource_id("light")] and (color or "color_temperature" in body):
             changed["gradient"] = body.get("gradient", {"points": []})
         if color:
@@ -82,3 +81,9 @@ class HueHouseDevice(HubDevice):
             if isinstance(now, dict) and now.get("mirek_valid") is False:  # it has a colour, which no state tells
                 found["color_temperature"] = now
         return found
+
+
+def _first_color(body: Mapping[str, object]) -> object:
+    """Return the colour that a request asks for; of a gradient that of its first point."""
+    points = at(body, "gradient", "points")
+    return at(points[0] if isinstance(points, list) and points else body, "color")
