@@ -9,6 +9,9 @@ import pytest
 from tests.sizes import size
 
 from homebot.devices import Devices
+from homebot.devices.handles import Light, WindowCovering
+from homebot.devices.journal_messages import ReadJournal, ReadJournalRequest
+from homebot.devices.names import READ_JOURNAL
 from homebot.graph import Node
 from homebot.house import World
 from homebot.house.description import parse_world
@@ -71,3 +74,23 @@ async def test_a_device_is_in_its_room_and_has_its_name_whatever_it_speaks(diale
         await house.run_for("20s")
         found = await Devices(judge).find()
     assert {(device.name, device.area) for device in found} == {(name, "hall") for name in devices}
+
+
+@pytest.mark.parametrize("dialect", DIALECTS)
+async def test_the_effects_of_commands_are_no_hand_whatever_a_device_speaks(dialect: str) -> None:
+    """A lamp that is on again as it was, and a cover that rests where it was sent, are confirmed and explained."""
+    kinds = {"lamp", "cover"} & DIALECTS[dialect].kinds
+    devices = {kind: {"kind": kind, "room": "hall", "dialect": dialect} for kind in kinds}
+    world = parse_world({"rooms": {"hall": {}}, "devices": devices}, "hall.toml")
+    async with virtual_house_of(world=world) as house, Node(house.runtime.graph, "judge") as judge:
+        await house.run_for("20s")
+        for setting in (("on_off", True), ("level", 80.0), ("on_off", False), ("level", 80.0)):
+            for lamp in await Devices(judge).find(Light):
+                assert (await lamp.command(*setting)).succeeded, setting
+            await house.run_for("15s")
+        for position in (30, 0, 50, 100):
+            for cover in await Devices(judge).find(WindowCovering):
+                assert (await cover.set_position(position)).succeeded, position
+            await house.run_for("15s")
+        journal = await judge.create_client(ReadJournal, READ_JOURNAL).call(ReadJournalRequest())
+    assert [one for one in journal.entries if one.kind == "changed"] == []

@@ -165,8 +165,8 @@ class PartTimeline:
     def find(self, capability: str, value: PlainValue, stamp: float) -> Reported | None:
         """Return the report of *value* with that *stamp*; None if it is not among the reports."""
         for fact in reversed(self.reports):
-            if fact.stamp == stamp and fact.capability == capability:
-                return fact if fact.value == value else None
+            if (fact.stamp, fact.capability, fact.value) == (stamp, capability, value):
+                return fact
         return None
 
     def unexplained(self, since: float) -> Reported | None:
