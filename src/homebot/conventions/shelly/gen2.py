@@ -13,7 +13,7 @@ from __future__ import annotations
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
 from homebot.conventions.payload import as_fields, parse_object, shown, text_of, to_json
-from homebot.conventions.shelly.gen2_component import COMPONENTS, call, components_from
+from homebot.conventions.shelly.gen2_component import COMPONENTS, call, components_from, page_name
 from homebot.conventions.shelly.gen2_device import (
     ANSWERS,
     Gen2Device,
@@ -21,7 +21,6 @@ from homebot.conventions.shelly.gen2_device import (
     is_prefix,
     kind_of,
     mac_in,
-    page_name,
 )
 from homebot.conventions.shelly.status import Fields
 from homebot.errors import WireError

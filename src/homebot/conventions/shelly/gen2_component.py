@@ -31,6 +31,7 @@ __all__ = [
     "ShellyComponent",
     "call",
     "components_from",
+    "page_name",
 ]
 
 
@@ -49,6 +50,11 @@ COMPONENTS = "Shelly.GetComponents"
 def components_from(offset: int) -> Mapping[str, object]:
     """Return the parameters of :data:`COMPONENTS` for the page that begins at *offset*."""
     return {"dynamic_only": True, "include": ["status", "config"], "offset": offset}
+
+
+def page_name(offset: int) -> str:
+    """Return the key of a page of the answer to ``Shelly.GetComponents`` in the sizes of answers."""
+    return f"components from {offset}"
 
 
 BLUETOOTH: Final = ("blutrv", "bthomesensor", "bthomedevice")

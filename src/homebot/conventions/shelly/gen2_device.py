@@ -24,6 +24,7 @@ from homebot.conventions.shelly.gen2_component import (
     ShellyComponent,
     call,
     components_from,
+    page_name,
 )
 from homebot.conventions.shelly.gen2_controls import (
     LIGHTS,
@@ -64,7 +65,6 @@ __all__ = [
     "is_prefix",
     "kind_of",
     "mac_in",
-    "page_name",
     "sleeps",
 ]
 
@@ -100,11 +100,6 @@ def kind_of(result: Fields) -> str:
         return "config"
     is_status = "mac" in system or "uptime" in system or any(":" in key for key in result)
     return "status" if is_status else ""
-
-
-def page_name(offset: int) -> str:
-    """Return the key of a page of the answer to ``Shelly.GetComponents`` in the sizes of answers."""
-    return f"components from {offset}"
 
 
 def mac_in(prefix: str) -> str:
