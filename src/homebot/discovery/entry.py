@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 
@@ -34,7 +34,7 @@ from homebot.discovery.source_record import SourceKey, SourceRecord
 from homebot.discovery.topics.ownership import TopicOwnership
 from homebot.messages import Time
 
-__all__ = ["Entry"]
+__all__ = ["Entry", "silent_gateways"]
 
 # Looked up once, as `of_checked` says.
 _device_of, _endpoint_of, _state_of = Device.of_checked, Endpoint.of_checked, State.of_checked
@@ -249,6 +249,15 @@ class Entry:
                 if known is None or _weight(stored) > _weight(known):
                     newest[place, capability] = stored
         return newest
+
+
+def silent_gateways(entries: Iterable[Entry]) -> frozenset[str]:
+    """Return the gateways at which none of *entries* was heard in time."""
+    heard, silent = set[str](), set[str]()
+    for entry in entries:
+        silent |= entry.silent_gateways()
+        heard |= entry.gateways() - entry.silent_gateways()
+    return frozenset(silent - heard)
 
 
 def _states(merged: MergedParts, newest: Mapping[tuple[int, str], StoredValue]) -> tuple[State, ...]:

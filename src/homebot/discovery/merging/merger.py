@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import final
 
 from homebot.discovery.device_table import DeviceTable
-from homebot.discovery.entry import Entry
+from homebot.discovery.entry import Entry, silent_gateways
 from homebot.discovery.ids import Tombstone, new_id
 from homebot.discovery.liveness import Liveness
 from homebot.discovery.merging.decisions import OWNER, MergeDecisions
@@ -326,7 +326,7 @@ class DeviceMerger:
         new = sources.keys() - entry.sources.keys()
         if not new and len(sources) == len(entry.sources):
             return
-        silent = _silent_gateways((entry, *group.gone))
+        silent = silent_gateways((entry, *group.gone))
         for other in group.gone:
             self._absorb(entry, other)
         entry.sources, entry.stale_gateways = sources, silent
@@ -391,12 +391,3 @@ class DeviceMerger:
                 if owner and owner != entry.id and owner in table.entries:
                     return owner
         return ""
-
-
-def _silent_gateways(entries: Iterable[Entry]) -> frozenset[str]:
-    """Return the gateways at which none of *entries* was heard in time."""
-    heard, silent = set[str](), set[str]()
-    for entry in entries:
-        silent |= entry.silent_gateways()
-        heard |= entry.gateways() - entry.silent_gateways()
-    return frozenset(silent - heard)
