@@ -57,6 +57,8 @@ def build_light(config: DiscoveryConfig) -> DescribedPart:
 class _BasicLight:
     """Reader and writer of a lamp with a topic for each value; commands combine its last brightness and colour.
 
+    These are the last reported or commanded ones: a command of several settings is written setting by setting.
+
     Attributes:
         lamp: Its capabilities.
         commands: The topics of its commands.
@@ -77,7 +79,6 @@ class _BasicLight:
         self._order = _order(config)
         self._scale = config.integer("brightness_scale", _BYTE, least=1)
         self._in_kelvin = config.flag("color_temp_kelvin")
-        self._assumes = _assumed(config)
         self._own_level = bool(config.state_topic("brightness_state_topic"))
         self._has_mode = False
         self._mode: str | None = None
@@ -185,8 +186,7 @@ class _BasicLight:
 
     def _paint(self, mode: str, color: Channels) -> Publication:
         full = _BYTE if self._level_command is not None else self._brightness or _BYTE
-        if mode in self._assumes:
-            self._colors[mode] = color
+        self._colors[mode] = color
         return self._color(mode, color, full)
 
     def _dim(self, brightness: int, *, has_color: bool) -> list[Publication]:
@@ -199,8 +199,7 @@ class _BasicLight:
             publications = [self._color(mode, color, brightness)]
         else:
             return []
-        if "brightness" in self._assumes:
-            self._brightness = brightness
+        self._brightness = brightness
         return publications
 
     def _color(self, mode: str, color: Channels, brightness: int) -> Publication:
@@ -235,17 +234,6 @@ def _order(config: DiscoveryConfig) -> str:
     if order not in _ORDERS:
         raise WireError(f"light: on_command_type is {shown(order)}, not last, first or brightness")
     return order
-
-
-def _assumed(config: DiscoveryConfig) -> frozenset[str]:
-    """Return the unreported values, for which the last command is assumed: ``brightness`` and colour modes."""
-    if config.flag("optimistic"):
-        return frozenset({"brightness", *CHANNELS})
-    assumed = {mode for mode in CHANNELS if not config.has(f"{mode}_state_topic")}
-    own = config.has("brightness_command_topic")
-    if not config.has("brightness_state_topic" if own else "rgb_state_topic"):
-        assumed.add("brightness")
-    return frozenset(assumed)
 
 
 _SCHEMAS: Mapping[str, Callable[[DiscoveryConfig], DescribedPart]] = {
