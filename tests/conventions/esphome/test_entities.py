@@ -210,6 +210,12 @@ def test_the_main_part_comes_first_and_ids_are_unique() -> None:
     assert device.part_of("sensor", {"key": 9}) is None
 
 
+@pytest.mark.parametrize(("modes", "has_switch"), [([3], False), ([3, 6], False), ([0, 3], True)])
+def test_a_thermostat_that_cannot_be_off_has_no_switch(modes: list[int], *, has_switch: bool) -> None:
+    part = entity("climate", supported_modes=modes).part("")
+    assert ("on_off" in {one.name for one in part.capabilities}) is has_switch
+
+
 def test_a_device_without_hardware_address_is_known_by_its_name() -> None:
     """Else the name is none: two devices of two protocols may be called ``kitchen``."""
     assert EsphomeDevice({"name": "kitchen"}, []).identifiers == ("id:kitchen",)

@@ -227,6 +227,14 @@ def test_a_thermostat_has_the_setpoints_of_its_modes(modes: list[str], features:
     assert {one.name for one in part.capabilities if one.name.endswith("setpoint")} == setpoints
 
 
+@pytest.mark.parametrize(
+    ("modes", "has_switch"), [(["heat"], False), (["heat", "auto"], False), (["off", "heat"], True)]
+)
+def test_a_thermostat_that_cannot_be_off_has_no_switch(modes: list[str], *, has_switch: bool) -> None:
+    part = only("climate.a", "heat", hvac_modes=modes, supported_features=1).part()
+    assert ("on_off" in {one.name for one in part.capabilities}) is has_switch
+
+
 def test_a_projector_is_no_speaker_and_off_in_standby() -> None:
     """A Roku that is switched off reports standby."""
     projector = only("media_player.a", "standby", device_class="projector", supported_features=384)

@@ -183,7 +183,6 @@ CLIMATE: Final = EntityComponent(
         ),
         choice_row("thermostat_mode", "mode", _modes_of),
         EntityRow("on_off", _read_on, _write_on, when=lambda info: "off" in _modes_of(info)),
-        EntityRow("on_off", None, _write_on, when=lambda info: _modes_of(info) and "off" not in _modes_of(info)),
         EntityRow("thermostat_action", read_named("action", _ACTIONS), when=has_feature("feature_flags", _HAS_ACTION)),
         _named_row("fan_mode", "fan_mode", _FAN_MODES, "supported_fan_modes", "supported_custom_fan_modes"),
         _named_row("preset_mode", "preset", _PRESETS, "supported_presets", "supported_custom_presets"),

@@ -95,7 +95,8 @@ def _add_switch(
         return publications
 
     is_readable = entity.read_text_from(source, partial(_read_switch, modes))
-    entity.add_capability("on_off", readable=is_readable, writer=write if command and texts else None)
+    is_settable = power is not None or (mode is not None and "off" in modes)
+    entity.add_capability("on_off", readable=is_readable, writer=write if is_settable else None)
     entity.add_commands(power)
 
 

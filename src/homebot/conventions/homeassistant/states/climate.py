@@ -144,7 +144,7 @@ CLIMATE: Final = EntityComponent(
         *_MEASURED,
         replace(_HUMIDITY_SETPOINT, when=has(_HUMIDITY)),
         choice("thermostat_mode", "state", "hvac_modes", "set_hvac_mode", "hvac_mode"),
-        EntityRow("on_off", _is_on, _write_on, "", _modes),
+        EntityRow("on_off", _is_on, _write_on, "", lambda info: "off" in _modes(info)),
         sensed("thermostat_action", "hvac_action", read_text("hvac_action")),
         choice("fan_mode", "fan_mode", "fan_modes", "set_fan_mode", when=has(_FAN)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(_PRESET)),
