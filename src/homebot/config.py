@@ -290,12 +290,13 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
     """Return the model of the table at *path*, as far as tables are models."""
     kind: object = model
     for part in path:
-        if get_origin(kind) is dict:
-            kind = get_args(kind)[1]
+        if get_origin(kind) in {dict, tuple}:
+            kind = [one for one in get_args(kind) if one is not ...][-1]
         elif kind is model and (field := model.model_fields.get(str(part))) is not None:
             kind = field.annotation
         else:
             break
+        kind = get_args(kind)[0] if type(None) in get_args(kind) else kind
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             model = kind
     return model

@@ -115,6 +115,11 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "control.quiet_hours.0.start: must be a time of day such as 07:00, got '22'",
         ),
         (
+            '[[control.quiet_hours]]\nstart = "22:00"\nend = "07:00"\ncommand = []\ncommands = []\n',
+            "control.quiet_hours.0.command: unknown key; did you mean commands?",
+        ),
+        ("[control.rate_limit]\nchange = 5\n", "control.rate_limit.change: unknown key; did you mean changes?"),
+        (
             '[gateways.m]\nclass = "json:JSONDecoder"\n',
             "gateways.m.class: json:JSONDecoder is not a Gateway; derive it",
         ),
