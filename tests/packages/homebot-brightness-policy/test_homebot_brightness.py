@@ -16,14 +16,15 @@ CONFIG = {
     "command_topic": "desk/set",
     "brightness_command_topic": "desk/level",
     "unique_id": "desk",
-    "device": {"identifiers": ["desk"], "name": "Desk"},
+    "device": {"identifiers": ["desk"], "name": "Desk", "suggested_area": "Study"},
 }
+TABLE = {"commands": ["turn on light in study"], "percent": 40}
 OUTCOMES: list[Outcome] = []
 
 
 @pytest.fixture
 def homebot_config() -> dict[str, object]:
-    return {"gateways": {"mqtt": {}}, "control": {"policies": {"brightness": {"percent": 40}}}}
+    return {"gateways": {"mqtt": {}}, "control": {"policies": {"brightness": TABLE}}}
 
 
 class Bright(App):
@@ -54,9 +55,11 @@ async def test_no_app_makes_a_lamp_brighter_than_the_limit(homebot: TestHouse) -
 @pytest.mark.parametrize(
     ("tables", "problem"),
     [
-        ({"brightness": {"percent": 400}}, "brightness.percent"),
-        ({"brightnes": {"percent": 40}}, "did you mean brightness?"),
-        ({"homebot_brightness:Brightness": {"percent": 40}}, "no installed package offers the policy"),
+        ({"brightness": TABLE | {"percent": 400}}, "brightness.percent: .* less than or equal to 100, got 400"),
+        ({"brightness": TABLE | {"percnt": 40}}, "brightness.percnt: unknown key; did you mean percent?"),
+        ({"brightness": TABLE | {"commands": ["turn on lihgts"]}}, "brightness.commands: .* did you mean lights?"),
+        ({"brightnes": TABLE}, "did you mean brightness?"),
+        ({"homebot_brightness:Brightness": TABLE}, "no installed package offers the policy"),
     ],
 )
 def test_a_table_that_fits_no_installed_policy_is_an_error(tables: dict[str, object], problem: str) -> None:

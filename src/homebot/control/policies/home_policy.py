@@ -7,12 +7,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import ClassVar, Final, TypeAlias, final
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict
 
+from homebot.config import parse_settings
 from homebot.control.command import IssuedCommand
 from homebot.control.policies.facts import Facts, Verdict
 from homebot.devices.query import Query
-from homebot.errors import PluginError, UsageError
+from homebot.errors import ConfigError, PluginError, UsageError
 from homebot.plugins import has_plugin, load_plugin, plugin_names
 from homebot.support.similar import did_you_mean
 
@@ -90,10 +91,9 @@ def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedP
     for name, table in tables.items():
         kind = _kind(name)
         try:
-            settings = kind.Settings.model_validate(table)
-        except ValidationError as exc:
-            first = exc.errors(include_url=False, include_input=False, include_context=False)[0]
-            raise UsageError(f"{'.'.join((name, *map(str, first['loc'])))}: {first['msg']}") from None
+            settings = parse_settings(kind.Settings, table, POLICIES, name)
+        except ConfigError as exc:
+            raise UsageError(f"{exc.key}: {exc.reason}") from None
         yield NamedPolicy(name, kind(settings))
 
 
