@@ -77,7 +77,7 @@ class SimulatedHouse:
 
     Host: ClassVar[type[HostedBroker]] = HostedBroker
     WITHOUT_HOST: ClassVar[str] = (
-        "none uses the embedded broker (an mqtt gateway without url), which a simulated house needs"
+        "none uses the embedded broker, which a simulated house needs; add [gateways.mqtt] without url"
     )
 
     def __init__(
