@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Final, TypeAlias, TypeVar
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
@@ -55,8 +55,8 @@ def _table_or_bool(example: str) -> BeforeValidator:
 
 _Guard: TypeAlias = Annotated[PresenceGuardSettings | None, _table_or_bool("{absent_after = 1200}")]
 _Rate: TypeAlias = Annotated[RateLimitSettings | None, _table_or_bool("{changes = 30, seconds = 10}")]
-_Hours: TypeAlias = Annotated[tuple[QuietHours, ...], Field(max_length=100)]
-_Interlocks: TypeAlias = Annotated[tuple[Interlock, ...], Field(max_length=100)]
+_T = TypeVar("_T")
+_Tables: TypeAlias = Annotated[tuple[_T, ...], Field(max_length=100)]
 _Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=100)]
 _Installed: TypeAlias = Annotated[dict[_Name, dict[str, object]], Field(max_length=100), AfterValidator(check_tables)]
 
@@ -79,8 +79,8 @@ class PolicySettings(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    interlocks: _Interlocks = ()
-    quiet_hours: _Hours = ()
+    interlocks: _Tables[Interlock] = ()
+    quiet_hours: _Tables[QuietHours] = ()
     presence_guard: _Guard = None
     policies: _Installed = Field(default_factory=dict)
     rate_limit: _Rate = RateLimitSettings()

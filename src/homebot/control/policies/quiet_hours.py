@@ -11,7 +11,7 @@ from homebot.control.command import IssuedCommand
 from homebot.control.policies.command_pattern import Patterns
 from homebot.control.policies.facts import Facts, FactUsed, PolicyTable, Verdict
 
-__all__ = ["QuietHours", "is_within"]
+__all__ = ["LocalTime", "QuietHours", "is_within"]
 
 NAME: Final = "quiet_hours"
 
@@ -22,7 +22,7 @@ def _local(value: time) -> time:
     return value
 
 
-_LocalTime: TypeAlias = Annotated[time, AfterValidator(_local)]
+LocalTime: TypeAlias = Annotated[time, AfterValidator(_local)]
 
 
 class QuietHours(PolicyTable):
@@ -34,8 +34,8 @@ class QuietHours(PolicyTable):
         commands: The commands that apps may not give meanwhile.
     """
 
-    start: _LocalTime
-    end: _LocalTime
+    start: LocalTime
+    end: LocalTime
     commands: Patterns
 
     @field_validator("end")
