@@ -158,47 +158,8 @@ def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
 
 def test_devices_are_a_list_for_programs(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "devices", "--type", "lights", "--json") == 0
-    assert json.loads(capsys.readouterr().out) == [
-        {
-            "id": "lights/lamp",
-            "name": "Lamp\x1b[31m",
-            "service_type": "lights",
-            "gateway": "mqtt",
-            "address": "home/lights/lamp/out",
-            "first_seen": "2023-11-14T22:13:20.250Z",
-            "last_seen": "2023-11-14T22:13:20.250Z",
-            "expires": "2023-11-14T23:13:20.000Z",
-            "freshness": "fresh",
-            "endpoints": [
-                {
-                    "gateway": "mqtt",
-                    "key": "k",
-                    "address": "home/lights/lamp/out",
-                    "command_address": "home/lights/lamp/in",
-                    "freshness": "fresh",
-                    "last_seen": "1970-01-01T00:00:00.000Z",
-                    "reachable": "unknown",
-                    "claimed": False,
-                }
-            ],
-            "metadata": {"room": "kitchen"},
-            "service_types": [],
-            "area": "",
-            "outer_areas": [],
-            "tags": [],
-            "names": [],
-            "identifiers": [],
-            "reachable": {"state": "unknown", "since": "1970-01-01T00:00:00.000Z", "why": "it does not report it"},
-            "offline_parts": [],
-            "parts": [],
-            "states": [],
-            "events": [],
-            "facts": [],
-            "evidence": [],
-            "conflicts": [],
-            "approved": None,
-        }
-    ]
+    (found,) = json.loads(capsys.readouterr().out)
+    assert (found["id"], found["name"], found["metadata"]) == ("lights/lamp", "Lamp\x1b[31m", {"room": "kitchen"})
 
 
 def test_nobody_there_is_one_clear_sentence(capsys: Text) -> None:
