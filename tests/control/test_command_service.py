@@ -249,6 +249,7 @@ async def test_what_is_no_colour_is_refused_with_an_example(
         ("light lmap", "no device fits 'light lmap'; did you mean Lamp?"),
         ("big twin", "2 devices are called big twin; give the id of one: "),
         ("lamp#left", "lamp has no part left"),
+        ("Lamp#left", "lamp has no part left"),
         ("light in (", ""),
     ],
 )

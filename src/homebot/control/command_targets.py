@@ -100,7 +100,7 @@ class CommandTargets:
     async def _called(self, target: str) -> list[_Target]:
         device_id, _, part_id = target.partition("#")
         called = await self._lookup.called(target, device_id)
-        if part_id and called and called[0].id == device_id:
+        if part_id and called and called[0].id.casefold() == device_id.casefold():
             return [(called[0], _part(called[0], part_id))]
         if len(called) > 1:
             ids = ", ".join(one.id for one in called[:10])
