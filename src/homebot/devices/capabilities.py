@@ -17,6 +17,7 @@ __all__ = [
     "CAPABILITIES",
     "EVENTS",
     "LIGHTS_UP",
+    "MEASURED",
     "OWN",
     "CapabilityType",
     "Obedience",
@@ -289,6 +290,9 @@ def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
 
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
 """Every capability by name. A device with a value that fits none has ``value``, ``measurement`` or ``state``."""
+
+MEASURED: frozenset[str] = frozenset(one.name for one in _MEASUREMENTS)
+"""Names of those that sensors measure."""
 
 OWN: Final = CapabilityType("", "", "")
 """The type of a capability of a device's own, which the vocabulary does not have."""

@@ -243,6 +243,7 @@ def numeric(name: str, unit: str) -> dict[str, Any]:
         (numeric("energy", "Wh"), "electrical_meter", 1500, {"energy": 1.5}),
         (numeric("voltage", "mV"), "electrical_meter", 3000, {"voltage": 3.0}),
         (numeric("co2", "ppm"), "air_quality_sensor", 800, {"carbon_dioxide": 800.0}),
+        (numeric("carbon_monoxide", "ppm"), "air_quality_sensor", 3, {"carbon_monoxide": 3.0}),
         (numeric("battery", "%"), "x_battery", "full", {}),
         (numeric("heat_limit_temperature", "°C"), "x_sensor", 5, {"measurement": 5.0}),
         (numeric("linkquality", "lqi"), "x_sensor", 90, {"measurement": 90.0}),

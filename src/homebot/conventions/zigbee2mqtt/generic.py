@@ -18,6 +18,7 @@ from homebot.conventions.secrets import names_secret
 from homebot.conventions.units import Quantity, conversion_of, sensor_type
 from homebot.conventions.zigbee2mqtt.expose import Expose, Scalar
 from homebot.conventions.zigbee2mqtt.features import MAX_VALUE, Zigbee2MqttPart, Zigbee2MqttTopics, text_of
+from homebot.devices.capabilities import MEASURED
 from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -68,18 +69,10 @@ _AIR = "air_quality_sensor"
 
 _NAMES: Mapping[str, str] = {
     "aqi": "air_quality_index",
-    "battery": "battery",
     "battery2": "battery",
     "co": "carbon_monoxide",
     "co2": "carbon_dioxide",
     "dew_point": "temperature",
-    "flow": "flow",
-    "illuminance": "illuminance",
-    "pm1": "pm1",
-    "pm10": "pm10",
-    "pm25": "pm25",
-    "pressure": "pressure",
-    "soil_moisture": "soil_moisture",
     "voc": "volatile_organic_compounds",
 }
 _SERVICES_OF_PLAIN: Mapping[str, str] = {"voc": _AIR, "eco2": _AIR, "voc_index": _AIR}
@@ -93,14 +86,14 @@ _NO_READINGS = frozenset(
 
 
 def _capability_of(name: str, unit: str) -> str:
-    """Return the capability: electrical units identify it, degrees and percent only together with the name."""
+    """Return the capability: electrical units identify it, other units only together with the name."""
     for capability in _BY_UNIT_ALONE:
         if conversion_of(capability, unit) is not None:
             return capability
     tokens = set(re.split(r"[^a-z]+", re.sub(r"([A-Z])", r"_\1", name).lower()))
     if tokens & _NO_READINGS:
         return ""
-    return next((one for one in _BY_NAME if one in tokens), "")
+    return name if name in MEASURED else next((one for one in _BY_NAME if one in tokens), "")
 
 
 def build_generic(topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
