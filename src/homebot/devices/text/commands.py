@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
 
-from homebot.devices.capabilities import settable_options
+from homebot.devices.capabilities import CAPABILITIES, OWN, settable_options
 from homebot.devices.part import Capability, Part
 from homebot.devices.text.states import FRACTION_CAPABILITIES, SPEED_WORDS, bounds_of, encode_value, percent
 from homebot.devices.value import PlainValue
@@ -35,9 +35,8 @@ _NUMBERS = (
     "humidity_setpoint",
     "volume",
     "tilt",
-    "number",
 )
-"""The capabilities that a bare number can set; it sets the first that the part has."""
+"""The capabilities that a bare number sets before others; it sets the first that the part has."""
 
 
 def main_part(parts: tuple[Part, ...]) -> Part | None:
@@ -152,7 +151,8 @@ def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
 
 
 def _number_in(settable: Mapping[str, Capability]) -> str | None:
-    return next((name for name in _NUMBERS if name in settable), None)
+    numbers = [one for one in settable if one != "color_temperature" and CAPABILITIES.get(one, OWN).kind == "number"]
+    return next((one for one in (*_NUMBERS, *numbers) if one in numbers), None)
 
 
 def _known(settable: Mapping[str, Capability]) -> str:
