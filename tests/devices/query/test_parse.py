@@ -170,7 +170,8 @@ def test_every_capability_can_be_asked_for_by_its_name(name: str) -> None:
 def test_a_capability_is_compared_by_all_its_words(words: str, capability: str) -> None:
     wanted = StateIs(capability, ">", 400.0)
     assert parse_query(f"{words} > 400") == wanted
-    assert parse_query(f"not {words} > 400") == Not(wanted)
+    assert parse_query(f"not {words} > 400") == parse_query(f"without {words} > 400") == Not(wanted)
+    assert parse_query(f"devices with {words} > 400") == wanted
     assert parse_query(f"{words} > 400 in hall") == And((wanted, InArea("hall")))
 
 

@@ -5,7 +5,7 @@ Grammar, the loosest binding first::
     query      = all {"or" all}
     all        = one {["and" | "," | "but"] one}, after "but" with "not" or "without"
     one        = "not" one | "(" query ")" | "in" AREA | near | with | comparison | word
-    with       = ("with" | "without") (CAPABILITY | "area")
+    with       = ("with" | "without") (CAPABILITY | comparison | "area")
     near       = "near" ROBOT ["within" METRES] | "within" METRES "of" ROBOT
     comparison = NAME ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
@@ -173,13 +173,15 @@ class _Parser:
         return IsNear(self._robot(token), within)
 
     def with_ability(self, token: Token) -> Query:
+        if self._is_compared():
+            return self._one()
         return Not(_NOWHERE) if self._takes_area() else self._ability(token)
 
     def negated(self, token: Token) -> Query:
         following = self._peek()
         if following is None or following.kind == ")":
             raise _missing(token)
-        with_capability = fold(token.text) == "without"
+        with_capability = fold(token.text) == "without" and not self._is_compared()
         if with_capability and self._takes_area():
             return _NOWHERE
         self._enter(token)
