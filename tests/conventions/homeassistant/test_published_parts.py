@@ -155,7 +155,7 @@ def a_value(one: Capability, words: dict[str, tuple[str, ...]]) -> PlainValue:
         case "bool":
             return True
         case "number":
-            return {"color_temperature": 4000.0}.get(one.name, 20.0)
+            return 4000.0 if one.name == "color_temperature" else min([20.0, *CAPABILITIES[one.name].bounds[1:]])
         case "numbers":
             return (120.0, 50.0)
         case _:
