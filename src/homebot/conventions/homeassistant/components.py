@@ -44,6 +44,7 @@ BUILDERS: Mapping[str, tuple[str, str]] = {
 }
 """Module and builder by component, each proven by lines of ``components.jsonl`` in the tests.
 
+No builder reads a meaning from a name or an id: parts that differ in these alone are built once.
 Other components are ignored without a log line.
 """
 
