@@ -297,8 +297,7 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
         else:
             break
         kind = get_args(kind)[0] if type(None) in get_args(kind) else kind
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            model = kind
+        model = kind if isinstance(kind, type) and issubclass(kind, BaseModel) else model
     return model
 
 
