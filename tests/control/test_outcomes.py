@@ -678,6 +678,14 @@ async def test_a_lamp_that_goes_back_is_told_as_an_event(home: Home) -> None:
     assert event.result.command_id == outcome.command_id
 
 
+async def test_a_value_that_is_lost_did_not_go_back(home: Home) -> None:
+    """A player of Home Assistant that is off says no more whether it is muted."""
+    lamp = await home.lamp("on_off", behaviour=report((0.1, True), (3.1, None)))
+    assert isinstance(await lamp.turn_on(), Confirmed)
+    await anyio.sleep(5)
+    assert not home.events
+
+
 @pytest.mark.parametrize(
     ("levels", "reverted_after"),
     [
