@@ -15,8 +15,8 @@ pytestmark = pytest.mark.slow
 
 HANDLES = """
 AirConditioner AlarmPanel Closure ContactSensor DoorLock ElectricalMeter Fan Handle HumiditySensor LawnMower Light
-LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren SmokeAlarm Switch TemperatureSensor
-Thermostat WaterLeakDetector WaterValve WindowCovering
+LightSensor MediaPlayer OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren SmokeAlarm Switch
+TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
 """
 NAMES = f"""
 App run Runtime Config load_config parse_config configure_logging

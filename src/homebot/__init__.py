@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from homebot.devices.handles import LawnMower as LawnMower
     from homebot.devices.handles import Light as Light
     from homebot.devices.handles import LightSensor as LightSensor
+    from homebot.devices.handles import MediaPlayer as MediaPlayer
     from homebot.devices.handles import OccupancySensor as OccupancySensor
     from homebot.devices.handles import Plug as Plug
     from homebot.devices.handles import PressureSensor as PressureSensor
@@ -102,8 +103,8 @@ _NAMES = {
         """,
     "homebot.devices.handles": """
         AirConditioner AlarmPanel Closure ContactSensor DoorLock ElectricalMeter Fan FollowHandles Handle HandleChange
-        HumiditySensor LawnMower Light LightSensor OccupancySensor Plug PressureSensor RoboticVacuumCleaner Siren
-        SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
+        HumiditySensor LawnMower Light LightSensor MediaPlayer OccupancySensor Plug PressureSensor RoboticVacuumCleaner
+        Siren SmokeAlarm Switch TemperatureSensor Thermostat WaterLeakDetector WaterValve WindowCovering
         """,
     "homebot.devices.exposure": "ExposedDevice",
     "homebot.devices.outcomes": """

@@ -131,6 +131,7 @@ _VACUUM = Obedience(
     always_sent=frozenset({"spot", "idle"}),
 )
 _MOWER = Obedience(accepts=_words({"docked": "returning"}))
+_PLAYER = Obedience(accepts=_words({"paused": "stopped"}), on_the_way=_words({"playing": "buffering"}))
 _ARMED = tuple(f"armed_{one}" for one in ("home", "away", "night", "vacation", "custom_bypass"))
 _ALARM = Obedience(on_the_way=_words({"disarmed": "disarming pending", **dict.fromkeys(_ARMED, "arming pending")}))
 
@@ -204,6 +205,16 @@ _CONTROLS = (
         obedience=_ALARM,
     ),
     CapabilityType("siren_tone", "text", "tone of the siren"),
+    CapabilityType(
+        "playback",
+        "text",
+        "activity of a player; can be set to playing, paused, stopped",
+        0x0506,
+        options=("playing", "paused", "stopped", "buffering"),
+        only_reported=frozenset({"buffering"}),
+        obedience=_PLAYER,
+    ),
+    CapabilityType("muted", "bool", "whether its sound is muted"),
     CapabilityType("volume", "number", "volume", 0x0008, "%", _PERCENT, obedience=_VOLUME),
 )
 

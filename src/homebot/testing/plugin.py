@@ -27,7 +27,7 @@ _MARK_HELP = (
     "clients that break the protocol fail the test unless that is allowed."
 )
 _KINDS = (
-    "AirConditioner|AlarmPanel|Closure|DoorLock|Fan|Handle|LawnMower|Light|Plug|RoboticVacuumCleaner|Siren|Switch"
+    "AirConditioner|AlarmPanel|Closure|DoorLock|Fan|Handle|LawnMower|Light|MediaPlayer|Plug|RoboticVacuumCleaner|Siren|Switch"
     "|Thermostat|WaterValve|WindowCovering|_Opening|_Switchable|TestHouse|VirtualHouse|TestBroker"
 )
 _FORGOTTEN_COMMANDS = (

@@ -65,8 +65,9 @@ def described(found: HomekitPart, capability: str) -> Capability:
         ("9715BF53-AB63-4449-8DC7-2785D617390A", {AQARA_VOLUME: 40}, "x_setting", {"volume": 40.0}),
         ("4A", {"11": 20.5, f"E863F12E{EVE}": 35}, "thermostat", {"local_temperature": 20.5, "measurement": 35.0}),
         (f"E863F00A{EVE}", {f"E863F10F{EVE}": 1005.7}, "pressure_sensor", {"pressure": 1005.7}),
-        ("113", {"11A": False, "119": 30}, "speaker", {"volume": 30.0}),
+        ("113", {"11A": False, "119": 30}, "speaker", {"volume": 30.0, "muted": False}),
         ("D8", {"B0": 1}, "video_player", {"on_off": True}),
+        ("D8", {"B0": 1, "E0": 1, "137": 1}, "video_player", {"on_off": True, "playback": "paused"}),
         ("45", {"1D": 1, "1E": 1}, "door_lock", {"lock": "locked"}),
         ("45", {"1D": 1, "1E": 0}, "door_lock", {"lock": "unlocking"}),
         ("45", {"1D": 2, "1E": 1}, "door_lock", {"lock": "jammed"}),
@@ -162,6 +163,8 @@ def test_a_service_is_a_part_with_its_readings(
         ("BC", {"B0": 0, "29": 60.0}, "fan_speed", 40.0, {"29": 40.0}),
         ("4A", {"35": 20.0, ECOBEE: 0, ECOBEE_HOLD: 0}, "preset_mode", "away", {ECOBEE_HOLD: 2}),
         ("113", {"11A": False, "119": 30}, "volume", 10.0, {"119": 10.0}),
+        ("113", {"11A": False, "119": 30}, "muted", True, {"11A": 1}),
+        ("D8", {"B0": 1, "E0": 0, "137": 0}, "playback", "paused", {"137": 1}),
     ],
 )
 def test_a_command_is_the_values_of_characteristics(

@@ -23,6 +23,7 @@ from homebot.devices.handles import (
     LawnMower,
     Light,
     LightSensor,
+    MediaPlayer,
     OccupancySensor,
     Plug,
     PressureSensor,
@@ -131,6 +132,7 @@ async def test_a_query_is_about_the_part_and_its_device(house: House) -> None:
         (Siren, "on_off", True, {"on": True}),
         (RoboticVacuumCleaner, "vacuum", "docked", {"state": "docked"}),
         (LawnMower, "mower", "mowing", {"state": "mowing"}),
+        (MediaPlayer, "playback", "paused", {"state": "paused"}),
         (ContactSensor, "contact", True, {"is_open": True}),
         (OccupancySensor, "occupancy", False, {"occupied": False}),
         (WaterLeakDetector, "water_leak", True, {"wet": True}),
@@ -146,7 +148,7 @@ async def test_every_kind_can_be_asked_for_by_its_state(
     house: House, kind: Any, capability: str, value: PlainValue, query: dict[str, Any]
 ) -> None:
     """The one that told nothing is never found."""
-    (service_type,) = kind.service_types
+    service_type = min(kind.service_types)
     house.has(
         house.device("told", house.part(service_type, reads=[capability]), states={capability: value}),
         house.device("silent", house.part(service_type, reads=[capability])),
@@ -326,6 +328,11 @@ Act = Callable[[Any], Awaitable[None]]
         (LawnMower, ("mower",), lambda it: it.start(), [("mower", "mowing", 0.0)]),
         (LawnMower, ("mower",), lambda it: it.pause(), [("mower", "paused", 0.0)]),
         (LawnMower, ("mower",), lambda it: it.return_to_dock(), [("mower", "docked", 0.0)]),
+        (MediaPlayer, ("playback",), lambda it: it.play(), [("playback", "playing", 0.0)]),
+        (MediaPlayer, ("playback",), lambda it: it.pause(), [("playback", "paused", 0.0)]),
+        (MediaPlayer, ("playback",), lambda it: it.stop(), [("playback", "stopped", 0.0)]),
+        (MediaPlayer, ("muted",), lambda it: it.mute(), [("muted", True, 0.0)]),
+        (MediaPlayer, ("volume",), lambda it: it.set_volume(30), [("volume", 30.0, 0.0)]),
         (Handle, ("volume",), lambda it: it.command("volume", 30), [("volume", 30.0, 0.0)]),
     ],
 )

@@ -67,6 +67,7 @@ CHARGER = {
 }
 PUMP = {"1/29/0": [{"0": 0x0303, "1": 1}], "1/6/0": True, "1/8/0": 200, "1/512/16": 32}
 PLUG = {"1/29/0": [{"0": 266, "1": 2}], "1/6/0": True}
+PLAYER = {"1/29/0": [{"0": 0x28, "1": 1}], "1/6/0": True, "1/1286/0": 0, "1/1286/65529": [0, 1]}
 METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288": 250, "1/2820/1539": 1000}
 
 
@@ -75,6 +76,7 @@ METER = {"1/2820/1285": 2301, "1/2820/1536": 1, "1/2820/1537": 10, "1/2820/1288"
     [
         (VACUUM, "robotic_vacuum_cleaner", {"vacuum": "idle", "option": "Max"}),
         ({**VACUUM, "1/84/1": 7, "1/97/4": 1}, "robotic_vacuum_cleaner", {"vacuum": "cleaning"}),
+        (PLAYER, "video_player", {"on_off": True, "playback": "playing"}),
         ({**VACUUM, "1/97/4": 64}, "robotic_vacuum_cleaner", {"vacuum": "returning"}),
         ({**VACUUM, "1/97/4": 65}, "robotic_vacuum_cleaner", {"vacuum": "docked"}),
         ({**VACUUM, "1/97/4": 3}, "robotic_vacuum_cleaner", {"vacuum": "error"}),
@@ -160,6 +162,7 @@ def test_a_filter_is_a_part_beside_its_purifier() -> None:
     [
         (VACUUM, "vacuum", "cleaning", 84, "ChangeToMode", {"newMode": 6}),
         ({**VACUUM, "1/97/4": 2}, "vacuum", "cleaning", 97, "Resume", {}),
+        (PLAYER, "playback", "paused", 0x0506, "Pause", {}),
         (VACUUM, "vacuum", "idle", 84, "ChangeToMode", {"newMode": 5}),
         (VACUUM, "vacuum", "returning", 97, "GoHome", {}),
         (VACUUM, "vacuum", "paused", 97, "Pause", {}),

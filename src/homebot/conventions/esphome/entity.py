@@ -133,7 +133,7 @@ def read_percent(field: str) -> ReadField:
     return read
 
 
-def read_named(field: str, meanings: Mapping[int, str]) -> ReadField:
+def read_named(field: str, meanings: Mapping[int, PlainValue]) -> ReadField:
     """Return a reader of an enum with these *meanings*; another number is unknown."""
     return lambda _info, state: meanings.get(value) if isinstance(value := state.get(field), int) else None
 

@@ -30,6 +30,7 @@ from homebot.conventions.entity_rows import (
     switch_type,
     text_component,
     text_of,
+    whole_of,
 )
 from homebot.conventions.esphome.climate import CLIMATE, FAN, WATER_HEATER
 from homebot.conventions.esphome.entity import (
@@ -65,9 +66,13 @@ _ALARM_COMMANDS = (
 )
 """States in the order of the numbers of their commands."""
 
-_PLAYER_STATES = dict(enumerate(("idle", "playing", "paused", "announcing", "off", "on"), 1))
-_PLAYER_VOLUME, _PLAYER_SWITCHES = 4, 128 | 256
+_PLAYER_OFF = 5
+_PLAYER_STATES = {1: "stopped", 2: "playing", 3: "paused", 4: "playing", _PLAYER_OFF: "stopped", 6: None}
+_PLAYER_VOLUME, _PLAYER_MUTES, _PLAYER_SWITCHES = 4, 8, 128 | 256
 _PLAYER_COMMANDS = {True: {"command": 12}, False: {"command": 13}}
+_PLAYBACKS = {"playing": (16_384, 0), "paused": (1, 1), "stopped": (4096, 2)}
+"""The feature and the command of each."""
+
 _PASSWORD = 1
 _MOST_SECONDS = 2**32
 
@@ -144,7 +149,23 @@ def _read_event(info: Fields, state: Fields) -> PlainValue:
 
 def _read_player_on(_info: Fields, state: Fields) -> PlainValue:
     known = state.get("state")
-    return _PLAYER_STATES[known] != "off" if isinstance(known, int) and known in _PLAYER_STATES else None
+    return known != _PLAYER_OFF if known in _PLAYER_STATES else None
+
+
+_read_playback = read_named("state", _PLAYER_STATES)
+
+
+def _playbacks(info: Fields) -> tuple[str, ...]:
+    flags = whole_of(info, "feature_flags")
+    return tuple(one for one, (feature, _) in _PLAYBACKS.items() if flags & feature)
+
+
+def _write_playback(info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"command": _PLAYBACKS[require_option("playback", value, _playbacks(info))][1]}
+
+
+def _write_muted(_info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"command": 3 if require_bool("muted", value) else 4}
 
 
 def _read_update(_info: Fields, state: Fields) -> PlainValue:
@@ -217,7 +238,9 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
                 when=has_feature("feature_flags", _PLAYER_SWITCHES),
             ),
             replace(percent_row("volume", "volume"), when=has_feature("feature_flags", _PLAYER_VOLUME)),
-            EntityRow("value", read_named("state", _PLAYER_STATES)),
+            EntityRow("muted", read_flag("muted"), _write_muted, when=has_feature("feature_flags", _PLAYER_MUTES)),
+            EntityRow("playback", _read_playback, when=lambda info: not _playbacks(info)),
+            EntityRow("playback", _read_playback, _write_playback, when=_playbacks, options=_playbacks),
         ),
     ),
     "event": EntityComponent(

@@ -24,6 +24,7 @@ ON, ACTIVE, BRIGHTNESS, HUE, SATURATION, MIREDS, SPEED = "25", "B0", "8", "13", 
 _USUAL_MIREDS: Final = (50.0, 400.0)
 _FANS: Final = f"{SIMPLE_FAN} {FAN} {PURIFIER}"
 _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
+_PLAYBACKS: Final = {0: "playing", 1: "paused", 2: "stopped", 4: "buffering"}
 _FAN_MODES: Final = {0: "manual", 1: "auto"}
 _EVE, _SENSE, _KOOGEEK = "-079E-48FF-8F27-9C2605A29F52", "-0000-1000-8000-001D4B474349", "-0DEC-11E5-B939-0800200C9A66"
 _OTHER_POWERS: Final = ("7BBBA96E-EB2D-11E5-A837-0800200C9A66", "FC093458-18F0-4B1D-8360-BB68A3FCC9C5")
@@ -118,6 +119,8 @@ POWER_ROWS: Final = (
     ServiceRow(f"{_FANS} {HEATER}", "oscillation", "B6", "B6"),
     ServiceRow(_FANS, "direction", "28", "28", _DIRECTIONS),
     ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "volume", "119", "119"),
+    ServiceRow(f"{SPEAKER} {SMART_SPEAKER}", "muted", "11A", "11A"),
+    ServiceRow(f"{TELEVISION} {SMART_SPEAKER}", "playback", "E0", "137", _PLAYBACKS),
     *(ServiceRow("", "volume", kind, kind) for kind in _AQARA_VOLUMES),
     *(ServiceRow("", name, kind) for name, kinds in _METERS.items() for kind in kinds),
 )

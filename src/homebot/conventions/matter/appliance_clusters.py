@@ -1,8 +1,8 @@
 """The clusters of appliances: modes, temperatures, operational states, pumps, vacuum cleaners and car chargers. Pure.
 
 Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 4.2
-(Pump), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy EVSE), 9.5 (Water
-Heater).
+(Pump), 6.10 (Media Playback), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy
+EVSE), 9.5 (Water Heater).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ __all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
-WASHER, _SPIN, ENERGY_MODE = 83, 1, 159
+WASHER, _SPIN, ENERGY_MODE, PLAYBACK = 83, 1, 159, 0x0506
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
@@ -49,6 +49,7 @@ _VACUUM_OPTIONS: Final = ("cleaning", "paused", "idle", "returning", "docked", "
 _IDLE_TAG, _CLEANING_TAG, _MAPPING_TAG = 0x4000, 0x4001, 0x4002
 _VACUUM_COMMANDS: Final = {"paused": (0, "Pause"), "returning": (128, "GoHome")}
 _RESUME: Final = 3
+_PLAYER_COMMANDS: Final = {"playing": (0, "Play"), "paused": (1, "Pause"), "stopped": (2, "Stop")}
 
 
 def is_oven_cabinet(endpoint: MatterEndpoint) -> bool:
@@ -216,6 +217,17 @@ APPLIANCE_ROWS: Final = (
         orders=_vacuum_orders,
         options=_VACUUM_OPTIONS,
         also_read=RUN_MODE,
+    ),
+    ClusterRow(
+        PLAYBACK,
+        0,
+        "playback",
+        choice({0: "playing", 1: "paused", 2: "stopped", 3: "buffering"}),
+        orders=lambda one: {
+            state: ClusterInvocation(PLAYBACK, name)
+            for state, (number_, name) in _PLAYER_COMMANDS.items()
+            if one.accepts(PLAYBACK, number_)
+        },
     ),
     ClusterRow(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),
     ClusterRow(EVSE, 0, "plugged_in", _read_plugged_in),

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         TemperatureSensor,
         WaterLeakDetector,
     )
-    from homebot.devices.handles.switchable import Fan, Light, Plug, Siren, Switch
+    from homebot.devices.handles.switchable import Fan, Light, MediaPlayer, Plug, Siren, Switch
 
 __all__ = [
     "AirConditioner",
@@ -42,6 +42,7 @@ __all__ = [
     "LawnMower",
     "Light",
     "LightSensor",
+    "MediaPlayer",
     "OccupancySensor",
     "Plug",
     "PressureSensor",
@@ -69,6 +70,6 @@ if not TYPE_CHECKING:  # else a name that does not exist would pass for one
                 ContactSensor ElectricalMeter HumiditySensor LightSensor OccupancySensor
                 PressureSensor SmokeAlarm TemperatureSensor WaterLeakDetector
                 """,
-            "homebot.devices.handles.switchable": "Fan Light Plug Siren Switch",
+            "homebot.devices.handles.switchable": "Fan Light MediaPlayer Plug Siren Switch",
         },
     )

@@ -1,4 +1,4 @@
-"""Handles for devices that are turned on and off: lights, plugs, switches, sirens and fans."""
+"""Handles for devices that are turned on and off: lights, plugs, switches, sirens, fans and players."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from homebot.errors import RefusedError
 if TYPE_CHECKING:
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["Fan", "Light", "Plug", "Siren", "Switch"]
+__all__ = ["Fan", "Light", "MediaPlayer", "Plug", "Siren", "Switch"]
 
 _OFF = "off"
 
@@ -227,3 +227,60 @@ class Fan(_Switchable):
         """Return the one of its own speeds that is off; None if there is none."""
         options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
         return next((word for word in options if word.casefold() == _OFF), None)
+
+
+class MediaPlayer(_Switchable):
+    """A television, a projector, a speaker or another player."""
+
+    service_types: ClassVar[frozenset[str]] = frozenset({"video_player", "speaker"})
+
+    @classmethod
+    def where(
+        cls, *, on: bool | None = None, state: str | None = None, **filters: Unpack[CommonFilters]
+    ) -> HandleQuery[Self]:
+        """Return the query that ``find`` and ``follow`` make of these arguments.
+
+        Args:
+            on: Whether it reports that it is on; one with an unknown state matches neither.
+            state: The activity that it reports; see :attr:`state`.
+        """
+        return cls._where(filters, states={"on_off": on, "playback": state})
+
+    @property
+    def state(self) -> str | None:
+        """``playing``, ``paused``, ``stopped`` or ``buffering``; None if unknown."""
+        return self._text("playback")
+
+    @property
+    def volume(self) -> float | None:
+        """The volume in percent, 0 to 100; None if unknown."""
+        return self._number("volume")
+
+    @property
+    def muted(self) -> bool | None:
+        """True if its sound is muted; None if unknown."""
+        return self._flag("muted")
+
+    async def play(self) -> Outcome:
+        """Play, or go on after a pause."""
+        return await self.command("playback", "playing")
+
+    async def pause(self) -> Outcome:
+        """Pause where it is."""
+        return await self.command("playback", "paused")
+
+    async def stop(self) -> Outcome:
+        """Stop playing."""
+        return await self.command("playback", "stopped")
+
+    async def mute(self, muted: bool = True) -> Outcome:  # noqa: FBT001, FBT002 - the value
+        """Mute its sound, or let it sound again."""
+        return await self.command("muted", muted)
+
+    async def set_volume(self, volume: float) -> Outcome:
+        """Set the volume to *volume* percent.
+
+        Raises:
+            RefusedError: Its volume cannot be set, or is not in 0 to 100.
+        """
+        return await self.command("volume", volume)

@@ -166,6 +166,7 @@ ADJECTIVES: Mapping[str, tuple[StateIs, ...]] = MappingProxyType(
         "dry": (StateIs("water_leak", "=", False),),  # noqa: FBT003 - likewise
         "jammed": (StateIs("lock", "=", "jammed"),),
         "cleaning": (StateIs("vacuum", "=", "cleaning"),),
+        "playing": (StateIs("playback", "=", "playing"),),
         "docked": (StateIs("vacuum", "=", "docked"), StateIs("mower", "=", "docked")),
         "heating": (StateIs("thermostat_action", "=", "heating"),),
         "cooling": (StateIs("thermostat_action", "=", "cooling"),),

@@ -32,6 +32,7 @@ _FLAGS = {
     "moving": ("still", "moving"),
     "safety": ("safe", "unsafe"),
     "water_leak": ("dry", "wet"),
+    "muted": ("not muted", "muted"),
     "state": ("no", "yes"),
 }
 _MOST = 4

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from typing import Final
 
-from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
+from homebot.conventions.command_values import moment_text, require_bool, require_moment, require_number, require_option
 from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
     ALARM_ACTIONS,
@@ -28,6 +28,7 @@ from homebot.conventions.entity_rows import (
     push_row,
     quantity_of_entity,
     quantity_row,
+    read_flag,
     switch_type,
     text_component,
 )
@@ -133,7 +134,7 @@ _OPENINGS = ("open", "closed", "opening", "closing")
 def _opening(name: str, domain: str) -> tuple[EntityRow, ...]:
     services = {"open": (1, f"open_{domain}"), "closed": (2, f"close_{domain}"), "stopped": (8, f"stop_{domain}")}
     position = percent("position", "current_position", f"set_{domain}_position", "position", has(4))
-    return (*moves(name, services, *_OPENINGS), *reported(position, "current_position"))
+    return (*moves(name, services, read_named(*_OPENINGS)), *reported(position, "current_position"))
 
 
 def _write_end_of_tilt(_info: Fields, value: PlainValue, _code: str) -> Fields:
@@ -175,13 +176,25 @@ _PLAYER_ON = {
     **dict.fromkeys(("on", "idle", "playing", "paused", "buffering"), True),
 }
 
+_PLAYBACK = {
+    **dict.fromkeys(("off", "standby", "idle"), "stopped"),
+    **{one: one for one in ("playing", "paused", "buffering")},
+}
+_PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause"), "stopped": (4096, "media_stop")}
+
+
+def _write_muted(_info: Fields, value: PlainValue, _code: str) -> Fields:
+    return {"service": "volume_mute", "is_volume_muted": require_bool("muted", value)}
+
+
 _MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
     (
         EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
         *reported(percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0), "volume_level"),
+        EntityRow("muted", read_flag("is_volume_muted"), _write_muted, when=has(8)),
         choice("option", "source", "source_list", "select_source", when=has(2048)),
-        EntityRow("value", read_text("state")),
+        *moves("playback", _PLAYER_MOVES, read_state(_PLAYBACK)),
     ),
 )
 
@@ -273,13 +286,13 @@ DOMAINS: Final[Mapping[str, EntityComponent]] = {
     "vacuum": EntityComponent(
         "robotic_vacuum_cleaner",
         (
-            *moves("vacuum", VACUUM_ACTIONS, *VACUUM_STATES),
+            *moves("vacuum", VACUUM_ACTIONS, read_named(*VACUUM_STATES)),
             choice("fan_mode", "fan_speed", "fan_speed_list", "set_fan_speed", when=has(32)),
             percent("battery", "battery_level", when=has(64)),
             push_row("locate", {"service": "locate"}, has(512)),
         ),
     ),
-    "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, *MOWER_STATES)),
+    "lawn_mower": EntityComponent("x_lawn_mower", moves("mower", MOWER_ACTIONS, read_named(*MOWER_STATES))),
     "alarm_control_panel": EntityComponent(
         "x_alarm_panel", (EntityRow("alarm", read_named(*ALARM_STATES), _write_alarm, options=ALARM_STATES),)
     ),

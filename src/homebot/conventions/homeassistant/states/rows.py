@@ -119,8 +119,8 @@ def choice(
     return EntityRow(name, read_text(field), write, "", applies, lambda info: options_of(info, listed))
 
 
-def moves(name: str, services: Mapping[str, tuple[int, str]], *states: str) -> tuple[EntityRow, EntityRow]:
-    """Return the rows of a movement, with the feature and the service of each that can be commanded."""
+def moves(name: str, services: Mapping[str, tuple[int, str]], read: ReadField) -> tuple[EntityRow, EntityRow]:
+    """Return the rows of an activity, with the feature and the service of each value that can be commanded."""
 
     def moves_of(info: Fields) -> tuple[str, ...]:
         features = whole_of(info, "supported_features")
@@ -129,7 +129,6 @@ def moves(name: str, services: Mapping[str, tuple[int, str]], *states: str) -> t
     def write(info: Fields, value: PlainValue, _code: str) -> Fields:
         return {"service": services[require_option(name, value, moves_of(info))][1]}
 
-    read = read_named(*states)
     return (
         EntityRow(name, read, when=lambda info: not moves_of(info)),
         EntityRow(name, read, write, when=moves_of, options=moves_of),
