@@ -12,10 +12,12 @@ from pathlib import Path
 
 import pytest
 from tests.patience import PATIENCE
-from tests.peers.network import Lan, Machine, new_prefix, why_no_lan
+from tests.peers.network import INTERFACE, Lan, Machine, new_prefix, why_no_lan
 from tests.system.attack_probe import ROOT, Attacked, attacked, until
 from tests.system.lying_network import DIRECTORY_PORT
 from websockets.sync.client import connect
+
+from homebot.gateways.address_guard import AddressGuard, OwnAddressError
 
 pytestmark = pytest.mark.system
 
@@ -116,3 +118,27 @@ def test_what_a_host_lists_leads_neither_to_this_computer_nor_to_the_devices_of_
         assert answers.count("4.03") == 2, answers  # a misleading name for its own address is only a name
         assert {one for one in known.values() if one in names} == names
         assert toll.busy < LONGEST_TURN
+
+
+def test_an_address_is_of_this_computer_where_the_kernel_delivers_it_here(
+    machines: tuple[Machine, Machine, Machine],
+) -> None:
+    """As on a router: with anycast addresses, whole networks of its own, and sockets bound to any address."""
+    hub, liar, _ = machines
+    for command in (
+        f"ip addr add 10.77.0.50/24 dev {INTERFACE}",
+        f"ip addr add fd00:77::1/64 dev {INTERFACE} nodad",
+        "ip -6 route add local fd00:99::/64 dev lo",
+        "sysctl -qw net.ipv6.conf.all.forwarding=1 net.ipv4.ip_nonlocal_bind=1 net.ipv6.ip_nonlocal_bind=1",
+    ):
+        subprocess.run(hub.command(*command.split()), check=True)
+    own = ("10.77.0.50", "fd00:77::1", "fd00:77::", "fd00:99::5")
+    with canaries() as (port, count), socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as sender:
+        for host in own:
+            sender.sendto(b"reached", (f"::ffff:{host}" if "." in host else host, port))
+            assert count() == 1, host
+    for host in (*own, f"64:ff9b::{hub.address}"):
+        with pytest.raises(OwnAddressError):
+            AddressGuard().check((host, 80))
+    for host in (liar.address, "fd00:77::2", "192.0.2.1", "64:ff9b::c000:201"):
+        assert AddressGuard().check((host, 80)) == host

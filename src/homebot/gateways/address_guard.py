@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import asyncio
 import socket
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+import struct
+from collections.abc import Iterable
+from ipaddress import IPv4Address, IPv6Network
 from typing import TypeAlias, cast
 
 from homebot.errors import RefusedError
@@ -48,7 +49,7 @@ class AddressGuard:
             OwnAddressError: It is one of this computer.
         """
         text = socket.getnameinfo(found, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)[0]
-        if parse_address(text) not in self._allowed and _is_own(text):
+        if parse_address(text) not in self._allowed and _is_own(text, found[3] if len(found) > 3 else 0):
             raise OwnAddressError
         return text
 
@@ -80,46 +81,45 @@ async def guard_for(host: str | None) -> AddressGuard | None:
     return guard
 
 
-def _is_own(text: str) -> bool:
+def _is_own(text: str, scope: int) -> bool:
     """Return whether the kernel would deliver packets for an address on this computer; none is sent."""
     known = parse_address(text)
+    if known is not None and known in _NAT64:
+        known = IPv4Address(known.packed[-4:])
     if known is None or known.is_loopback or known.is_unspecified or known.is_multicast:
         return True  # all hosts of a group are meant: this one, and those of others
-    host = str(known) if known.version == 4 else text
-    if _can_bind(_FOREIGN[known.version]):  # by net.ipv4.ip_nonlocal_bind any address can be bound
-        return _has_itself_as_source(host)
-    return _can_bind(host)
+    try:
+        return _route_kind(known.packed, scope) in _ROUTES_HERE
+    except (AttributeError, OSError):  # not on Linux, or not allowed
+        return _can_bind((str(known), 0) if known.version == 4 else (str(known), 0, 0, scope))
 
 
-_FOREIGN = {4: "192.0.2.1", 6: "2001:db8::1"}
-"""Addresses for documentation, which no computer has."""
+_NAT64 = IPv6Network("64:ff9b::/96")
+"""RFC 6052: a router on the way translates these addresses to IPv4, also those of this computer."""
+
+_ROUTES_HERE = frozenset({2, 3, 4, 5})
+"""RTN_LOCAL, RTN_BROADCAST, RTN_ANYCAST and RTN_MULTICAST; of some, no socket can be bound to the address."""
+
+_NEW_ROUTE, _GET_ROUTE, _REQUEST, _DESTINATION, _INTERFACE = 24, 26, 1, 1, 4
 
 
-def _can_bind(host: str) -> bool:
-    """Return whether a socket can be bound to an address; a broadcast address is this computer's as well."""
-    with _socket_for(host) as (probe, place):
+def _route_kind(address: bytes, scope: int) -> int:
+    """Return the kind of the route to an address, 0 if there is none; see rtnetlink(7)."""
+    family = socket.AF_INET if len(address) == 4 else socket.AF_INET6
+    body = struct.pack("=8BI", family, 8 * len(address), 0, 0, 0, 0, 0, 0, 0)
+    body += struct.pack("=HH", 4 + len(address), _DESTINATION) + address
+    if scope:
+        body += struct.pack("=HHI", 8, _INTERFACE, scope)
+    with socket.socket(socket.AF_NETLINK, socket.SOCK_RAW | socket.SOCK_NONBLOCK, 0) as asked:
+        asked.send(struct.pack("=IHHII", 16 + len(body), _GET_ROUTE, _REQUEST, 1, 0) + body)
+        answer = asked.recv(4096)
+    return answer[23] if struct.unpack_from("=H", answer, 4)[0] == _NEW_ROUTE else 0
+
+
+def _can_bind(place: SocketAddress) -> bool:
+    with socket.socket(socket.AF_INET if len(place) == 2 else socket.AF_INET6, socket.SOCK_DGRAM) as probe:
         try:
             probe.bind(place)
         except OSError:
             return False
         return True
-
-
-def _has_itself_as_source(host: str) -> bool:
-    """Return whether packets for an address would come from it: not for a second address in one network."""
-    with _socket_for(host) as (probe, place):
-        try:
-            probe.connect(place)
-        except OSError:
-            return False  # no route leads there
-        return parse_address(probe.getsockname()[0]) == parse_address(host)
-
-
-@contextmanager
-def _socket_for(host: str) -> Iterator[tuple[socket.socket, SocketAddress]]:
-    (family, kind, _, _, place), *_ = socket.getaddrinfo(
-        host, None, type=socket.SOCK_DGRAM, flags=socket.AI_NUMERICHOST
-    )
-    with socket.socket(family, kind) as probe:
-        probe.setblocking(False)  # noqa: FBT003 - the socket module's own
-        yield probe, cast("SocketAddress", place)
