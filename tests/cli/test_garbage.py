@@ -1,4 +1,4 @@
-"""What Python's search for circular garbage costs ``homebot run``: counted in objects, for a machine may be busy."""
+"""What Python's search for circular garbage costs what serves: counted in objects, for a machine may be busy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 import pytest
 
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.main import main
+from homebot.cli.serve import COLLECT_AFTER
 
 MOST = 15_000
 """Objects that may be looked at in one go: 0.4 µs each, or 6 ms."""
@@ -21,6 +22,16 @@ def collecting() -> Iterator[None]:
     gc.set_threshold(*COLLECT_AFTER)
     yield
     gc.set_threshold(*before)
+
+
+def test_the_broker_alone_looks_as_seldom(capsys: pytest.CaptureFixture[str]) -> None:
+    before = gc.get_threshold()
+    try:
+        assert main(["broker", "--listen", "127.0.0.1:0", "--for", "0.01"]) == 0
+        assert gc.get_threshold() == COLLECT_AFTER
+    finally:
+        gc.set_threshold(*before)
+    assert "listening" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("collecting")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import os
 import signal
 import socket
@@ -24,7 +25,7 @@ import anyio
 from homebot.support.logger import get_logger
 from homebot.support.production_loop import ProductionLoop, own_time
 
-__all__ = ["Watchdog", "on_an_event_loop", "serve"]
+__all__ = ["COLLECT_AFTER", "Watchdog", "on_an_event_loop", "serve"]
 
 Result = TypeVar("Result")
 _HANGUP: Final[signal.Signals | None] = getattr(signal, "SIGHUP", None)  # Windows has none
@@ -41,9 +42,17 @@ Those do not count in which the process got no processor, as the computer slept 
 
 _LOOK_EVERY = 0.1
 
+COLLECT_AFTER: Final = (5_000, 0, 1_000)
+"""Thresholds of Python's garbage collector: there is next to no circular garbage here, and it dies young. By its
+defaults, half of the time in which ten thousand devices are taken in goes into that (measured); most of it into looking
+again at permanent objects, and all else waits meanwhile. So it looks at 5,000 new objects, every other time at the
+5,000 before them as well, which takes 4 ms at most; at everything, which holds up all else for seconds, only once ten
+million more have come to stay: four thousand devices, each announced in eight messages, are three."""
+
 
 def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
     """Run *main* on an event loop of its own, which is watched."""
+    gc.set_threshold(*COLLECT_AFTER)
     with asyncio.Runner(loop_factory=ProductionLoop) as runner:
         loop = runner.get_loop()
         assert isinstance(loop, ProductionLoop)  # noqa: S101 - for the type checker: it was made the line before

@@ -54,14 +54,6 @@ ROBOT_OF_THE_SIMULATED_HOUSE = "robot"
 
 _TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKEN"}
 
-COLLECT_AFTER = (5_000, 0, 1_000)
-"""Thresholds of Python's garbage collector: there is next to no circular garbage here, and it dies young. By its
-defaults, half of the time in which ten thousand devices are taken in goes into that (measured); most of it into looking
-again at permanent objects, and all else waits meanwhile. So it looks at 5,000 new objects, every other time at the
-5,000 before them as well, which takes 4 ms at most; at everything, which holds up all else for seconds, only once ten
-million more have come to stay: four thousand devices, each announced in eight messages, are three."""
-
-
 _EXAMPLES = """\
   homebot run                                     embedded broker, a simulated family's house, live in the terminal
   homebot run --plain                             the same, with the log in place of the live view
@@ -165,7 +157,6 @@ def _app(text: str) -> str:
 
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
-    gc.set_threshold(*COLLECT_AFTER)
     if not options.config and DEFAULT_CONFIG.exists():
         options.config = str(DEFAULT_CONFIG)  # if it is gone at a reload, that is a mistake and no simulated house
     if options.reload:
