@@ -12,6 +12,7 @@ from typing import Any
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 
 from homebot.config import parse_config
 from homebot.devices import Devices
@@ -89,6 +90,18 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
         assert {one.child_frame_id for one in static.transforms} == {"base_link"}
         assert 590 <= len(frames) <= 610
         assert (batteries[-1].percentage, batteries[-1].power_supply_status) == (1.0, 4)
+
+
+async def test_a_reload_leaves_the_rooms_of_the_house_as_they_are() -> None:
+    """A token was added to the configuration, and the robot was in no room from then on."""
+    async with running() as (runtime, node):
+        await anyio.sleep(2)
+        with capture_logs() as lines:
+            await runtime.reload(lambda: parse_config(CONFIG, "test"))
+        await anyio.sleep(2)
+        found = await node.create_client(WhereIsRobot, WHERE_IS_ROBOT).call(WhereIsRobotRequest())
+        assert found.pose[0].room == "Room 405"
+        assert [one["event"] for one in lines] == ["runtime.reloaded"]
 
 
 NAVIGATE = find_action("nav2_msgs/action/NavigateToPose")

@@ -15,7 +15,7 @@ from homebot.control.settings import PolicySettings
 from homebot.discovery import Directory
 from homebot.errors import UsageError
 from homebot.runtime.grants import ACT
-from homebot.runtime.plan import Plan, make_plan
+from homebot.runtime.plan import Plan
 from homebot.support.logger import get_logger
 
 __all__ = ["RunningParts", "keys_for_restart", "reload_configuration"]
@@ -67,11 +67,14 @@ def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iter
             yield f"{table}.{key}"
 
 
-async def reload_configuration(running: Config, plan: Plan, parts: RunningParts, read: Callable[[], Config]) -> Plan:
+async def reload_configuration(
+    running: Config, plan: Plan, parts: RunningParts, read: Callable[[], Config], make_plan: Callable[[Config], Plan]
+) -> Plan:
     """Apply the configuration that *read* returns as far as it needs no restart; one with a mistake changes nothing.
 
     Args:
         read: Called in a worker thread.
+        make_plan: Likewise, with what *read* returned.
 
     Returns:
         The plan in use from now on.

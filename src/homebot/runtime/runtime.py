@@ -127,7 +127,7 @@ class Runtime:
 
             self._house = HouseOfRun(self.house, self.config.gateways, self.robot)
         self._gateway_node: Callable[[Graph, str], Node] = partial(Node, namespace="/gateway")
-        self._plan = self._make_plan()
+        self._plan = self._make_plan(self.config)
         self._needed = tuple(
             one for gateway in self._plan.gateways for one in gateway.kind.host_services(gateway.settings)
         )
@@ -158,8 +158,7 @@ class Runtime:
 
         return AppPlanner(self.read_config or (lambda: self.config), self._plan.grants)
 
-    def _make_plan(self) -> Plan:
-        config = self.config
+    def _make_plan(self, config: Config) -> Plan:
         if self._house is not None:
             config = config.model_copy(update={"gateways": {**self._house.network.gateways(), **config.gateways}})
         if self.is_dry_run:
@@ -199,7 +198,7 @@ class Runtime:
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
         parts = RunningParts(lambda: self.door, self._controller, self._index)
-        self._plan = await reload_configuration(self.config, self._plan, parts, read)
+        self._plan = await reload_configuration(self.config, self._plan, parts, read, self._make_plan)
 
     def cut_start_short(self) -> None:
         """Abort a start that is under way: entering returns at once, and nothing more is started."""
