@@ -19,10 +19,10 @@ from homebot.devices.command_messages import CommandResult
 from homebot.devices.gateway_messages import REACHABLE, Report
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import JournalEntry, ReadJournal, ReadJournalRequest, ReadJournalResponse
-from homebot.devices.names import JOURNAL_ENTRIES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
+from homebot.devices.names import JOURNAL_ENTRIES, LIST_DEVICES, READ_JOURNAL, ROBOT_POSES, WHERE_IS_ROBOT, GatewayNames
 from homebot.devices.query import parse_query, query_terms
 from homebot.devices.robot_messages import RobotPose, WhereIsRobot, WhereIsRobotRequest, WhereIsRobotResponse
-from homebot.devices.services import QueryDevicesResponse
+from homebot.devices.services import ListDevices, QueryDevicesResponse
 from homebot.discovery import Directory, DirectorySettings
 from homebot.discovery.owner_facts import OwnerFacts
 from homebot.errors import RefusedError, ServiceFailedError, UsageError
@@ -193,6 +193,18 @@ async def test_on_one_of_several_floors_a_robot_has_to_say_which() -> None:
         await house.robot_at(3.5, 1.0, room="")
         answer = await house.find("lamp near robi")
         assert answer.message == "the house has several floors; state its floor in [robots.robi]"
+
+
+async def test_a_list_for_agents_has_the_nearest_first_and_says_why_there_is_none() -> None:
+    """By id the hall lamp stood first, and was all that an agent with the limit 1 saw."""
+    async with golden() as house:
+        await house.robot_at(4.5, 1.5, room="Kitchen")
+        client = house.app.create_client(ListDevices, LIST_DEVICES)
+        request = ListDevices.Request(query=query_terms(parse_query("lamp near robi")), limit=1)
+        answer = await client.call(request)
+        assert ([one.id for one in answer.devices], answer.total) == (["kitchen_lamp"], 2)
+        await house.robot_at(4.5, 1.5, counts=False)
+        assert (await client.call(request)).message == "robi's pose is 0 s old (limit 2 s)"
 
 
 async def test_from_the_kitchen_the_other_lamp_is_the_nearest_and_the_answer_says_how_old_the_pose_is() -> None:

@@ -92,7 +92,7 @@ class FindDevicesRequest(Message):
 
 
 class FindDevicesResponse(Message):
-    """The devices, sorted by id.
+    """The devices, sorted by id; near a robot the nearest first.
 
     Attributes:
         sequence: The last change that is in there; see :class:`homebot.devices.DeviceChange`.
@@ -155,7 +155,7 @@ class ListDevicesRequest(Message):
     Attributes:
         query: The query that they match, as terms; empty for all. Programs outside may send it as text.
         ids: Only the devices with these ids; empty for all.
-        offset: How many to leave out, by id.
+        offset: How many to leave out.
         limit: How many to give; at most 200, and 0 for as many.
     """
 
@@ -191,7 +191,7 @@ class ListedDevice(Message):
 
 
 class ListDevicesResponse(ServiceAnswer):
-    """The devices, by id. A query with a misspelt type, room or word fails.
+    """The devices, by id; near a robot the nearest first. A query with a misspelt type, room or word fails.
 
     Attributes:
         total: Number of matches, before the limit.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable
-from collections.abc import Set as AbstractSet
+from collections.abc import Awaitable, Callable, Sequence
 from operator import attrgetter
 from typing import TYPE_CHECKING
 
@@ -97,15 +96,15 @@ class DirectoryServices:
         await self._catch_up()
         return self._found(request, await self._near_robot(request))
 
-    async def _near_robot(self, request: messages.FindDevicesRequest) -> set[str] | None:
-        """Return the ids of those that *request* finds near a robot; None where it does not ask for that."""
+    async def _near_robot(self, request: messages.FindDevicesRequest) -> list[str] | None:
+        """Return the ids of those that *request* finds near a robot, best first; None where it asks for no such."""
         near, rest = homebot.devices.query.split_near(read_terms(request.query))
         if near is None:
             return None
-        return {one.device for one in (await (await self._nearness()).find(near, rest)).devices}
+        return [one.device for one in (await (await self._nearness()).find(near, rest)).devices]
 
     def _found(
-        self, request: messages.FindDevicesRequest, near: AbstractSet[str] | None = None
+        self, request: messages.FindDevicesRequest, near: Sequence[str] | None = None
     ) -> messages.FindDevicesResponse:
         is_by_id = request.ids and not request.query and not request.service_type
         devices = []
@@ -115,15 +114,16 @@ class DirectoryServices:
                 devices.append(device)
         return messages.FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
-    def _matching(self, request: messages.FindDevicesRequest, near: AbstractSet[str] | None) -> list[str]:
-        """Return the ids of the devices that match *request*, sorted; only those *near* a robot where it asks so."""
+    def _matching(self, request: messages.FindDevicesRequest, near: Sequence[str] | None) -> list[str]:
+        """Return the ids of the devices that match *request*, sorted; in the order of *near* where that is given."""
         query = read_terms(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))
         if request.is_checked:
             self._check_words(query)
-        found = self._index.find(query) if near is None else self._index.find(query) & near
-        return sorted(found.intersection(request.ids) if request.ids else found)
+        found = self._index.find(query)
+        found = found.intersection(request.ids) if request.ids else found
+        return sorted(found) if near is None else [one for one in near if one in found]
 
     async def _query(self, request: messages.QueryDevicesRequest) -> messages.QueryDevicesResponse:
         from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
@@ -144,9 +144,8 @@ class DirectoryServices:
                 answer = found.answer
         except (RefusedError, UsageError) as exc:
             is_mistake = isinstance(exc, UsageError)
-            reason = exc.reason if isinstance(exc, RefusedError) else str(exc)
             return messages.QueryDevicesResponse(
-                success=False, message=reason, sequence=index.sequence, is_mistake=is_mistake
+                success=False, message=_reason(exc), sequence=index.sequence, is_mistake=is_mistake
             )
         results = [
             messages.Found(device=device, score=score, reasons=(*why, *reasons(rest, one, index.postings)))
@@ -161,7 +160,7 @@ class DirectoryServices:
         try:
             found = self._matching(wanted, await self._near_robot(wanted))
         except (RefusedError, UsageError) as exc:
-            return messages.ListDevicesResponse(success=False, message=str(exc), sequence=self._index.sequence)
+            return messages.ListDevicesResponse(success=False, message=_reason(exc), sequence=self._index.sequence)
         end = request.offset + min(request.limit or messages.MOST_LISTED, messages.MOST_LISTED)
         devices = [device for one in found[request.offset : end] if (device := self._index.get(one)) is not None]
         return messages.ListDevicesResponse(
@@ -259,6 +258,10 @@ class DirectoryServices:
             f"the rooms {one} and {other} overlap by {area:.1f} m²; correct [places]" for one, other, area in overlaps
         ]
         return HealthResponse(counts=Count.each(counts), troubles=troubles, notes=tuple(notes))
+
+
+def _reason(exc: RefusedError | UsageError) -> str:
+    return exc.reason if isinstance(exc, RefusedError) else str(exc)
 
 
 def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
