@@ -186,9 +186,9 @@ async def test_a_number_with_another_unit_is_refused(home: Home, word: str) -> N
     [
         ("banana", {}, "the word 'banana': this part takes on, off"),
         ("Banana", {}, "the word 'Banana': this part takes on, off"),
-        ("140", {}, "the word '140': this part takes on, off, a number from 0 to 1"),
+        ("140", {}, "the word '140': this part takes on, off, a number from 0 to 1 (0.4 for 40 %)"),
         ("140 %", {}, "the word '140 %': this part takes on, off"),
-        ("40", {}, "the word '40': this part takes on, off, a number from 0 to 1; did you mean 40 %?"),
+        ("40", {}, "the word '40': this part takes on, off, a number from 0 to 1 (0.4 for 40 %); did you mean 40 %?"),
         ("-5%", {}, "the word '-5%': this part takes on, off"),
         ("on", {"level": "x"}, "'x' as level of Lamp: it takes a number in %"),
         ("on", {"level": "300"}, "300 as level of Lamp: it takes 0 to 100 %"),

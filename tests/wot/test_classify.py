@@ -279,7 +279,7 @@ def test_a_colour_of_three_numbers_is_a_colour() -> None:
 @pytest.mark.parametrize("least", [0, 1])
 def test_a_lamp_with_a_brightness_alone_is_off_at_zero_where_its_range_has_that(least: int) -> None:
     (lamp,) = parts({"brightness": {"type": "integer", "minimum": least, "maximum": 100}}, ("Light",))
-    with pytest.raises(RefusedError, match="this part takes off, a number from 0 to 1"):
+    with pytest.raises(RefusedError, match=r"this part takes off, a number from 0 to 1 \(0.4 for 40 %\)"):
         decode_command("banana", lamp.part)
     (level,) = lamp.affordances
     assert decode_command("off", lamp.part) == ("level", 0.0)

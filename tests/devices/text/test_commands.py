@@ -84,7 +84,9 @@ def test_a_text_is_decoded_by_the_capabilities_of_the_part(
 
 @pytest.mark.parametrize("said", ["on", "1.5", "nan", "", "3 K", "eco"])
 def test_a_word_that_the_part_does_not_take_is_refused_with_those_that_it_takes(said: str) -> None:
-    with pytest.raises(RefusedError, match=r"this part takes open, close, stop, a number from 0 to 1$"):
+    with pytest.raises(
+        RefusedError, match=r"this part takes open, close, stop, a number from 0 to 1 \(0.4 for 40 %\)$"
+    ):
         decode_command(said, part("movement", "position"))
 
 
@@ -236,7 +238,7 @@ def test_a_value_is_told_by_the_word_for_it(capability: str, value: PlainValue, 
     ],
 )
 def test_a_value_without_a_word_is_refused_with_the_words_that_there_are(capability: str, value: PlainValue) -> None:
-    with pytest.raises(RefusedError, match=r"this part takes on, off, 2700 K, a number from 0 to 1$"):
+    with pytest.raises(RefusedError, match=r"this part takes on, off, 2700 K, a number from 0 to 1 \(0.4 for 40 %\)$"):
         encode_command(capability, value, LIGHT)
 
 

@@ -165,6 +165,6 @@ def _known(settable: Mapping[str, Capability]) -> str:
         words.append("off")
     words += ["2700 K"] if "color_temperature" in settable else []
     if (name := _number_in(settable)) is not None:
-        words.append("a number from 0 to 1" if name in FRACTION_CAPABILITIES else "a number")
+        words.append("a number from 0 to 1 (0.4 for 40 %)" if name in FRACTION_CAPABILITIES else "a number")
     words += [option for name, one in settable.items() for option in settable_options(name, one.options)]
     return ", ".join(dict.fromkeys(words)) or "nothing"
