@@ -385,7 +385,7 @@ async def test_a_part_is_named_only_where_several_take_what_is_held_or_commanded
     held = await home.hold(hold_request("plug", "on_off", True, "/cook", ttl=60))
     assert (held.held, held.result.outcome) == answer
     assert [one.part for one in home.commands] == ["relay"] * 3 * held.held
-    assert ("it has lock, left, right" in held.result.text) is not held.held
+    assert ("no single part of plug takes that; it has lock, left, right" in held.result.text) is not held.held
     command = CommandRequest(device="plug", settings=(lit,), issuer="/cook")
     result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command, timeout=600)
     assert (result.kind, result.text) == (held.result.outcome, held.result.text)
