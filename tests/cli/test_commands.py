@@ -60,6 +60,10 @@ PRINTED = {
         1,
         "homebot: 'true' was taken as a type; write the request as {data: true}\n",
     ),
+    "service call /switch data=true": (
+        1,
+        "homebot: 'data=true' was taken as a type; write the request as {data: true}\n",
+    ),
     "service call /switch SetBool {data: true}": (1, f"homebot: service /switch is a {SWITCH}, not a SetBool\n"),
     "service call /switch std_srvs/Trigger": (1, f"homebot: service /switch is a {SWITCH}, not a std_srvs/Trigger\n"),
     "node list": (0, "/listener\n/rosapi\n/rosbridge_websocket\n/talker\n"),

@@ -117,7 +117,9 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
     if expected and "/" not in expected and not request:
         (typedef,) = cast("list[MessageTypeRecord]", door.call(_REQUEST, {"type": ros_type})["typedefs"])[:1]
         field = next(iter(typedef["fieldnames"]), "field")
-        raise UsageError(f"{expected!r} was taken as a type; write the request as {{{field}: {expected}}}")
+        name, _, value = expected.rpartition("=")
+        request = f"{{{name or field}: {value}}}"
+        raise UsageError(f"{expected!r} was taken as a type; write the request as {request}")
     check_type("service", options.service, ros_type, expected)
     response = door.call(options.service, request, options.timeout)
     if options.json:
