@@ -162,6 +162,7 @@ def test_a_terminal_shows_the_house_and_the_line_to_try_works(terminal: tuple[in
     assert text.startswith("homebot · a simulated house is starting …")
     why = [sys.executable, "-m", "homebot", "--door", door, "why", "kitchen_lamp"]
     assert "homebot why kitchen_lamp" in text
+    assert "--door 127" not in text  # 80 columns have room for the port alone
     said = subprocess.run(why, capture_output=True, text=True, timeout=PATIENCE, check=True)
     assert "follow_me asked kitchen_lamp for on" in said.stdout
     process.send_signal(signal.SIGINT)

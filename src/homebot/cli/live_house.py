@@ -141,7 +141,8 @@ def _hint(world: World, page: str) -> str:
     here = str(Path(sys.executable).with_name("homebot"))
     program = "homebot" if shutil.which("homebot") else min(os.path.relpath(here), here, key=len)
     address = page.rpartition("/")[2]
-    door = "" if address == "{}:{}".format(*DEFAULT_DOOR) else f" --door {address}"
+    host, port = DEFAULT_DOOR
+    door = "" if address == f"{host}:{port}" else f" --door {address.removeprefix(f'{host}:')}"
     return f"Try in a second terminal:  {program} why {lamp}{door}    (Ctrl-C ends)"
 
 
