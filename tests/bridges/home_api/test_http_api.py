@@ -34,6 +34,9 @@ async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
         assert any("lamp1 reported" in step for step in why["steps"])
         why_not = (await api.get("/api/why/lamp1?state=off")).values
         assert (why_not["is_so"], why_not["why"]) == (False, "no command asked for that")
+        await api.command("lamp1", "level 50")
+        why_not = (await api.get("/api/why/lamp1?state=40")).values["why"]
+        assert why_not.endswith("(reported); it changed after that: a question without a state has the reason")
 
         await api.until("/api/history?device=lamp1&capability=on_off", lambda found: bool(found.get("series")))
         history = (await api.get("/api/history?device=lamp1&capability=on_off&since=1h")).values

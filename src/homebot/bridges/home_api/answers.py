@@ -23,6 +23,7 @@ from homebot.devices.wording.journal_words import (
     finding_text,
     issuer_text,
     result_text,
+    was_obeyed,
 )
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import from_seconds, iso
@@ -129,6 +130,8 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
         ]
         newest = steps[-1] if steps else "no command asked for that"
         reason = "it is so" if is_so else wanted.problem or newest
+        if chains and not is_so and was_obeyed(chains[-1]):
+            reason += "; it changed after that: a question without a state has the reason"
     else:
         found = cast("ExplainDeviceResponse", await _answered(home, names.EXPLAIN_DEVICE, {"device": device.id}))
         named = {device.id: device.name, **{one.key: one.value for one in found.names}}

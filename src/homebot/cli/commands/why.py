@@ -13,7 +13,6 @@ from homebot.cli.door_client import DoorClient, set_door_command
 from homebot.cli.journal_client import JournalClient, chain_json
 from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.names import EXPLAIN_DEVICE, EXPLAIN_MISSING_STATE
-from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.journal_words import (
     Chain,
     ago_text,
@@ -24,6 +23,7 @@ from homebot.devices.wording.journal_words import (
     issuer_text,
     result_text,
     trigger_text,
+    was_obeyed,
 )
 from homebot.devices.wording.time_format import iso, to_seconds
 from homebot.devices.wording.values import state_text
@@ -125,7 +125,7 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
         print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
     if asked:
         _print_asked(asked, client, options, device, now)
-        if not found.is_so and _obeyed(asked[-1]):
+        if not found.is_so and was_obeyed(asked[-1]):
             print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
     elif not found.is_so:
         print(_unasked(device, options, found, now))
@@ -152,12 +152,6 @@ def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingS
     empty = "" if begins.sec else ": the journal is empty"
     how = f" To ask for it: homebot do {_quoted(device)} {printable(found.word)}" if found.word else ""
     return f"Nobody asked for {_wanted(options)}{since}{empty}.{how}"
-
-
-def _obeyed(chain: Chain) -> bool:
-    """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
-    results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
-    return bool(results) and has_succeeded(results[-1])
 
 
 def _print_state(device: Device) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import UTC, datetime
 from typing import TYPE_CHECKING, TypeAlias, cast
 
+from homebot.devices.outcomes import has_succeeded
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.devices.wording.time_format import ago, from_seconds, to_seconds
 from homebot.devices.wording.values import plain_value, value_text
@@ -34,6 +35,7 @@ __all__ = [
     "result_text",
     "settings_text",
     "trigger_text",
+    "was_obeyed",
 ]
 
 Chain: TypeAlias = "list[JournalEntry]"
@@ -249,6 +251,12 @@ def chain_lines(chains: Iterable[Chain], names: Mapping[str, str], now: float) -
             yield clock_text(trigger.at, now) if trigger.at.sec else "", cause
         for entry in _informative(chain):
             yield clock_text(entry.at, now), entry_text(entry, names)
+
+
+def was_obeyed(chain: Chain) -> bool:
+    """Return whether the device obeyed *chain*, or had the state already, and did not go back as far as is known."""
+    results = [one.results[0].outcome for one in chain if one.kind in {"outcome", "reverted"}]
+    return bool(results) and has_succeeded(results[-1])
 
 
 def result_text(chain: Chain, now: float) -> str:
