@@ -10,6 +10,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -134,6 +135,12 @@ def test_the_commands_of_the_guide_run_in_the_house_of_make_run(tmp_path: Path, 
             if not command.startswith(BEFORE_IT_RUNS):
                 done = plain.run(*shlex.split(command))
                 assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
+
+
+def test_the_lamp_of_the_guide_is_in_the_house_of_make_run() -> None:
+    (lamp,) = re.findall(r'`"target": "(\w+)"`', GUIDE)
+    family = ROOT / "src/homebot/house/family/house.toml"
+    assert lamp in tomllib.loads(family.read_text("utf-8"))["devices"]
 
 
 @pytest.mark.slow

@@ -27,6 +27,8 @@ def find(text: str) -> dict[str, Any]:
 
 try:
     found = find("off light near rosie")
+    if not found["results"]:
+        raise SystemExit(found["message"])
     for one in found["results"]:
         print(one["device"]["id"], "-", one["reasons"][0])
     lamp = found["results"][0]["device"]["id"]
