@@ -8,7 +8,7 @@ import re
 import stat
 import sys
 import traceback
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from contextlib import suppress
 from functools import lru_cache
 from importlib.metadata import EntryPoint, PackageNotFoundError, distribution, entry_points
@@ -17,11 +17,13 @@ from types import ModuleType
 from typing import Any, Final
 
 from homebot.errors import PluginError, UsageError
+from homebot.names import snake_case
 from homebot.support.file_access import why_not_trusted
 from homebot.support.similar import did_you_mean
 
 __all__ = [
     "INSTALL_EXTRA",
+    "add_app",
     "check_extra",
     "check_file",
     "class_in",
@@ -129,6 +131,25 @@ def class_in(module: ModuleType, name: str, base: type[object]) -> str:
         has = f"has {', '.join(kinds)}" if kinds else f"has no class of its own that is derived from {base.__name__}"
         raise PluginError(name, f"must be one class, FILE.py or FILE.py:CLASS; the file {has}")
     return kinds[0]
+
+
+def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
+    """Add a table for the app *wanted* to those of *apps* unless it has one; a class MyApp runs as my_app."""
+    place, kind = _place_of(wanted)
+    if any(_place_of(str(table.get("class", name))) == (place, kind) for name, table in apps.items()):
+        return
+    first = name = snake_case(kind)
+    number = 1
+    while name in apps:
+        number += 1
+        name = f"{first}_{number}"
+    apps[name] = {"class": wanted} if ":" in wanted else {}
+
+
+def _place_of(name: str) -> tuple[Path, str]:
+    """Return the file in which ``module:Class`` or ``FILE.py:Class`` is looked for, and the rest of *name*."""
+    module, _, kind = name.rpartition(":")
+    return Path(module if module.endswith(".py") else f"{module.replace('.', '/')}.py"), kind
 
 
 def check_extra(what: str, extra: str, *modules: str) -> None:

@@ -62,7 +62,7 @@ async def test_a_deaf_lamp_is_told_about_and_the_other_one_goes_on() -> None:
         async with virtual_house_of("follow_me", world=world) as house:
             await house.run_until("06:05")
             assert is_on(world, "other_lamp")
-    assert warnings(lines) == ["hall_lamp → on, by app_1: no answer within 10 s"]
+    assert warnings(lines) == ["hall_lamp → on, by follow_me: no answer within 10 s"]
 
 
 async def test_together_with_lights_out_the_light_follows_somebody_through_the_flat() -> None:

@@ -37,7 +37,7 @@ async def told(world: World, command: str = "", *, wait: str = "1s") -> tuple[li
 async def test_a_lamp_that_is_on_is_turned_off_and_a_dimmed_one_too(command: str) -> None:
     commands, messages = await told(World.of(SimulatedLamp("lamp")), command)
     assert commands == ["off"]
-    assert messages == ["lights/lamp is off", "lights/lamp → off, by app_1: confirmed after reported)"]
+    assert messages == ["lights/lamp is off", "lights/lamp → off, by light_service: confirmed after reported)"]
 
 
 @pytest.mark.parametrize("command", ["off", "0", "4000 K"])
@@ -48,13 +48,13 @@ async def test_one_that_is_off_is_left_alone(command: str) -> None:
 
 async def test_a_lamp_that_was_on_before_is_turned_off() -> None:
     world = World.of(SimulatedLamp("lamp", is_on=True))
-    assert await told(world) == (["off"], ["lights/lamp → off, by app_1: confirmed after reported)"])
+    assert await told(world) == (["off"], ["lights/lamp → off, by light_service: confirmed after reported)"])
 
 
 async def test_a_lamp_that_does_not_obey_is_told_about_and_turned_off_again_some_minutes_later() -> None:
     commands, messages = await told(flat(lamp=lamp("hall", faults={"deaf": {}})), "on", wait="11m")
     assert commands == ["off"] * 9  # three tries, one as it may be fading, three; again where a heartbeat says on
-    refused = [one for one in messages if "→ off, by app_1: no answer within" in one]
+    refused = [one for one in messages if "→ off, by light_service: no answer within" in one]
     assert len(refused) == 3
 
 
@@ -69,7 +69,7 @@ async def test_where_somebody_is_a_policy_keeps_the_light_on() -> None:
             await house.run_for("30s")
     assert is_on(world, "hall_lamp")
     (message,) = [line["message"] for line in lines if line["event"] == "control.command"]
-    assert message.startswith("hall_lamp → off, by app_1: refused (presence_guard): somebody is in hall")
+    assert message.startswith("hall_lamp → off, by light_service: refused (presence_guard): somebody is in hall")
 
 
 async def test_each_time_that_a_lamp_says_on_is_answered_also_where_it_says_nothing_else(open_home: OpenHome) -> None:

@@ -126,7 +126,7 @@ async def test_a_deaf_lamp_is_told_about_with_what_became_of_the_command() -> No
             await house.press("other_lamp", "on")
             await house.run_for("30m")
             assert not is_on(world, "other_lamp")
-    assert warnings(lines) == ["hall_lamp → off, by app_1: no answer within 10 s"]
+    assert warnings(lines) == ["hall_lamp → off, by lights_out: no answer within 10 s"]
 
 
 async def test_a_person_of_habits_sits_in_the_light_in_a_room_where_nothing_tells_of_them() -> None:

@@ -26,7 +26,7 @@ SECRET = "s3cretw0rd"
 
 
 def washing(runtime: Runtime) -> App:
-    return runtime.app_host.running["app_1"]
+    return runtime.app_host.running["waiting"]
 
 
 @pytest.fixture
@@ -56,11 +56,11 @@ async def test_a_notification_is_published_with_title_app_and_time(house: Virtua
     assert json.loads(await house.hears("homebot/notifications")) == {
         "title": "Cellar",
         "message": "Washing is done",
-        "app": "app_1",
+        "app": "waiting",
         "time": "2026-01-01T01:00:00+01:00",
     }
     (sent,) = house.notifications
-    assert (sent.message, sent.title, sent.app) == ("Washing is done", "Cellar", "app_1")
+    assert (sent.message, sent.title, sent.app) == ("Washing is done", "Cellar", "waiting")
 
 
 @pytest.mark.house(WAITING)
@@ -71,8 +71,8 @@ async def test_without_the_table_notifications_are_logged_and_that_is_said_once(
     assert not await app.notify("first")
     assert not await app.notify("second")
     first, second = events(lines, SENT)
-    assert first.startswith("app_1 notifies: first (in the log alone; the table [notify]")
-    assert second == "app_1 notifies: second"
+    assert first.startswith("waiting notifies: first (in the log alone; the table [notify]")
+    assert second == "waiting notifies: second"
     assert [one.message for one in house.notifications] == ["first", "second"]
 
 
@@ -95,7 +95,7 @@ async def test_a_notification_that_fails_is_logged_and_the_app_runs_on(
     (line,) = events(lines, NOT_SENT)
     assert "mqtt: the gateway only observes" in line
     assert (
-        house.runtime.app_host.notification_problem() == f"the last {line.removeprefix('a ').replace(' of app_1', '')}"
+        house.runtime.app_host.notification_problem() == f"the last {line.removeprefix('a ').replace(' of waiting', '')}"
     )
     assert house.crashed == ()
 
@@ -128,7 +128,7 @@ def web_server() -> Iterator[tuple[int, list[dict[str, object]]]]:
 
 async def notified(urls: list[str]) -> tuple[bool, str]:
     """Return whether an app notified by *urls*, and the trouble."""
-    config = parse_config({"notify": {"urls": urls}, "apps": {"app_1": {"class": WAITING}}, "door": {"port": 0}}, "t")
+    config = parse_config({"notify": {"urls": urls}, "apps": {"waiting": {"class": WAITING}}, "door": {"port": 0}}, "t")
     async with Runtime(config, with_door=False) as runtime:
         is_sent = await washing(runtime).notify("Washing is done", title="Cellar")
         return is_sent, runtime.app_host.notifier.trouble

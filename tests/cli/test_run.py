@@ -122,6 +122,14 @@ def test_two_classes_of_one_name_are_two_apps_and_one_given_twice_is_one() -> No
     assert config.apps == {"my_app": {"class": "a:MyApp"}, "my_app_2": {"class": "b:MyApp"}}
 
 
+@pytest.mark.parametrize("table", ["mine:Mine", "mine.py:Mine", "./mine.py:Mine"])
+def test_an_app_that_the_configuration_names_runs_once_where_its_file_is_named_too(table: str) -> None:
+    Path("mine.py").write_text("from homebot import App\n\n\nclass Mine(App):\n    pass\n")
+    Path("homebot.toml").write_text(f'[gateways.mqtt]\n[apps.night]\nclass = "{table}"\ncolour = "red"\n')
+    expected = {"night": {"class": table, "colour": "red"}}
+    assert config_of("--app", "mine.py").apps == config_of("--app", "mine:Mine").apps == expected
+
+
 def test_a_file_in_the_folder_is_used_and_options_add_to_it() -> None:
     Path("homebot.toml").write_text(
         '[gateways.mqtt]\nurl = "mqtt://broker"\nstale_after = 5.0\n'

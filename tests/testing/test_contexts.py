@@ -109,7 +109,7 @@ async def a_house_with_a_crash() -> tuple[str, ...]:
 def test_a_crash_in_a_house_is_told_without_the_variables_and_in_its_time(capsys: pytest.CaptureFixture[str]) -> None:
     structlog.reset_defaults()
     with asyncio.Runner(loop_factory=VirtualTimeLoop) as runner:
-        assert runner.run(a_house_with_a_crash()) == ("app_1",)
+        assert runner.run(a_house_with_a_crash()) == ("broken",)
     told = capsys.readouterr().out
     assert "RuntimeError: a pin of 4 digits" in told
     assert "8888" not in told

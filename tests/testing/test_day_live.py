@@ -156,7 +156,7 @@ class Crashing(App):
 
 def test_an_app_that_crashes_fails_the_day() -> None:
     """It would be started again, and nobody would notice."""
-    with pytest.raises(AssertionError, match=r"crashed: .*app_1"):
+    with pytest.raises(AssertionError, match=r"crashed: .*crashing"):
         live_day(a_day(), f"{__name__}:Crashing")
 
 

@@ -59,7 +59,7 @@ OURS = "mqtt://127.0.0.1:4711"
 def test_nothing_said_is_one_gateway_that_acts_and_a_free_port() -> None:
     made = house_config(["light_service"], "villa", OURS)
     assert made.gateways == {"mqtt": {"root": "villa", "act": True, "url": OURS}}
-    assert made.apps == {"app_1": {"class": "light_service"}}
+    assert made.apps == {"light_service": {}}
     assert made.door == {"port": 0}
 
 
@@ -93,4 +93,4 @@ def test_other_gateways_are_left_alone() -> None:
 def test_an_app_that_the_configuration_has_runs_once_with_its_settings() -> None:
     tables = {"apps": {"lights_out": {"quiet_after": 60}, "mine": {"class": "my_app:MyApp"}}}
     made = house_config(["lights_out", "my_app:MyApp", "light_service"], "villa", OURS, tables)
-    assert made.apps == tables["apps"] | {"app_3": {"class": "light_service"}}
+    assert made.apps == tables["apps"] | {"light_service": {}}

@@ -314,7 +314,7 @@ async def test_it(house):
         failed=1,
         lines=[
             "*what happened in `house`*",
-            "it is 2026-01-01 00:01:00 UTC in the house; crashed: app_1",
+            "it is 2026-01-01 00:01:00 UTC in the house; crashed: broken",
             "00:00:00.000  desk                on",
         ],
     )
@@ -335,13 +335,13 @@ async def test_it(house):
 @pytest.mark.house(Broken, world=World.of, allow_crashes=True)
 async def test_that_it_crashes(house):
     await house.run_for("1m")
-    assert house.crashed == ("app_1",)
+    assert house.crashed == ("broken",)
 """
     tried(
         START + tests,
         passed=2,
         errors=1,
-        lines=["app_1 crashed; where that is meant, @pytest.mark.house(allow_crashes=True)"],
+        lines=["broken crashed; where that is meant, @pytest.mark.house(allow_crashes=True)"],
     )
 
 
@@ -493,5 +493,5 @@ async def test_it(house):
     assert not any("mqtt" in line for line in shown)
     cells = [line.split()[1:] for line in shown[2:]]
     assert ["lights/hall", "on", "by", "hand"] in cells
-    assert cells[-1] == ["lights/hall", "off", "as", "commanded", "app_1"]
+    assert cells[-1] == ["lights/hall", "off", "as", "commanded", "light_service"]
     result.stdout.fnmatch_lines(["E*hall did not become on=True within 5m: it is on=False"])

@@ -23,7 +23,7 @@ from homebot.mqtt.client.native import NativeClient
 from homebot.mqtt.connection import MqttConnection
 from homebot.mqtt.options import MqttOptions
 from homebot.mqtt.topics import validate_topic
-from homebot.plugins import load_plugin
+from homebot.plugins import add_app, load_plugin
 from homebot.runtime import Runtime
 from homebot.support.addresses import is_loopback
 from homebot.testing.contexts import in_background, plain_logs
@@ -59,12 +59,13 @@ def house_config(
     """
     given = given if isinstance(given, Config) else parse_config(given or {}, "config")
     gateways = given.gateways or {"mqtt": {}}
-    configured = {table.get("class", name) for name, table in given.apps.items()}
-    more = {f"app_{number}": {"class": app} for number, app in enumerate(apps, 1) if app not in configured}
+    planned = dict(given.apps)
+    for app in apps:
+        add_app(planned, app)
     return given.model_copy(
         update={
             "gateways": {name: _on_test_broker(name, table, root, url) for name, table in gateways.items()},
-            "apps": given.apps | more,
+            "apps": planned,
             "door": {"port": 0} | given.door,
             "notify": given.notify and {key: value for key, value in given.notify.items() if key != "urls"},
             "home": given.home if given.home.zone else given.home.model_copy(update={"zone": "UTC"}),

@@ -20,8 +20,7 @@ from homebot.cli.serve import on_an_event_loop, serve
 from homebot.config import Config, Table, load_config, parse_config
 from homebot.errors import UsageError
 from homebot.log import LogFormat, configure_logging
-from homebot.names import snake_case
-from homebot.plugins import check_extra, is_file, name_in_file
+from homebot.plugins import add_app, check_extra, is_file, name_in_file
 from homebot.support.output import queued_output
 from homebot.support.production_loop import ProductionLoop
 
@@ -246,7 +245,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
     if stated:
         tables["gateways"].setdefault("mqtt", {}).update(stated)
     for name in options.app:
-        _add_app(tables["apps"], _with_its_class(name) if is_file(name) else name)
+        add_app(tables["apps"], _with_its_class(name) if is_file(name) else name)
     if options.door:
         tables["door"].update(host=options.door[0], port=options.door[1])
     is_changed = bool(stated or options.app)
@@ -319,22 +318,6 @@ def _with_its_class(file: str) -> str:
     from homebot.apps import App  # noqa: PLC0415 - few runs name a file
 
     return name_in_file(file, App)
-
-
-def _add_app(apps: dict[str, dict[str, object]], wanted: str) -> None:
-    """Add a table for the app *wanted* unless there is one; a class MyApp runs as my_app."""
-    if any(table.get("class", name) == wanted for name, table in apps.items()):
-        return
-    if ":" not in wanted:
-        apps[wanted] = {}
-        return
-    class_name = wanted.rpartition(":")[2]
-    first = name = snake_case(class_name)
-    number = 1
-    while name in apps:
-        number += 1
-        name = f"{first}_{number}"
-    apps[name] = {"class": wanted}
 
 
 async def _run(
