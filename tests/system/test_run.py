@@ -282,15 +282,15 @@ def test_a_broker_that_takes_the_connection_and_says_nothing_does_not_delay_the_
     assert "Traceback" not in run.text
 
 
-def test_a_door_that_is_taken_is_a_clear_error_and_everything_stops_again(start: Start) -> None:
-    """The broker was up already."""
+def test_a_door_that_is_taken_is_a_clear_error_before_anything_starts(start: Start) -> None:
+    """Beside a homebot of the same folder it came after 11 s, in which the gateways connected and waited for files."""
     with socket.create_server(("127.0.0.1", 0)) as taken:
         address = f"127.0.0.1:{taken.getsockname()[1]}"
         run = start("--door", address)
         assert run.end() == 1
     assert run.log[-1].startswith(f"homebot: door: {address} is in use, maybe by another homebot; stop that one, or ")
     assert run.log[-1].endswith("choose another port (--door or [door] port)\n")
-    assert "embedded MQTT broker on mqtt://127.0.0.1:" in run.text
+    assert len(run.log) == 1
     assert run.has_left_nothing()
 
 

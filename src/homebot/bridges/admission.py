@@ -1,4 +1,4 @@
-"""Admission to a server for other programs: where it listens, and the rules on Host, Origin and token. No I/O.
+"""Admission to a server for other programs: where it listens, and the rules on Host, Origin and token.
 
 A web page anywhere can make a browser connect to a local port; the browser then tells the page's origin, and the name
 that the page used for us. A foreign origin, or a foreign name that was bent to our address (DNS rebinding), is refused.
@@ -10,6 +10,7 @@ import errno
 import hmac
 import ipaddress
 import re
+import socket
 from collections.abc import Mapping, Sequence
 from typing import Annotated
 from urllib.parse import parse_qs, urlsplit
@@ -67,6 +68,18 @@ class AccessSettings(BaseModel):
             if not _ORIGIN.fullmatch(origin):
                 raise ValueError(f"{origin[:100]!r} is no origin; write it like https://house.example, without a path")
         return origins
+
+    def why_not_free(self, key: str) -> str:
+        """Return why the address cannot be listened on now, and the remedy; empty where it can, or any port does."""
+        if not self.port:
+            return ""
+        with socket.socket(socket.AF_INET6 if ":" in self.host else socket.AF_INET) as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((self.host, self.port))
+            except OSError as exc:
+                return self.listening_problem(exc, key)
+        return ""
 
     def listening_problem(self, error: OSError, key: str) -> str:
         """Return the reason why the address cannot be used, and the remedy: *key* chooses another port."""

@@ -80,15 +80,8 @@ def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[Fi
 def _taken_ports(plan: Plan) -> Iterator[FindingRow]:
     servers: dict[str, AccessSettings | None] = {"door": plan.door, "thing_directory": plan.thing_directory}
     for name, settings in servers.items():
-        if settings is None or not settings.port:
-            continue
-        family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
-        with socket.socket(family, socket.SOCK_STREAM) as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
-                probe.bind((settings.host, settings.port))
-            except OSError as exc:
-                yield FindingRow("", f"{name}: {settings.listening_problem(exc, f'[{name}] port')}")
+        if settings is not None and (problem := settings.why_not_free(f"[{name}] port")):
+            yield FindingRow("", f"{name}: {problem}")
 
 
 def _folder_problem(folder: Path) -> Iterator[FindingRow]:

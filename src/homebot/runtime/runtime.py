@@ -218,6 +218,8 @@ class Runtime:
 
     async def _start(self, stack: AsyncExitStack) -> None:
         stack.callback(self._installation.close)
+        if self.with_door:  # looked at first: what starts before the door may wait for another homebot's files
+            await to_thread.run_sync(self._plan.door.check_port)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
         self._apps.offer_services(main)

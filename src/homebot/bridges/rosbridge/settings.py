@@ -116,6 +116,15 @@ class DoorSettings(AccessSettings):
         named = {name: one.token for name, one in self.tokens.items()}
         return named if self.token is None else {OWNER_CLIENT: self.token, **named}
 
+    def check_port(self) -> None:
+        """Check that a port that was stated can be listened on.
+
+        Raises:
+            UsageError: It cannot.
+        """
+        if "port" in self.model_fields_set and (problem := self.why_not_free("--door or [door] port")):
+            raise UsageError(f"door: {problem}")
+
     def page(self, port: int) -> str:
         """Return the address of the page on *port*."""
         return f"http://{f'[{self.host}]' if ':' in self.host else self.host}:{port}"
