@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import os
-import socket
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
+
+import anyio
 
 from homebot.bridges.admission import AccessSettings
 from homebot.cli.commands.config import config_errors
 from homebot.cli.commands.run import with_environment
 from homebot.cli.findings import Finding, FindingKind, FindingRow
 from homebot.config import load_config, load_tables
-from homebot.errors import ConfigError
+from homebot.errors import ConfigError, HomebotError
 from homebot.log import configure_logging
 from homebot.plugins import INSTALL_EXTRA
 from homebot.runtime.kept_files import KEPT_FILES
 from homebot.runtime.plan import Plan, index_place, make_plan
-from homebot.support.connect_errors import connect_problem
 from homebot.support.file_access import readable_by_others, why_not_trusted
 from homebot.support.sqlite_file import why_not_readable
 
 __all__ = ["offline_findings"]
 
-_REACH_WITHIN = 3.0
+_REACH_WITHIN = 5.0
 _SECRET_FILES = ("token_file", "password_file")
 
 
@@ -32,7 +32,7 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
     """Yield all that would keep homebot from starting with the configuration *path*.
 
     Args:
-        reaches: Whether to connect to the networks of gateways.
+        reaches: Whether to log in to the servers of gateways.
     """
     configure_logging()
     try:
@@ -55,7 +55,7 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
         yield from _finding(FindingKind.FOLDER, _folder_problem(folder))
         yield from _finding(FindingKind.FILE, _unreadable_files(folder))
     if reaches:
-        yield from _finding(FindingKind.NETWORK, _unreachable(plan))
+        yield from _finding(FindingKind.NETWORK, anyio.run(_unreachable, plan))
 
 
 def _finding(kind: FindingKind, rows: Iterable[FindingRow]) -> Iterator[Finding]:
@@ -106,12 +106,17 @@ def _unreadable_files(folder: Path) -> Iterator[FindingRow]:
             yield FindingRow(str(path), problem)
 
 
-def _unreachable(plan: Plan) -> Iterator[FindingRow]:
+async def _unreachable(plan: Plan) -> list[FindingRow]:
+    rows = []
     for gateway in plan.gateways:
-        host, _, port = gateway.kind.network(gateway.settings).rpartition(":")
-        if not port.isdigit():
-            continue
-        try:
-            socket.create_connection((host.strip("[]"), int(port)), _REACH_WITHIN).close()
-        except OSError as exc:
-            yield FindingRow(f"{gateway.name} ({host}:{port})", connect_problem(exc))
+        problem = f"no answer within {_REACH_WITHIN:g} s: start it, or correct the address"
+        with anyio.move_on_after(_REACH_WITHIN):
+            try:
+                await gateway.kind.reach(gateway.settings)
+            except HomebotError as exc:
+                problem = str(exc)
+            else:
+                continue
+        network = gateway.kind.network(gateway.settings)
+        rows.append(FindingRow(f"{gateway.name} ({network})" if network else gateway.name, problem))
+    return rows

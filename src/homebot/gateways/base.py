@@ -148,6 +148,14 @@ class Gateway(ABC):
             UsageError: The gateway could not work with them; names the key if there is one.
         """
 
+    @classmethod  # noqa: B027 - no duty: most gateways have no server
+    async def reach(cls, settings: BaseModel) -> None:
+        """Log in to its server once, and leave again.
+
+        Raises:
+            HomebotError: The server does not answer, or refuses.
+        """
+
     @classmethod
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:  # noqa: ARG003 - most need none
         """Return the services that it needs in this process; they run before it is made, and until it has stopped."""

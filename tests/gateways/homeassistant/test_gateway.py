@@ -16,7 +16,7 @@ from homebot.devices import GatewayState, Sighting
 from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
 from homebot.devices.names import GatewayNames
 from homebot.devices.value import PlainValue, Value
-from homebot.errors import UsageError
+from homebot.errors import RefusedError, UsageError
 from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGatewaySettings
 from homebot.graph import Graph, Node, Subscription
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
@@ -187,6 +187,20 @@ async def test_a_command_is_sent_once_or_not_at_all_while_home_assistant_is_away
         assert home.called == 1
         assert (await seen.unlock()).problem == "refused"
         assert home.called == 2
+        tasks.cancel_scope.cancel()
+
+
+async def test_a_token_that_is_not_valid_is_found_before_the_start(tmp_path: Path) -> None:
+    """Home Assistant was not asked, and all was well."""
+    home, file = SimulatedHomeAssistant(), tmp_path / "token"
+    async with anyio.create_task_group() as tasks:
+        await tasks.start(home.serve)
+        settings = HomeAssistantGatewaySettings.model_validate({"url": home.url, "token_file": file})
+        file.write_text(home.token)
+        await HomeAssistantGateway.reach(settings)
+        file.write_text("old")
+        with pytest.raises(RefusedError, match="make a new one"):
+            await HomeAssistantGateway.reach(settings)
         tasks.cancel_scope.cancel()
 
 

@@ -18,7 +18,7 @@ from tests.patience import PATIENCE
 from homebot.devices import GatewayState, RawCommand, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.services import NEVER, SubscribeToTopicRequest, SubscribeToTopicResponse
-from homebot.errors import LinkError
+from homebot.errors import LinkError, RefusedError
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings
 from homebot.graph import DurabilityPolicy, Graph, Node, QoSProfile, Subscription, qos_profile_latched
 from homebot.messages import Time
@@ -299,6 +299,19 @@ async def test_one_status_topic_is_all_that_runs_leave_at_the_broker(embedded_br
             (status,) = await late.receive()
     assert status.topic == f"homebot/{platform.node()}/mqtt/status"
     assert status.payload == b"offline"
+
+
+@pytest.mark.parametrize("client", ["aiomqtt", "native"])
+async def test_a_wrong_password_is_found_before_the_start(client: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """That a port was open counted as well, and the first message of the gateway was that its login is refused."""
+    async with Broker(credentials={"robot": "right"}) as broker:
+        table = {"url": broker.url, "user": "robot", "password_env": "PASSWORD", "client": client}
+        settings = MqttGatewaySettings.model_validate(table)
+        monkeypatch.setenv("PASSWORD", "right")
+        await MqttGateway.reach(settings)
+        monkeypatch.setenv("PASSWORD", "wrong")
+        with pytest.raises(RefusedError, match="check user and password_file"):
+            await MqttGateway.reach(settings)
 
 
 async def test_each_lost_link_is_told_and_the_waiting_for_the_next_is_not_repeated() -> None:

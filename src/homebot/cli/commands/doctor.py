@@ -57,7 +57,7 @@ _WEAK_BATTERY = 20
 _EXAMPLES = """\
   homebot doctor
   homebot doctor --json
-  homebot doctor --offline --reach     before the start: configuration, files, ports, and whether the broker answers
+  homebot doctor --offline --reach     before the start: configuration, files, ports, and whether servers accept it
 
 The exit status is 1 if there are problems, or no homebot. Each line begins with a code; docs/operate.md lists them.
 Some of the counts: `strays` are reports that came before the announcement
@@ -76,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.add_argument("--offline", action="store_true", help="check what homebot needs to start; it need not run")
     parser.add_argument("--config", metavar="FILE", help="with --offline: the configuration (default: homebot.toml)")
-    parser.add_argument("--reach", action="store_true", help="with --offline: connect to the brokers as well")
+    parser.add_argument("--reach", action="store_true", help="with --offline: log in to broker or hub as well")
 
 
 def _doctor(options: argparse.Namespace) -> int:

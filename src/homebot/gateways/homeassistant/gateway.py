@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import anyio
@@ -68,18 +69,18 @@ class HomeAssistantGateway(LinkedGateway):
             except UsageError as exc:
                 raise UsageError(f"{exc}; {HOW_TO_LOG_IN}") from exc
 
+    @classmethod
+    async def reach(cls, settings: BaseModel) -> None:
+        """Show Home Assistant the token."""
+        if isinstance(settings, HomeAssistantGatewaySettings):
+            async with _greeted(settings, lambda _payload, _why: None):
+                pass
+
     async def connect(self) -> None:
         """Connect, and follow Home Assistant until the link is lost."""
-        from homebot.gateways.homeassistant.link import HomeAssistantLink, opened  # noqa: PLC0415 - only where it runs
-        from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415 - likewise
+        from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415 - only where it runs
 
-        token = await anyio.to_thread.run_sync(self._settings.read_token)
-        async with opened(self._settings.websocket) as connection:
-            link = HomeAssistantLink(connection, self.on_invalid)
-            try:
-                await link.greet(token)
-            except RefusedError as exc:
-                raise RefusedError(exc.what, f"{exc.reason}; {self._settings.remedy}") from exc
+        async with _greeted(self._settings, self.on_invalid) as link:
             try:
                 with ungrouped():
                     async with anyio.create_task_group() as tasks:
@@ -251,3 +252,19 @@ class HomeAssistantGateway(LinkedGateway):
             if command.code:  # the reason may repeat it
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None
+
+
+@asynccontextmanager
+async def _greeted(
+    settings: HomeAssistantGatewaySettings, on_invalid: Callable[[bytes, str], None]
+) -> AsyncIterator[HomeAssistantLink]:
+    from homebot.gateways.homeassistant.link import HomeAssistantLink, opened  # noqa: PLC0415 - only where it runs
+
+    token = await anyio.to_thread.run_sync(settings.read_token)
+    async with opened(settings.websocket) as connection:
+        link = HomeAssistantLink(connection, on_invalid)
+        try:
+            await link.greet(token)
+        except RefusedError as exc:
+            raise RefusedError(exc.what, f"{exc.reason}; {settings.remedy}") from exc
+        yield link

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import platform
 import re
+import secrets
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import ClassVar
 
 import anyio
@@ -107,6 +109,14 @@ class MqttGateway(Gateway):
             if settings.url != EMBEDDED:
                 settings.options()
                 client_maker(settings.client or "aiomqtt")  # here nothing waits for it yet
+
+    @classmethod
+    async def reach(cls, settings: BaseModel) -> None:
+        """Log in to a broker of one's own, as another client than the gateway, which may be running."""
+        if isinstance(settings, MqttGatewaySettings) and settings.url != EMBEDDED:
+            options = replace(settings.options(), client_id=f"homebot-{secrets.token_hex(4)}", session_expiry=0)
+            async with client_maker(settings.client or "aiomqtt")(options).connected():
+                pass
 
     @classmethod
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
