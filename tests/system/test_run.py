@@ -254,7 +254,7 @@ def test_a_wrong_password_is_told_without_it_and_it_keeps_trying(start: Start, t
         finally:
             broker.terminate()
     assert f"cannot connect to mqtt://127.0.0.1:{port}: the login was refused: " in line
-    assert "; check user and password_file; trying again" in line
+    assert "; check user and password_file, which are read at the start; trying again" in line
     assert "hunter2" not in run.text
     assert "Traceback" not in run.text
 

@@ -230,7 +230,7 @@ async def test_a_wrong_password_is_refused(make: Make, options: MqttOptions, bro
     with pytest.raises(RefusedError, match="the login was refused") as caught:
         async with make(wrong).connected():
             pass
-    assert str(caught.value).endswith("; check user and password_file")
+    assert str(caught.value).endswith("; check user and password_file, which are read at the start")
     assert "wr0ng" not in str(caught.value)
 
 

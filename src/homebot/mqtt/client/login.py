@@ -157,7 +157,7 @@ def login_error(code: int) -> LinkError | RefusedError:
     """Return the error for a CONNACK with *code* (0x80 or more)."""
     if code in _TRY_LATER:
         return LinkError(f"the broker answered: {reason_text(code)}")
-    hint = "; check user and password_file" if code in _WRONG_LOGIN else ""
+    hint = "; check user and password_file, which are read at the start" if code in _WRONG_LOGIN else ""
     return RefusedError("the login", f"{reason_text(code)}{hint}", code)
 
 
