@@ -175,6 +175,29 @@ def test_a_thermostat_heats_and_cools() -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("modes", "service_type", "setpoint"),
+    [
+        (["off", "cool"], "thermostat", "cooling_setpoint"),
+        (["off", "Cool", "Dry", "fan_only"], "room_air_conditioner", "cooling_setpoint"),
+        (["off", "cool", "heat", "dry"], "room_air_conditioner", "heating_setpoint"),
+        (["off", "manual"], "thermostat", "heating_setpoint"),
+    ],
+)
+def test_a_thermostat_that_never_heats_cools_to_its_setpoint(
+    modes: list[str], service_type: str, setpoint: str
+) -> None:
+    (found,) = parts(
+        {
+            "target": {"@type": "TargetTemperatureProperty", "type": "number"},
+            "mode": {"@type": "ThermostatModeProperty", "type": "string", "enum": modes},
+        },
+        ("Thermostat",),
+    )
+    assert found.part.service_type == service_type
+    assert [one.name for one in found.part.capabilities] == [setpoint, "thermostat_mode"]
+
+
 WARM = {"type": "number", "unit": "Celsius", "readOnly": True}
 SETPOINT = {"type": "number", "unit": "Celsius", "minimum": 5, "maximum": 30}
 MODE = {"type": "string", "enum": ["off", "heat", "auto"]}

@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
+from homebot.conventions.thermostat_modes import climate_type, setpoints_of
 from homebot.conventions.units import conversion_of
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.command_description import payload_digest
@@ -88,11 +89,12 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     if main_is_guess:
         unknown = [one for one in found if not one.service_type]
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
+    kind = _climate_type([one for one in found if not one.service_type]) if main == "thermostat" else main
     owned = _owned(found, main)
     groups: dict[str, list[_Candidate]] = {}
     for one in found:
         groups.setdefault(_group(one, owned, groups), []).append(one)
-    return tuple(_part(thing, name, members, main, main_is_guess=main_is_guess) for name, members in groups.items())
+    return tuple(_part(thing, name, members, kind, main_is_guess=main_is_guess) for name, members in groups.items())
 
 
 def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
@@ -239,6 +241,16 @@ def _assign_thermostat(found: Collection[_Candidate]) -> bool:
     for capability, (one,) in roles.items():
         one.capability = capability
     return True
+
+
+def _climate_type(found: Collection[_Candidate]) -> str:
+    """Return the type of a thermostat by its modes; if none of them heats, its setpoint is made one to cool to."""
+    options = [text for one in found if one.capability == "thermostat_mode" for text in one.affordance.schema.enum]
+    modes = [fold(str(text)) for text in options]
+    for one in found:
+        if one.capability == "heating_setpoint" and "heating_setpoint" not in setpoints_of(modes):
+            one.capability = "cooling_setpoint"
+    return climate_type(modes)
 
 
 def _is_setpoint(one: _Candidate) -> bool:
