@@ -20,7 +20,9 @@ from homebot.devices import DEVICE_CHANGES as CHANGES
 from homebot.errors import UsageError
 from homebot.house import SimulatedLamp, WindowMotor, World, thesis_world
 from homebot.house.devices import SimulatedDoorLock
+from homebot.house.rooms import Room, Rooms
 from homebot.house.sensors import LuxSensor, MotionSensor, PowerMeter, SimulatedContactSensor
+from homebot.house.simulated_device import Placed
 from homebot.mqtt.broker import BrokerLimits
 from homebot.testing import EventLog, VirtualTimeLoop, virtual_house_of
 from homebot.testing.event_log import MAX_EVENTS, house_report
@@ -196,6 +198,13 @@ async def test_a_night_without_broker_is_survived() -> None:
         await house.run_for("1m")
         await house.says("home425/lights/roomlights405/out", "on")
         assert await house.hears("home425/lights/roomlights405/in") == "off"
+
+
+async def test_a_device_that_needs_a_network_is_refused_by_the_name_of_its_family() -> None:
+    world = World(Rooms({"hall": Room()}, []), [Placed(SimulatedLamp("hall"), "hall", dialect="esphome")])
+    with pytest.raises(UsageError, match="world: esphome needs a network, and a virtual house has a broker alone"):
+        async with virtual_house_of(world=world):
+            pass
 
 
 @pytest.mark.real_time

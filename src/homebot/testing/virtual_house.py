@@ -19,6 +19,7 @@ from homebot.errors import UsageError
 from homebot.gateways.mqtt.settings import EMBEDDED
 from homebot.house import SimulatedHouse, World
 from homebot.house.faults import unwrap
+from homebot.house.network import FAMILIES
 from homebot.house.simulated_device import Placed
 from homebot.mqtt.broker import BrokerLimits
 from homebot.mqtt.clients import HostedBroker
@@ -228,6 +229,8 @@ async def virtual_house_of(
         UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.
     """
     _virtual_loop()
+    if world is not None and (served := [name for name in world.families() if name in FAMILIES]):
+        raise UsageError(f"world: {', '.join(served)} needs a network, and a virtual house has a broker alone")
     clock, random = LoopClock(parse_time(start).timestamp()), Random(seed)  # noqa: S311 - a simulation has no secrets
     world = World.of() if world is None else world
     with plain_logs(clock):
