@@ -132,9 +132,27 @@ async def test_an_address_that_the_gateway_vouches_for_is_connected_to() -> None
 
 async def test_only_a_directory_on_this_computer_may_list_what_runs_here() -> None:
     for host in ("127.0.0.1", "127.1", "::1", socket.gethostname()):
-        assert await guard_for(host) is None
+        assert (await guard_for(host)).of_described is None
     for host in ("203.0.113.7", "no-such-host.invalid", "x" * 70, ""):
-        assert await guard_for(host) is not None
+        assert (await guard_for(host)).of_described is not None
+
+
+async def test_a_directory_whose_name_leads_to_another_host_as_well_is_on_that(monkeypatch: pytest.MonkeyPatch) -> None:
+    def look_up(*_: object, **__: object) -> list[object]:
+        return [(socket.AF_INET, socket.SOCK_DGRAM, 17, "", (one, 0)) for one in ("127.0.0.1", "203.0.113.7")]
+
+    monkeypatch.setattr(socket, "getaddrinfo", look_up)
+    assert (await guard_for("directory.test")).of_described is not None
+
+
+async def test_a_directory_on_this_computer_is_read_nowhere_else_when_its_name_leads_elsewhere() -> None:
+    guard = await guard_for("localhost")
+    async with HttpClient(guard=guard) as client:
+        with pytest.raises(LinkError, match="leads to another host"):
+            await client.get("http://203.0.113.7/things")
+    async with CoapClient.open(PATIENCE, ()) as opened:
+        with pytest.raises(LinkError, match="leads to another host"):
+            await opened.guarded_by(guard).request("GET", "coap://203.0.113.7/.well-known/core")
 
 
 async def test_a_name_that_is_unknown_is_a_lost_link() -> None:

@@ -16,7 +16,7 @@ from typing import TypeAlias, cast
 from homebot.errors import RefusedError
 from homebot.support.addresses import parse_address
 
-__all__ = ["AddressGuard", "OwnAddressError", "guard_for"]
+__all__ = ["AddressGuard", "OwnAddressError", "ThisComputerGuard", "guard_for"]
 
 SocketAddress: TypeAlias = tuple[str, int] | tuple[str, int, int, int]
 
@@ -37,9 +37,13 @@ class AddressGuard:
 
     Args:
         allowed: Addresses of this computer that may be connected to.
+
+    Attributes:
+        of_described: The guard for addresses that the host describes; None for this computer, which may describe any.
     """
 
     def __init__(self, allowed: Iterable[str] = ()) -> None:
+        self.of_described: AddressGuard | None = self
         self._allowed = frozenset(parse_address(one) for one in allowed)
 
     def check(self, found: SocketAddress) -> str:
@@ -48,8 +52,8 @@ class AddressGuard:
         Raises:
             OwnAddressError: It is one of this computer.
         """
-        text = socket.getnameinfo(found, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)[0]
-        if parse_address(text) not in self._allowed and _is_own(text, found[3] if len(found) > 3 else 0):
+        text, is_own = _judged(found)
+        if is_own and parse_address(text) not in self._allowed:
             raise OwnAddressError
         return text
 
@@ -69,16 +73,41 @@ class AddressGuard:
         return checked[0]
 
 
-async def guard_for(host: str | None) -> AddressGuard | None:
-    """Return the guard for addresses that *host* describes; None for this computer, which may describe any."""
-    guard = AddressGuard()
+class ThisComputerGuard(AddressGuard):
+    """A check that a client stays at this computer: a name may be resolved to another address the next time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.of_described = None
+
+    def check(self, found: SocketAddress) -> str:
+        """Return an address, as :meth:`AddressGuard.check`.
+
+        Raises:
+            OSError: It is one of another host.
+        """
+        text, is_own = _judged(found)
+        if not is_own:
+            raise OSError("its name leads to another host now, not to this computer")
+        return text
+
+
+async def guard_for(host: str | None) -> AddressGuard:
+    """Return the guard for connections to *host*, which has that for the addresses that it describes.
+
+    A name that leads to this computer and to another host is not this computer.
+    """
+    here = ThisComputerGuard()
     try:
-        await guard.resolve(host or "", 0)
-    except OwnAddressError:
-        return None
+        await here.resolve(host or "", 0)
     except OSError:
-        pass  # it cannot be connected to either
-    return guard
+        return AddressGuard()
+    return here
+
+
+def _judged(found: SocketAddress) -> tuple[str, bool]:
+    text = socket.getnameinfo(found, socket.NI_NUMERICHOST | socket.NI_NUMERICSERV)[0]
+    return text, _is_own(text, found[3] if len(found) > 3 else 0)
 
 
 def _is_own(text: str, scope: int) -> bool:

@@ -83,7 +83,9 @@ class DirectoryClient:
             await anyio.sleep(retries.fail(RETRY))
 
     async def _follow(self) -> None:
-        self._is_here = await guard_for(urlsplit(self._uri).hostname) is None
+        guard = await guard_for(urlsplit(self._uri).hostname)
+        self._is_here = guard.of_described is None
+        self._client = self._client.guarded_by(guard)
         lookup = await self._find_lookup()
         await self._read(lookup)
         with ungrouped():

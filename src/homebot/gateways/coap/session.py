@@ -178,8 +178,10 @@ class EndpointSession(DeviceRunner):
 
     async def _run_devices(self) -> None:
         async with self._describing:
-            self._client = self._client.guarded_by(await self._guard())
+            guard = await self._guard()
+            self._client = self._client.guarded_by(guard)
             described = await self._describe()
+            self._client = self._client.guarded_by(guard.of_described)
         before = set(self._things)
         self._things = {device.key: self._thing(device, thing) for device, thing in described}
         for key in before - set(self._things):
@@ -192,7 +194,7 @@ class EndpointSession(DeviceRunner):
                 if not any(device.parts for device, _ in described):
                     tasks.start_soon(run_as, "the check of a CoAP device", partial(self._check, described[0][0]))
 
-    async def _guard(self) -> AddressGuard | None:
+    async def _guard(self) -> AddressGuard:
         """Return the guard of this computer; only an endpoint on it may lead to it, unless another host named that."""
         if self.endpoint.is_foreign:
             return AddressGuard()

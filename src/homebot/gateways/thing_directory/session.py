@@ -96,8 +96,9 @@ class DirectorySession:
             RefusedError: It does not let homebot in.
             WireError: It breaks the rules.
         """
-        self._guard = await guard_for(URL(self._settings.url).host)
-        async with HttpClient(guard=None, login=login_at(URL(self._settings.url), self._logins)) as client:
+        guard = await guard_for(URL(self._settings.url).host)
+        self._guard = guard.of_described
+        async with HttpClient(guard=guard, login=login_at(URL(self._settings.url), self._logins)) as client:
             reader = DirectoryReader(self._settings.url, client, self._read)
             await self._listen(reader)
             while True:
