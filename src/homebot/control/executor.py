@@ -277,7 +277,7 @@ class CommandExecutor:
             progress.is_witnessed = outcome.evidence is Evidence.WITNESSED
             for capability in command.settings if timeline.unsure_since else ():
                 timeline.unsure_since.pop(capability, None)
-        elif isinstance(outcome, NoAnswer | Contradicted):  # it may have changed, although no report says so
+        elif outcome.may_obey_later:  # it may have changed, although no report says so
             now = self._clock.now()
             timeline.unsure_since.update((other, now) for one in command.settings for other in related(one))
         timeline.decide(progress, outcome, self._clock.monotonic())
@@ -347,10 +347,11 @@ def _is_news(opened: OpenCommand, fact: Reported) -> bool:
 
 
 def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
-    """Return whether a report shows that the device obeyed a command that had failed; no raw text."""
+    """Return whether a report shows that the device obeyed a command after its outcome; no raw text."""
     outcome = progress.outcome
-    has_failed = isinstance(outcome, NoAnswer) or (isinstance(outcome, Contradicted) and not outcome.witness)
-    return has_failed and not progress.is_raw and fact.is_change and progress.roles[fact.number] is ReportRole.EFFECT
+    if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
+        return False
+    return not progress.is_raw and fact.is_change and progress.roles[fact.number] is ReportRole.EFFECT
 
 
 def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> dict[str, PlainValue]:

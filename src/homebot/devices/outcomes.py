@@ -60,6 +60,7 @@ class Outcome:
         kind: Its word on the wire and in the journal.
         wire: The field of `CommandResult` that carries an attribute, where the two have different names.
         succeeded: Whether the device is as it was told to be; one that is not makes ``homebot do`` exit with 1.
+        may_obey_later: Whether the device may have obeyed, or may yet: the wanted value is then a late answer.
         is_final: Whether the same command would end so again, for example in the block of a hold.
         judges_device: Whether it tells how well the device obeys; a refusal, for example, is about the command.
         explains_reports: Whether the reports before it were changes by the command.
@@ -70,6 +71,7 @@ class Outcome:
     kind: ClassVar[str]
     wire: ClassVar[Mapping[str, str]] = MappingProxyType({})
     succeeded: ClassVar[bool] = False
+    may_obey_later: ClassVar[bool] = False
     is_final: ClassVar[bool] = False
     judges_device: ClassVar[bool] = False
     explains_reports: ClassVar[bool] = False
@@ -142,6 +144,7 @@ class Contradicted(Outcome):
     """
 
     kind: ClassVar[str] = "contradicted"
+    may_obey_later: ClassVar[bool] = True
     judges_device: ClassVar[bool] = True
     _words: ClassVar[str] = "contradicted: {0.saw}"
     saw: str
@@ -181,6 +184,7 @@ class NoAnswer(Outcome):
     """
 
     kind: ClassVar[str] = "no_answer"
+    may_obey_later: ClassVar[bool] = True
     wire: ClassVar[Mapping[str, str]] = MappingProxyType({"waited": "latency"})
     judges_device: ClassVar[bool] = True
     waited: float

@@ -26,7 +26,7 @@ def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: floa
 def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
     """Learn from a command of which nothing is known, or that the device contradicted."""
     outcome = progress.outcome
-    if not isinstance(outcome, NoAnswer | Contradicted):
+    if outcome is None or not outcome.may_obey_later:
         return
     _learn_answers(progress, profile)
     if not progress.refusal:
