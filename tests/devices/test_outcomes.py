@@ -68,6 +68,7 @@ def test_an_outcome_without_success_is_worse_than_one_with(outcome: Outcome) -> 
     confirmed = Confirmed(1.0, Evidence.REPORTED)
     assert has_succeeded(outcome.kind) is outcome.succeeded
     assert worst((confirmed, outcome)).succeeded is outcome.succeeded
+    assert not (outcome.succeeded and outcome.is_failure)
 
 
 def test_the_schemas_have_the_words_and_others_are_refused_at_the_border() -> None:

@@ -150,12 +150,25 @@ async def test_what_happens_is_in_the_journal_at_once_with_the_reason(page: Open
         await own.click("div[aria-label='on/off'] button")
         await own.shows("the client local asked for on", "ol")
         await own.open("#/journal", shows="the client local asked for on: confirmed after")
+        await own.shows("confirmed after", "ol .quiet")
         await own.write("input[type=search]", "Philips165 CONFIRMED")
         await own.shows("confirmed after", "ol")
         await own.write("input[type=search]", " bedroom")
         await own.shows("has these words")
         await own.hides("confirmed after", "ol")
         assert own.problems() == []
+
+
+async def test_a_failed_command_is_red_in_the_journal(page: OpenPage) -> None:
+    tables = {
+        "gateways": {"mqtt": {"root": "home425"}, "real": {"class": "homebot.gateways.memory:MemoryGateway"}},
+        "places": {"devices": {"lights/philips165": {"tags": ["always_ask"]}}},
+    }
+    async with page(tables=tables) as own:
+        await own.open("#/device/lights%2Fphilips165", shows="Commands")
+        await own.click("div[aria-label='on/off'] button")
+        await own.open("#/journal", shows="such a device takes a right")
+        await own.shows("such a device takes a right", "ol .bad")
 
 
 async def test_a_large_house_is_searched_by_words(page: OpenPage) -> None:

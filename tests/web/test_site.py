@@ -59,10 +59,12 @@ def test_the_page_names_no_other_server() -> None:
     }
 
 
-def test_the_vocabulary_has_the_units_of_the_capabilities() -> None:
-    units = json.loads(body("/vocabulary.json"))
-    assert units["level"] == "%"
-    assert units == {name: one.unit for name, one in CAPABILITIES.items() if one.unit}
+def test_the_vocabulary_has_the_units_of_the_capabilities_and_the_failures() -> None:
+    found = json.loads(body("/vocabulary.json"))
+    assert found["units"]["level"] == "%"
+    assert found["units"] == {name: one.unit for name, one in CAPABILITIES.items() if one.unit}
+    assert "no_answer" in found["failures"]
+    assert not {"confirmed", "superseded"} & set(found["failures"])
 
 
 async def test_a_running_homebot_serves_the_page_at_the_port_of_its_door() -> None:

@@ -21,13 +21,14 @@ from pydantic import BaseModel, Field
 
 from homebot.cli.door_address import DoorAddress
 from homebot.devices.names import HOME_HEADER
+from homebot.devices.outcomes import OUTCOMES
 from homebot.version import __version__
 
 __all__ = ["ApiClient", "house_server"]
 
 _GUIDE: Final = (
-    "Devices of a house. Find a device first, then use its id. Every command returns its proven outcome: confirmed, "
-    "already_so, contradicted, reverted, no_answer, superseded, gone or refused with a reason. Do not retry a refusal."
+    "Devices of a house. Find a device first, then use its id. Every command returns its proven outcome: "
+    f"{', '.join(OUTCOMES)}; where refused, with a reason. Do not retry a refusal."
 )
 _READS: Final = ToolAnnotations(read_only_hint=True, open_world_hint=False)
 _ACTS: Final = ToolAnnotations(read_only_hint=False, destructive_hint=True, open_world_hint=False)

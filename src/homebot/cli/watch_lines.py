@@ -7,13 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias, TypeVar, final
 
-from homebot.devices.wording.journal_words import (
-    entry_text,
-    issuer_text,
-    name_text,
-    settings_text,
-    trigger_text,
-)
+from homebot.devices.outcomes import has_succeeded
+from homebot.devices.wording.journal_words import entry_text, issuer_text, name_text, settings_text, trigger_text
 from homebot.devices.wording.time_format import to_seconds
 from homebot.devices.wording.values import plain_value
 from homebot.support.printable import printable
@@ -37,7 +32,6 @@ _MOST: Final = 10_000
 """Values, and commands, that are known at once; the oldest are dropped."""
 
 _CAUSES: Final = {"person": "by hand", "device": "by itself", "unknown": "by hand or by itself", "command": "raw text"}
-_DONE: Final = frozenset({"confirmed", "already_so"})
 _KeyT = TypeVar("_KeyT")
 _ValueT = TypeVar("_ValueT")
 _Place: TypeAlias = tuple[str, str, str]
@@ -149,7 +143,7 @@ class HouseLines:
     def _add_outcome(self, entry: JournalEntry, now: float) -> None:
         command = self._commands.get(entry.command) or _Command({}, "")
         result = entry.results[0]
-        if not (result.outcome in _DONE and command.is_seen and entry.kind == "outcome"):
+        if not (has_succeeded(result.outcome) and command.is_seen and entry.kind == "outcome"):
             self._add(entry, "outcome", command.settings, f"→ {command.words}", printable(result.text), now)
 
     def _explain(self, entry: JournalEntry) -> None:

@@ -60,6 +60,7 @@ class Outcome:
         kind: Its word on the wire and in the journal.
         wire: The field of `CommandResult` that carries an attribute, where the two have different names.
         succeeded: Whether the device is as it was told to be; one that is not makes ``homebot do`` exit with 1.
+        is_failure: Whether the log warns of it, and the page shows it in red.
         may_obey_later: Whether the device may have obeyed, or may yet: the wanted value is then a late answer.
         is_final: Whether the same command would end so again, for example in the block of a hold.
         judges_device: Whether it tells how well the device obeys; a refusal, for example, is about the command.
@@ -71,6 +72,7 @@ class Outcome:
     kind: ClassVar[str]
     wire: ClassVar[Mapping[str, str]] = MappingProxyType({})
     succeeded: ClassVar[bool] = False
+    is_failure: ClassVar[bool] = True
     may_obey_later: ClassVar[bool] = False
     is_final: ClassVar[bool] = False
     judges_device: ClassVar[bool] = False
@@ -105,6 +107,7 @@ class Confirmed(Outcome):
 
     kind: ClassVar[str] = "confirmed"
     succeeded: ClassVar[bool] = True
+    is_failure: ClassVar[bool] = False
     judges_device: ClassVar[bool] = True
     explains_reports: ClassVar[bool] = True
     latency: float
@@ -131,6 +134,7 @@ class AlreadySo(Outcome):
     kind: ClassVar[str] = "already_so"
     _words: ClassVar[str] = "it was so already"
     succeeded: ClassVar[bool] = True
+    is_failure: ClassVar[bool] = False
     _was_sent: ClassVar[bool] = False
 
 
@@ -214,6 +218,7 @@ class Superseded(Outcome):
     """
 
     kind: ClassVar[str] = "superseded"
+    is_failure: ClassVar[bool] = False
     explains_reports: ClassVar[bool] = True
     _words: ClassVar[str] = "superseded by command {0.by}"
     by: str
@@ -256,16 +261,7 @@ class Gone(Outcome):
 
 # A new outcome is a class, its place here, and an import in `homebot`: the wire, the journal, replays, all clients
 # and the reference read the rest from the class.
-_BEST_FIRST: Final[tuple[type[Outcome], ...]] = (
-    AlreadySo,
-    Confirmed,
-    Superseded,
-    Reverted,
-    Contradicted,
-    NoAnswer,
-    Refused,
-    Gone,
-)
+_BEST_FIRST: Final = (AlreadySo, Confirmed, Superseded, Reverted, Contradicted, NoAnswer, Refused, Gone)
 
 OUTCOMES: Final[Mapping[str, type[Outcome]]] = MappingProxyType({one.kind: one for one in _BEST_FIRST})
 """All of them, by their word, the best first."""

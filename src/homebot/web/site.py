@@ -54,10 +54,13 @@ def answer(path: str, etag: str) -> tuple[HTTPStatus, Mapping[str, str], bytes] 
 @cache
 def _file(name: str) -> tuple[str, bytes]:
     file = _TYPES[name][0]
-    body = files("homebot.web").joinpath("page", file).read_bytes() if file else _units()
+    body = files("homebot.web").joinpath("page", file).read_bytes() if file else _vocabulary()
     return f'"{hashlib.sha256(body).hexdigest()[:32]}"', body
 
 
-def _units() -> bytes:
-    """Return the unit of each capability that has one."""
-    return json.dumps({name: one.unit for name, one in CAPABILITIES.items() if one.unit}).encode()
+def _vocabulary() -> bytes:
+    """Return the unit of each capability that has one, and the words of the outcomes that are failures."""
+    from homebot.devices.outcomes import OUTCOMES  # noqa: PLC0415 - a start without a command needs none
+
+    units = {name: one.unit for name, one in CAPABILITIES.items() if one.unit}
+    return json.dumps({"units": units, "failures": [kind for kind, one in OUTCOMES.items() if one.is_failure]}).encode()

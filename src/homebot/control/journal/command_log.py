@@ -15,7 +15,7 @@ from homebot.control.values import settings_text, value_text
 from homebot.devices import Device
 from homebot.devices.client_rights import is_client
 from homebot.devices.device import ChangedSetting
-from homebot.devices.outcomes import AlreadySo, Gone, Refused, Superseded
+from homebot.devices.outcomes import AlreadySo, Gone, Refused
 from homebot.devices.value import PlainValue
 from homebot.errors import ServiceError
 from homebot.graph import Node
@@ -109,8 +109,7 @@ class CommandLog:
         by = note.issuer.removeprefix("/").replace("client:", "client ") or "another program"
         what = f"text {ended.text!r}, by {by}" if outcome is None else f"{_wanted_text(note)}, by {by}: {outcome.text}"
         text = f"{_label(note, device)} → {what}{more_like_this(held_back)}"
-        is_failure = outcome is not None and not outcome.succeeded and not isinstance(outcome, Superseded)
-        log = self._node.log.warning if is_failure else self._node.log.info
+        log = self._node.log.warning if outcome is not None and outcome.is_failure else self._node.log.info
         log(COMMAND, message=text, device=note.device, issuer=note.issuer, command=note.command)
 
     def _add_turn(self, note: JournalNote, device: Device | None) -> None:

@@ -12,7 +12,7 @@ import { Journal } from "./views/journal.js";
 import { Plan } from "./views/plan.js";
 import { Rates } from "./views/rates.js";
 import { System } from "./views/system.js";
-import { loadUnits } from "./words.js";
+import { loadVocabulary } from "./words.js";
 
 const VIEWS = {
   house: ["House", House],
@@ -80,7 +80,7 @@ addEventListener("hashchange", () => {
   scrollTo(0, 0);
 });
 effect(() => (document.title = connection.value.home || "homebot"));
-loadUnits();
+loadVocabulary();
 follow();
 connect();
 render(html`<${Page} />`, document.getElementById("page"));

@@ -1,12 +1,12 @@
 // Values, times and causes as people read them.
 import { signal } from "@preact/signals";
 
-/** Unit of each capability of the vocabulary. */
-export const units = signal({});
+/** Unit of each capability, and the outcomes that are failures. */
+export const vocabulary = signal({ units: {}, failures: [] });
 
-export async function loadUnits() {
+export async function loadVocabulary() {
   const answer = await fetch("vocabulary.json");
-  if (answer.ok) units.value = await answer.json();
+  if (answer.ok) vocabulary.value = await answer.json();
 }
 
 const TRUE = {
@@ -32,7 +32,7 @@ export function valueText(capability, value, unit = "") {
     return value ? yes : no;
   }
   if (typeof value === "number") {
-    const own = unit || units.value[capability] || "";
+    const own = unit || vocabulary.value.units[capability] || "";
     const text = Number.isInteger(value) ? String(value) : String(Number(value.toFixed(Math.abs(value) < 10 ? 2 : 1)));
     return own ? `${text}\u00a0${own}` : text;
   }
@@ -43,7 +43,7 @@ export function valueText(capability, value, unit = "") {
 export const label = (name) => (name === "on_off" ? "on/off" : name.replace(/^x_/, "").replaceAll("_", " "));
 
 /** The unit of a capability: of the device, else of the vocabulary. */
-export const unitOf = (capability) => capability.unit || units.value[capability.name] || "";
+export const unitOf = (capability) => capability.unit || vocabulary.value.units[capability.name] || "";
 
 /** The words of a capability for 1 and 0; undefined if it has none. */
 export const wordsOf = (capability) => TRUE[capability];

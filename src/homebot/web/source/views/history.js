@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection } from "../door.js";
 import { html } from "../html.js";
 import { Plot } from "../plot.js";
-import { label, units, wordsOf } from "../words.js";
+import { label, unitOf, wordsOf } from "../words.js";
 
 const PERIODS = [["1 h", 3600], ["24 h", 86_400], ["7 d", 604_800], ["30 d", 2_592_000], ["1 y", 31_536_000]]; // seconds
 const POINTS = 300;
@@ -44,7 +44,7 @@ function Series({ answer }) {
   if (!found) return html`<p class="empty">${answer.message || "Nothing is kept of that time."}</p>`;
   const words = found.values.length ? undefined : wordsOf(found.capability);
   const [times, values] = words ? flagsOf(found) : numbersOf(found, answer.now);
-  const unit = found.unit || units.value[found.capability] || "";
+  const unit = unitOf({ unit: found.unit, name: found.capability });
   const text = (value) => (words ? words[value ? 0 : 1] : `${value} ${unit}`.trim());
   return html`<${Plot} label=${label(found.capability)} times=${times} values=${[values]} names=${[""]} from=${Math.max(answer.now - answer.period, Math.min(times[0], answer.now - LEAST))} to=${answer.now} isStepped=${!found.width} isFlag=${Boolean(words)} text=${text} />`;
 }

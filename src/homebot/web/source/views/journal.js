@@ -3,12 +3,11 @@ import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribe } from "../door.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
-import { entryText, hasWords, timeText } from "../words.js";
+import { entryText, hasWords, timeText, vocabulary } from "../words.js";
 
 const KEPT = 1000; // entries that can be searched, as many as homebot answers with
 const MOST = 300; // that are shown
 const TELLING = new Set(["requested", "outcome", "reverted", "changed", "published", "denied", "held", "released", "ended", "expired", "outranked"]);
-const FAILED = new Set(["contradicted", "reverted", "no_answer", "refused", "gone"]);
 
 export function Journal() {
   const [entries, setEntries] = useState([]);
@@ -65,4 +64,4 @@ export function Entry({ entry, outcome, own = "", names }) {
   </li>`;
 }
 
-const isBad = (entry) => FAILED.has(entry.results[0]?.outcome) || entry.kind === "denied" || (entry.kind === "judged" && !entry.verdicts[0]?.allowed);
+const isBad = (entry) => vocabulary.value.failures.includes(entry.results[0]?.outcome) || entry.kind === "denied" || (entry.kind === "judged" && !entry.verdicts[0]?.allowed);
