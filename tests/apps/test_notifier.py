@@ -94,9 +94,8 @@ async def test_a_notification_that_fails_is_logged_and_the_app_runs_on(
     assert not await washing(house.runtime).notify("Washing is done")
     (line,) = events(lines, NOT_SENT)
     assert "mqtt: the gateway only observes" in line
-    assert (
-        house.runtime.app_host.notification_problem() == f"the last {line.removeprefix('a ').replace(' of waiting', '')}"
-    )
+    failure = line.removeprefix("a ").replace(" of waiting", "")
+    assert house.runtime.app_host.notification_problem() == f"the last {failure}"
     assert house.crashed == ()
 
 
