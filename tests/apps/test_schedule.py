@@ -219,6 +219,24 @@ async def test_a_durable_timer_goes_on_after_a_restart_and_is_taken_over_by_its_
         assert diary.jobs == ()
 
 
+@pytest.mark.parametrize("is_durable", [True, False])
+async def test_a_timer_replaces_a_waiting_one_of_its_name(*, is_durable: bool) -> None:
+    store = Store("diary")
+
+    def setup(app: Diary) -> None:
+        app.after("1h", app.note, name="off", durable=True)
+
+    async with living(setup, "2026-06-01 12:00", store=store) as (diary, _):
+        await anyio.sleep(0.5 * HOUR)
+        diary.after("1h", diary.note, name="off", durable=is_durable)
+        await anyio.sleep(0.75 * HOUR)
+        assert diary.calls == []
+        assert len(diary.jobs) == 1
+    async with living(lambda _: None, "2026-06-01 12:00", store=store) as (diary, _):  # it is 13:15: time has passed
+        await anyio.sleep(HOUR)
+        assert [call[:11] for call in diary.calls] == ["06-01 13:30"] * is_durable
+
+
 async def test_jobs_wait_for_a_clock_that_was_not_set_yet() -> None:
     def setup(app: Diary) -> None:
         app.daily("01:00", app.note, name="early")

@@ -49,6 +49,28 @@ async def test_the_tests_of_the_guide_pass(world: World, name: str) -> None:
         await test(house)
 
 
+@pytest.fixture
+def two_rooms(tmp_path: Path) -> World:
+    """Return the house of the guide with a second motion sensor."""
+    study = '[rooms.study]\n[devices.study_motion]\nkind = "motion"\nroom = "study"\n'
+    (tmp_path / "house.toml").write_text(HOUSE + study)
+    return load_world(tmp_path / "house.toml")
+
+
+@pytest.mark.usefixtures("world")
+@pytest.mark.virtual_time
+async def test_the_heating_goes_by_the_last_motion_of_all_sensors(two_rooms: World) -> None:
+    """As the group of the others does: a sensor that has been clear for long does not count alone."""
+    async with virtual_house_of("presence_heating:PresenceHeating", world=two_rooms) as house:
+        await house.sense("study_motion", occupied=True)
+        await house.becomes("hall_heater", heating_setpoint=21, within="5s")
+        await house.run_for("29m")
+        await house.sense("study_motion", occupied=False)
+        await house.run_for("29m")
+        await house.becomes("hall_heater", heating_setpoint=21)
+        await house.becomes("hall_heater", heating_setpoint=17, within="2m")
+
+
 def test_each_program_of_homebot_has_thirty_lines_at_most() -> None:
     """The others are shown to be read, and are Python at least."""
     assert len(FILES) == len(TESTS) == 3

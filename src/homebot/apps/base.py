@@ -167,6 +167,7 @@ class App(ABC, Generic[SettingsT]):
         """Call *handler* once, *delay* from now: ``"2m"``, seconds or a timedelta.
 
         Args:
+            name: Of one that waits, this one replaces it.
             durable: Whether it is kept over a restart; then it needs a *name*, and a method of the app.
             catch_up: How late a durable one may be because homebot was stopped; else it is dropped with a line.
         """

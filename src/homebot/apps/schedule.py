@@ -130,11 +130,10 @@ class Schedule:
                 return self._jobs[name]
         elif late:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
-        job = self._interval(self._name(name, handler, text), text, handler, seconds, None)
+        job = self._interval(self._name(name, handler, text, is_timer=True), text, handler, seconds, None)
         self._add(job)
-        if durable:
-            kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late}
-            self._keep(_TIMERS, job.name, kept)
+        kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late}
+        self._keep(_TIMERS, job.name, kept if durable else None)
         return job
 
     def every(self, period: Length, handler: RunHandler, name: str | None, offset: Length, mode: RunMode) -> Job:
@@ -213,15 +212,16 @@ class Schedule:
     def _elapsed(self) -> float:
         return self._clock.monotonic() + self._app.context.asleep()
 
-    def _name(self, name: str | None, handler: RunHandler, text: str) -> str:
-        """Return the name of a new job."""
+    def _name(self, name: str | None, handler: RunHandler, text: str, *, is_timer: bool = False) -> str:
+        """Return the name of a new job, which may be that of another only where a timer replaces a timer."""
         if name is None:
             function = handler.func if isinstance(handler, partial) else handler
             base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()
             return next(one for one in _numbered(base) if one not in self._jobs)
         if type(name) is not str or not name:
             raise UsageError(f"name: {name!r:.60} is no text of one character or more")
-        if (other := self._jobs.get(name)) is not None:
+        other = self._jobs.get(name)
+        if other is not None and not (is_timer and _is_timer(other)):
             raise UsageError(f"two jobs are named {name!r}: at {other.where} and at {_calling_line()}; rename one")
         return name
 
@@ -238,7 +238,7 @@ class Schedule:
     def _forget(self, job: Job) -> None:
         if self._jobs.get(job.name) is job:
             del self._jobs[job.name]
-            if isinstance(job, Interval) and job.period is None:
+            if _is_timer(job):
                 self._keep(_TIMERS, job.name, None)
             self._changed.set()
 
@@ -256,7 +256,7 @@ class Schedule:
             self._is_working = False
 
     def _call(self, job: Job, due: Due) -> None:
-        if isinstance(job, Interval) and job.period is None:
+        if _is_timer(job):
             self._forget(job)
         if due.is_missed:
             self._skipped(job.name, f"it was due {_duration(due.late)} ago")
@@ -278,6 +278,10 @@ class Schedule:
         self._app.store[key] = {one: kept[one] for one in kept if one != name} | (
             {} if value is None else {name: value}
         )
+
+
+def _is_timer(job: Job) -> bool:
+    return isinstance(job, Interval) and job.period is None
 
 
 def _calling_line() -> str:
