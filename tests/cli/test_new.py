@@ -12,14 +12,16 @@ from homebot.cli.main import main
 
 
 @pytest.mark.slow
-def test_a_new_folder_passes(tmp_path: Path) -> None:
+@pytest.mark.parametrize("plugins", [(), ("-p", "no:asyncio")], ids=["with_asyncio", "without"])
+def test_a_new_folder_passes_without_a_warning(tmp_path: Path, plugins: tuple[str, ...]) -> None:
     assert main(["new", str(tmp_path / "Hall-Light")]) == 0
     folder = tmp_path / "Hall-Light"
     code = "hall_light.py", "hall_light.service", "test_hall_light.py"
     assert {path.name for path in folder.iterdir()} == {*code, "homebot.toml", "house.toml", "pytest.ini"}
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *plugins]
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, cwd=folder)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
+    assert "warning" not in done.stdout
     unit = (folder / "hall_light.service").read_text()
     assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
 
