@@ -162,7 +162,7 @@ async def test_the_log_names_the_client_and_its_mistake(open_house: Any, frame: 
             await peer.settle()
         host, port = peer.connection.local_address[:2]
     (line,) = logs
-    assert line["message"].startswith(f"{host}:{port}{said}")
+    assert line["message"].startswith(f"client:local ({host}:{port}){said}")
     assert len(line["message"]) <= 300
 
 

@@ -48,7 +48,7 @@ class OutsideClient:
 
     def log(self, kind: str, event: str, text: str, **facts: str | int) -> None:
         """Log *text*, which follows the name of the client; lines of one *kind* and host are limited."""
-        kind, line = f"{kind} {self.address.rpartition(':')[0]}", f"{self.address}{text}"
+        kind, line = f"{kind} {self.address.rpartition(':')[0]}", f"{self.access.issuer} ({self.address}){text}"
         self.shared.error_log.log(kind, event, line, level="warning", error=None, client=self.address, **facts)
 
     def log_refusal(self, text: str, op: str, problem: str, event: str = "door.refused") -> None:
