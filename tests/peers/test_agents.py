@@ -72,7 +72,9 @@ async def test_the_client_of_the_sdk_finds_commands_and_asks_a_person(tmp_path: 
             assert asked == ["home425/locks/front_door: unlock? It always asks: its type is door_lock."] * 2
 
         async with client("keys") as session:  # one that can ask nobody
-            assert (await call(session, "command", device="front_door", do="lock"))["outcome"] == "refused"
+            refused = await call(session, "command", device="front_door", do="lock")
+            reason = "this device always asks, and this client cannot ask its person"
+            assert refused == {"outcome": "refused", "reason": reason}
 
 
 async def test_nothing_is_sent_to_a_device_that_cannot_be_looked_up() -> None:

@@ -50,8 +50,8 @@ class Sure(BaseModel):
     confirm: bool = Field(description="whether to do it")
 
 
-class _Unknown(Sure):
-    """The device cannot be looked up, so that it is not known whether it asks."""
+class _Unsent(Sure):
+    """No person can be asked, or it is not known whether one must be, as the device cannot be looked up."""
 
     confirm: bool = False
     problem: str
@@ -114,7 +114,7 @@ def house_server(api: ApiClient) -> MCPServer:
 
     async def command(device: str, do: str, sure: Annotated[ElicitationResult[Sure], Resolve(sure)]) -> str:
         """Command one device: `on`, `off`, `40 %`, `2700 K`, `heating_setpoint 21`, `open`, `lock`."""
-        if isinstance(sure, AcceptedElicitation) and isinstance(sure.data, _Unknown):
+        if isinstance(sure, AcceptedElicitation) and isinstance(sure.data, _Unsent):
             return sure.data.problem
         if not isinstance(sure, AcceptedElicitation) or not sure.data.confirm:
             return json.dumps(_UNCONFIRMED)
@@ -131,11 +131,11 @@ def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
     """Return the question to a person before *do* reaches the device of *details*, or an answer where none is asked."""
     device, can = json.loads(details), context.client_capabilities
     if "id" not in device:
-        return _Unknown(problem=details)
+        return _Unsent(problem=details)
     if not (reason := device.get("always_asks")):
         return Sure(confirm=True)
     if can is None or can.elicitation is None:
-        return Sure(confirm=False)
+        return _Unsent(problem=_problem("refused", "this device always asks, and this client cannot ask its person"))
     return Elicit(f"{device['id']}: {do}? It always asks: {reason}.", Sure)
 
 
