@@ -121,6 +121,17 @@ def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step
     assert finding["rows"] == [{"what": "bridge", "why": "press its button"}, {"what": "hall", "why": "pair it"}]
 
 
+def test_a_homebot_without_a_gateway_is_told_how_to_get_one(
+    homebot_with: Callable[..., Homebot], capsys: Text, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A configuration of tokens alone found no device, and all was well."""
+    homebot = homebot_with(StillHouse().node, None)
+    monkeypatch.setattr("homebot.cli.commands.doctor._gateways", lambda _: {})
+    assert main(["--door", homebot.door, "doctor", "--gateways"]) == 0
+    second = capsys.readouterr().out.splitlines()[1]
+    assert second == "no gateway runs: no device is found without a table such as [gateways.mqtt]"
+
+
 def test_a_container_is_healthy_though_devices_are_silent_and_parts_have_failed(
     homebot_with: Callable[..., Homebot], capsys: Text
 ) -> None:

@@ -293,6 +293,7 @@ async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> N
             pass
     (greeting,) = [line["message"] for line in lines if line["event"] == "runtime.running"]
     assert greeting.startswith(f"villa is running; listening for rosbridge clients on ws://{shown}")
+    assert greeting.endswith("; no device is found without a table such as [gateways.mqtt]")
 
 
 @pytest.mark.parametrize(

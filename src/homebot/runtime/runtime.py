@@ -274,7 +274,8 @@ class Runtime:
             return f"{home} is running"
         page, note = self.door.page, " (a dry run: nothing is sent to any device)" if self.is_dry_run else ""
         door = page.replace("http", "ws", 1)
-        return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}"
+        lack = "" if self._plan.gateways else "; no device is found without a table such as [gateways.mqtt]"
+        return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}{lack}"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
         """Start each in-process peer that gateways need once, unless it was given."""

@@ -104,6 +104,7 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     total, unconfirmed = (find_devices(door, query, 1).total for query in ("", "unconfirmed"))
     gateways, findings = _gateways(door), list[Finding]()
     texts = [f"home {printable(door.home)} on {door.where}"]
+    texts += [] if gateways else ["no gateway runs: no device is found without a table such as [gateways.mqtt]"]
     for name, state in sorted(gateways.items()):
         texts += [_gateway_line(name, state)] if state is not None and state.state == "active" else []
         findings += gateway_finding(name, state)
