@@ -133,6 +133,7 @@ def test_the_keys_that_wait_for_a_restart_are_named_each() -> None:
         "home": {"name": "a"},
         "gateways": {"mqtt": {"url": "mqtt://a", "act": True}, "ble": {}},
         "apps": {"one": {"act": "light", "rooms": ["a"]}},
+        "robots": {"rosie": {}},
         "door": {"port": 1, "token": "x"},
         "control": {"timeout": 3.0, "approvals": True},
     }
@@ -140,12 +141,18 @@ def test_the_keys_that_wait_for_a_restart_are_named_each() -> None:
         "home": {"name": "b"},
         "gateways": {"mqtt": {"url": "mqtt://b", "act": True}, "nfc": {}},
         "apps": {"one": {"act": "lock", "rooms": ["b"]}},
-        "door": {"port": 1, "token": "y", "scope": ["read"]},
+        "robots": {"rosie": {}},
+        "door": {
+            "port": 1,
+            "token": "y",
+            "scope": ["read"],
+            "tokens": {"a": {"token": "z", "scope": ["read", "robot: rosie", "robot: gina"]}},
+        },
         "control": {"timeout": 4.0, "approvals": False},
         "history": {"keep": {}},
         "places": {"rooms": {"Hall": {}}},
     }
     found = keys_for_restart(parse_config(before, "a"), parse_config(after, "b"))
     named = "home.name gateways.mqtt.url gateways.ble gateways.nfc apps.one.rooms control.timeout history.keep"
-    assert found == tuple(named.split())
+    assert found == (*named.split(), "door.tokens (the robot gina)")
     assert keys_for_restart(parse_config(after, "a"), parse_config(after, "b")) == ()

@@ -12,6 +12,7 @@ from homebot.bridges.rosbridge import Door
 from homebot.config import Config
 from homebot.control import Control
 from homebot.control.settings import PolicySettings
+from homebot.devices.client_rights import ALL_ROBOTS, read_scope
 from homebot.discovery import Directory
 from homebot.errors import UsageError
 from homebot.runtime.grants import ACT
@@ -53,7 +54,14 @@ class RunningParts(NamedTuple):
 def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
     """Return the keys that differ and take effect at the next start."""
     old, new = before.model_dump(exclude={"places"}), after.model_dump(exclude={"places"})
-    return tuple(key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
+    keys = (key for table in old for key in _changed(table, old[table] or {}, new[table] or {}))
+    robots = sorted(_robots(new["door"]) - _robots(old["door"]) - {ALL_ROBOTS, *old["robots"], *new["robots"]})
+    return (*keys, *(f"door.tokens (the robot {name})" for name in robots))
+
+
+def _robots(door: Mapping[str, Any]) -> set[str]:
+    """Return the names of the robots that tokens may be, which are tracked from the start on."""
+    return {name for one in door.get("tokens", {}).values() for name in read_scope(one.get("scope", ())).robots}
 
 
 def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
