@@ -288,6 +288,14 @@ def test_the_temperature_inside_a_device_is_no_temperature_of_its_room(
     assert built({**sensors, "TempUnit": "C"})[part_id].part.category == category
 
 
+def test_a_plug_begins_with_what_it_measures_now() -> None:
+    """A list showed the time since which a plug counts, and three counters, but not its power."""
+    start = "2025-01-01T10:00:00"
+    parts = built({"ENERGY": {"TotalStartTime": start, "Total": 1.5, "Today": 0.5, "Power": 5, "Voltage": 230}})
+    shown = [one.part.id for one in parts.values() if one.part.category != "diagnostic"]
+    assert shown == ["ENERGY_Power", "ENERGY_Voltage", "ENERGY_Total", "ENERGY_Today"]
+
+
 def test_other_leaves_are_left_out() -> None:
     assert built({"Time": "now", "Switch1": "ON", "PN532": {"UID": "1"}, "TempUnit": "C"}) == {}
     assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}) == ()

@@ -134,7 +134,7 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
 
 def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
-    for leaf in leaves:
+    for leaf in sorted(leaves, key=lambda one: one.quantity.capability == "energy"):  # counters after what is now
         quantity = leaf.quantity
         is_number = leaf.is_number or quantity.capability != "measurement"
         part = JsonPart(
@@ -142,7 +142,7 @@ def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[
             quantity.service_type,
             name=clean_text(" ".join(map(str, leaf.path))),
             advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
-            category="diagnostic" if leaf.is_internal else "",
+            category="diagnostic" if leaf.is_internal or leaf.path[-1] == "TotalStartTime" else "",
         )
         capability = quantity.capability if is_number else "value"
         for topic in config.sensors:
