@@ -19,6 +19,7 @@ from tests.peers.node_package import node_folder
 
 from homebot.config import parse_config
 from homebot.house import SimulatedLamp, World, thesis_world
+from homebot.house.description import load_world
 from homebot.runtime import Runtime
 
 SOURCE = Path(__file__).parents[2] / "src/homebot/web/source"
@@ -303,6 +304,16 @@ async def test_axe_finds_nothing_serious(page: OpenPage, axe: str, scheme: str, 
             found += await to_thread.run_sync(partial(serious, own.browser, view))
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         assert found == []
+
+
+async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPage, tmp_path: Path) -> None:
+    """It read "words:zigbee2mqtt:0x02…#light", twice."""
+    house = '[house]\ndialect = "zigbee2mqtt"\n[rooms.hall]\n[devices.lamp]\nkind = "lamp"\nroom = "hall"\n'
+    (tmp_path / "house.toml").write_text(house)
+    world = await to_thread.run_sync(load_world, tmp_path / "house.toml")
+    async with page(world) as own:
+        await own.open("#/device/lamp", shows="mqtt: zigbee2mqtt:0x")
+        await own.hides("words:", "main")
 
 
 async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> None:

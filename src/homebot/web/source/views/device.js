@@ -163,12 +163,14 @@ function Facts({ device }) {
         ${known("id", device.id)}
         ${known("last seen", `${durationText(Math.max(age, 0))} ago`, device.freshness)}
         ${device.facts.map((fact) => known(label(fact.name), fact.value, fact.convention === "owner" ? `you, by the ${fact.key}` : [fact.gateway, fact.convention].filter(Boolean).join(", ")))}
-        ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${one.address}`, one.command_address))}
+        ${device.endpoints.map((one) => known("reached by", `${one.gateway}: ${topic(one.address) || one.key}`, topic(one.command_address)))}
         ${device.conflicts.map((text) => known("conflict", text))}
       </tbody>
     </table>
   </section>`;
 }
+
+const topic = (address) => (address.startsWith("words:") ? "" : address); // the others are homebot's own
 
 const known = (name, value, source = "") => html`<tr><th scope="row">${name}</th><td>${value} <small>${source}</small></td></tr>`;
 
