@@ -316,6 +316,21 @@ async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPag
         await own.hides("words:", "main")
 
 
+async def test_a_summary_has_no_measurement_without_a_name_beside_a_known_one() -> None:
+    """A metering plug was "on · 1840 W · measurement 1850 · measurement 80"."""
+    home = node_folder(SOURCE)
+    shutil.copytree(SOURCE, home, dirs_exist_ok=True)
+    readings = [{"capability": name, "value": value} for name, value in (("measurement", 1850), ("power", 1840))]
+    script = f"""import {{ summary }} from "./words.js";
+        const states = (all) => ({{ states: new Map(all.entries()) }});
+        console.log(summary(states({readings})), "|", summary(states({readings[:1]})));"""
+    command = ("node", "--input-type=module", "--eval", script)
+    done = await to_thread.run_sync(
+        partial(subprocess.run, command, cwd=home, check=True, capture_output=True, text=True)
+    )
+    assert done.stdout.strip() == "1840 | measurement 1850"
+
+
 async def test_the_committed_page_is_what_its_source_builds(tmp_path: Path) -> None:
     """`make page` was run after the last change."""
     home = node_folder(SOURCE)

@@ -55,6 +55,7 @@ export function summary(device) {
   const isTold = ({ capability, value }) =>
     capability.startsWith("color") ||
     (capability === "level" && has("on_off", false)) ||
+    (capability === "measurement" && found.some((one) => BY_UNIT.has(one.capability))) ||
     (capability === "position" && has("movement", value === 100 ? "open" : value === 0 ? "closed" : "")) ||
     has(TOLD_BY[capability]);
   const isFirst = (one) => (PLAIN.has(one.capability) ? 0 : 1);
