@@ -89,6 +89,20 @@ async def test_a_late_answer_is_explained_by_the_command_that_failed(home: Home)
 
 
 @virtual_time
+async def test_a_late_answer_that_is_the_first_live_report_is_explained_by_the_command(home: Home) -> None:
+    """Of a lamp of which only a retained value was known."""
+    home.put("lamp", "light", "on_off")
+    await home.gateway.devices.report("lamp", {"on_off": False}, retained=True)
+    await anyio.sleep(20)
+    lamp = await home.handle(Light)
+    home.behaviours["lamp"] = ignore
+    assert isinstance(await lamp.turn_on(), NoAnswer)
+    await home.report("lamp", "on_off", True)
+    found = await explain(home, lamp.device.id)
+    assert (found.finding, changes(found.entries)) == ("command", [("reported", "command")])
+
+
+@virtual_time
 async def test_an_answer_after_any_outcome_that_leaves_room_for_one_is_explained(
     home: Home, monkeypatch: pytest.MonkeyPatch
 ) -> None:

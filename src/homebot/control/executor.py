@@ -351,7 +351,8 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
     outcome = progress.outcome
     if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
         return False
-    return not progress.is_raw and fact.is_change and progress.roles[fact.number] is ReportRole.EFFECT
+    is_change = fact.is_change or (fact.is_first and progress.last.get(fact.capability, fact.value) != fact.value)
+    return not progress.is_raw and is_change and progress.roles[fact.number] is ReportRole.EFFECT
 
 
 def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> dict[str, PlainValue]:

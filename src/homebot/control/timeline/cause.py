@@ -62,8 +62,6 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
     Args:
         commands: The commands to the part, newest first.
     """
-    if fact.is_first:
-        return _NOT_KNOWN
     answered = _NO_COMMAND
     for command in commands:
         role = command.roles.get(fact.number)
@@ -72,7 +70,7 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
             return Attribution(cause, command.order.id, role)
         if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
             answered = Attribution(Cause.PERSON, command.order.id, role)
-    return _NOT_KNOWN if fact.is_after_loss else answered
+    return _NOT_KNOWN if fact.is_first or fact.is_after_loss else answered
 
 
 def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:
