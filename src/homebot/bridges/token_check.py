@@ -1,21 +1,55 @@
-"""The check of clients' tokens, with delays for guessing addresses."""
+"""The check of clients' tokens, with a delay for those that guess.
+
+The right token and wrong ones wait alike, otherwise a guesser could hang up early. An address may be
+wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
+at a time; so an address tries four tokens a second at most, and its honest client comes in after a second.
+
+A long token that was right from an address before does not wait there: guessers at the same address, or behind the
+same router, cannot lock its program out. They would learn at once that a guess is right, which helps them with short
+tokens alone.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import final
 
 import anyio
 from pydantic import SecretStr
 
 from homebot.bridges.admission import name_of_token
-from homebot.bridges.token_guard import TokenGuard
 from homebot.clock import Clock
+from homebot.support.addresses import network_of
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["TokenCheck"]
 
+_FREE_ATTEMPTS = 5
+_FIRST_DELAY, _LONGEST_DELAY = 0.1, 1.0
+_DECAY_INTERVAL = 10.0
+"""Seconds after which one wrong token is forgotten."""
 
+_MOST_WRONG = 20
+_MOST_WAITING = 4
+_MOST_ADDRESSES = 1000
+_MOST_PROVEN = 1000
+_LONG = 16
+"""Characters of a token that is too long to be guessed."""
+
+
+@dataclass(slots=True)
+class _Attempts:
+    wrong: float
+    since: float
+    waiting: int = 0
+
+
+@final
 class TokenCheck:
     """The check of the tokens that clients of one server show.
+
+    It remembers the wrong tokens of the 1,000 addresses that were wrong last, and the 1,000 programs that came in last.
 
     Args:
         tokens: The right tokens by name; at least one.
@@ -28,32 +62,46 @@ class TokenCheck:
         self.wrong = 0
         self._tokens = tokens
         self._clock = clock
-        self._guard = TokenGuard()
+        self._attempts: BoundedMap[str, _Attempts] = BoundedMap(_MOST_ADDRESSES)
+        self._proven: BoundedMap[tuple[str, str], None] = BoundedMap(_MOST_PROVEN)
 
     async def check(self, address: str, token: str) -> str | None:
         """Return the name of the *token* that a client at *address* shows; empty for a wrong one.
 
-        None where too many from there wait already.
+        None where too many from there wait already. A check that is cancelled counts as none.
         """
-        now = self._clock.monotonic
-        name = name_of_token(self._tokens, token)
-        if name and self._guard.is_proven(address, name, token):
+        network, name = network_of(address), name_of_token(self._tokens, token)
+        if len(token) >= _LONG and (network, name) in self._proven:
             return name
-        wait = self._guard.begin(address, now())
-        if wait is None:
-            return None
-        is_wrong = False
+        attempts, wait = self._attempts_of(network), 0.0
+        if attempts.wrong >= _FREE_ATTEMPTS:
+            if attempts.waiting >= _MOST_WAITING:
+                return None
+            attempts.waiting += 1
+            wait = min(_LONGEST_DELAY, _FIRST_DELAY * 2 ** (attempts.wrong - _FREE_ATTEMPTS))
         try:
             await anyio.sleep(wait)
-            is_wrong = not name
         finally:
-            self._guard.end(address, now(), waited=wait > 0, was_wrong=is_wrong)
-        self.wrong += is_wrong
+            attempts = self._attempts_of(network)
+            attempts.waiting = max(0, attempts.waiting - (wait > 0))
         if name:
-            self._guard.prove(address, name)
+            self._proven[network, name] = None
+        else:
+            self.wrong += 1
+            attempts.wrong = min(_MOST_WRONG, attempts.wrong + 1)
+            self._attempts[network] = attempts
         return name
 
     def problems(self) -> tuple[str, ...]:
-        """Return the guessing addresses, as text for a health report."""
-        guessing = self._guard.throttled_addresses(self._clock.monotonic())
+        """Return the guessing addresses (IPv6: networks), as text for a health report."""
+        guessing = [one for one in tuple(self._attempts) if self._attempts_of(one).wrong >= _FREE_ATTEMPTS]
         return (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()
+
+    def _attempts_of(self, network: str) -> _Attempts:
+        now = self._clock.monotonic()
+        attempts = self._attempts.get(network) or _Attempts(0.0, now)
+        attempts.wrong = max(0.0, attempts.wrong - (now - attempts.since) / _DECAY_INTERVAL)
+        attempts.since = now
+        if not attempts.wrong and not attempts.waiting:
+            self._attempts.pop(network, None)
+        return attempts
