@@ -1,18 +1,25 @@
-"""Service calls that a client makes."""
+"""Services: those that a client calls, and those that it provides."""
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
+from functools import partial
 from typing import Any
 
 from homebot.bridges.rosbridge.access import ClientAccess
+from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.protocol import (
+    AdvertiseService,
     CallService,
+    ServiceOperation,
+    ServiceResponse,
     failure_frame,
     frame_text,
 )
-from homebot.bridges.rosbridge.types import request_from_client
+from homebot.bridges.rosbridge.shared_state import Provisions, SharedState
+from homebot.bridges.rosbridge.types import request_from_client, service_type_of
 from homebot.bridges.turns import ServerTurns
 from homebot.devices.names import COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND
 from homebot.devices.query import Or, QueryTerm, query_terms
@@ -20,6 +27,8 @@ from homebot.devices.query.parse import parse_query
 from homebot.devices.services import QueryDevicesResponse
 from homebot.errors import (
     HomebotError,
+    PeerError,
+    RefusedError,
     ServiceFailedError,
     ServiceUnavailableError,
     TypeMismatchError,
@@ -28,10 +37,18 @@ from homebot.errors import (
 from homebot.graph import Client, EntityKind, Node
 from homebot.graph.current_cause import CURRENT_CAUSE, CallCause
 from homebot.messages.definition import fields_of
-from homebot.messages.json import message_to_pieces
-from homebot.messages.message import Message
+from homebot.messages.json import message_to_pieces, message_to_text
+from homebot.messages.message import Message, ServiceType
 
-__all__ = ["call_service", "cause_of_call", "missing_service", "named_values", "parse_queries", "refusal"]
+__all__ = [
+    "ProvidedServices",
+    "call_service",
+    "cause_of_call",
+    "missing_service",
+    "named_values",
+    "parse_queries",
+    "refusal",
+]
 
 
 def named_values(message_type: type[Message], values: object) -> dict[str, Any]:
@@ -171,7 +188,55 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
     known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
-
     similar = get_close_matches(error.service[:_LONGEST], known, n=1, cutoff=0.7) if len(known) <= _MOST else []
     hint = f"did you mean {similar[0]}?" if similar else "/rosapi/services lists all"
     return f"service {error.service} has no server now; {hint}"
+
+
+class ProvidedServices:
+    """The services that one connection of a client provides; it may owe an answer to so many calls, and no more."""
+
+    def __init__(self, shared: SharedState, outbox: Outbox, provisions: Provisions) -> None:
+        self._node, self._limit = shared.node, shared.settings.max_calls
+        self._outbox, self._provisions = outbox, provisions
+        self._pending: dict[str, asyncio.Future[ServiceResponse]] = {}
+        self._calls = 0
+
+    def advertise(self, op: AdvertiseService) -> None:
+        """Offer a service of the client; the same once more is fine, and one of its older connection is taken over."""
+        name = self._node.resolve_name(op.service, "service name")
+        service_type = service_type_of(self._node.graph, name, op.type)
+        ask = partial(self._ask, op.service, service_type)
+        create = partial(self._node.create_service, concurrent=True, cancel_with_caller=True)
+        self._provisions.add(name, lambda: create(service_type, name, ask))
+
+    def unadvertise(self, op: ServiceOperation) -> None:
+        """Withdraw a service; calls under way fail."""
+        if not self._provisions.remove(self._node.resolve_name(op.service, "service name")):
+            raise PeerError(f"service {op.service} is not provided by this client")
+
+    def answer(self, op: ServiceResponse) -> None:
+        """Take the client's answer to a call."""
+        pending = self._pending.get(str(op.id))
+        if pending is None or pending.done():
+            raise PeerError(f"no call of {op.service} with the id {op.id!r} is waiting for a response")
+        pending.set_result(op)
+
+    async def _ask(self, name: str, service_type: ServiceType[Any, Any], request: Message) -> Message:
+        if len(self._pending) >= self._limit:
+            raise RefusedError(f"the call of {name}", f"its provider has {self._limit} calls waiting already")
+        if not self._outbox.has_room:
+            raise RefusedError(f"the call of {name}", "its provider is not reading its messages")
+        self._calls += 1
+        identifier = f"service_request:{name}:{self._calls}"
+        pending = self._pending[identifier] = asyncio.get_running_loop().create_future()
+        try:
+            args = message_to_text(request)
+            self._outbox.answer(frame_text("call_service", identifier, {"service": name}, args=args))
+            response = await pending
+        finally:
+            del self._pending[identifier]
+        if not response.result:
+            raise RefusedError(f"the call of {name}", str(response.values or "its provider gave no reason")[:500])
+        values = named_values(service_type.Response, response.values or {})
+        return request_from_client(service_type.Response, values, self._node.graph.clock.now())

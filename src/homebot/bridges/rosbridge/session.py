@@ -20,9 +20,8 @@ from homebot.bridges.rosbridge.client import OutsideClient, operation_text
 from homebot.bridges.rosbridge.heartbeat import Heartbeat
 from homebot.bridges.rosbridge.outbox import Outbox
 from homebot.bridges.rosbridge.packing import FrameAssembler, Packing
-from homebot.bridges.rosbridge.provided_services import ProvidedServices
 from homebot.bridges.rosbridge.publications import Publications
-from homebot.bridges.rosbridge.services import call_service, missing_service
+from homebot.bridges.rosbridge.services import ProvidedServices, call_service, missing_service
 from homebot.bridges.rosbridge.shared_state import Provisions
 from homebot.bridges.rosbridge.subscriptions import Subscriptions
 from homebot.devices.client_rights import Right

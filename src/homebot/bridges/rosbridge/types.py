@@ -43,9 +43,7 @@ __all__ = [
     "service_type_of",
 ]
 
-T = TypeVar("T")
-_Known = tuple[str, T]
-"""A type and its name."""
+InterfaceT = TypeVar("InterfaceT", type[Message], ServiceType[Any, Any], "ActionType[Any, Any, Any]")
 
 OWN_MODULES: Final = (
     "homebot.devices.access_messages",
@@ -72,27 +70,21 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
     Args:
         ros_type: The type that the client expects; may be empty where the topic exists.
     """
-    carried = graph.get_message_type(topic)
-    if carried is not None:
-        _check(f"topic {topic} carries", carried.ros_type, ros_type)
-    elif not ros_type:
+    carried = _checked(f"topic {topic} carries", graph.get_message_type(topic), ros_type)
+    if carried is None and not ros_type:
         raise PeerError(f"there is no topic {topic} yet, so its type must be given")
     return carried or find_message_type(graph, ros_type)
 
 
 def service_type_of(graph: Graph, service: str, ros_type: str) -> ServiceType[Any, Any]:
     """Return the type that a new server of *service* has."""
-    used = graph.get_service_type(service)
-    if used is not None:
-        _check(f"service {service} is a", used.ros_type, ros_type)
+    used = _checked(f"service {service} is a", graph.get_service_type(service), ros_type)
     return used or find_service_type(graph, ros_type)
 
 
 def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, Any, Any]:
     """Return the type that *action* has, or that a new server of it has."""
-    used = graph.get_action_type(action)
-    if used is not None:
-        _check(f"action {action} is a", used.ros_type, ros_type)
+    used = _checked(f"action {action} is a", graph.get_action_type(action), ros_type)
     return used or find_action_type(graph, ros_type)
 
 
@@ -100,20 +92,18 @@ def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
     """Return the message type called *ros_type*, from those that topics of *graph* carry, or by its definition."""
     in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
-    known = ((one.ros_type, one) for one in chain(in_use, inside))
-    return _find(graph, ros_type, known, lambda interfaces: interfaces.find_message(ros_type))
+    return _find(graph, ros_type, chain(in_use, inside), lambda interfaces: interfaces.find_message(ros_type))
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
     """Return the service type called *ros_type*, as :func:`find_message_type` does."""
-    known = ((one.ros_type, one) for one in graph.get_service_types())
-    return _find(graph, ros_type, known, lambda interfaces: interfaces.find_service(ros_type))
+    return _find(graph, ros_type, graph.get_service_types(), lambda interfaces: interfaces.find_service(ros_type))
 
 
 def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
     """Return the action type called *ros_type*, as :func:`find_message_type` does."""
     named = (one for one in graph.actions() if same_type(one.ros_type, ros_type))
-    known = ((one.ros_type, found) for one in named if (found := graph.get_action_type(one.name)) is not None)
+    known = (found for one in named if (found := graph.get_action_type(one.name)) is not None)
     return _find(graph, ros_type, known, lambda interfaces: interfaces.find_action(ros_type))
 
 
@@ -128,14 +118,17 @@ def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
     return DefineTypeResponse(success=True, type_hash=type_hash(defined))
 
 
-def _check(subject: str, used: str, ros_type: str) -> None:
-    if ros_type and not same_type(used, ros_type):
+def _checked(subject: str, used: InterfaceT | None, ros_type: str) -> InterfaceT | None:
+    if used is not None and ros_type and not same_type(used.ros_type, ros_type):
         article = "a " if subject.endswith(" a") else ""
-        raise TypeMismatchError(f"{subject} {used}, not {article}{ros_type}")
+        raise TypeMismatchError(f"{subject} {used.ros_type}, not {article}{ros_type}")
+    return used
 
 
-def _find(graph: Graph, ros_type: str, known: Iterable[_Known[T]], define: Callable[[Interfaces], T]) -> T:
-    found = next((one for name, one in known if same_type(name, ros_type)), None)
+def _find(
+    graph: Graph, ros_type: str, known: Iterable[InterfaceT], define: Callable[[Interfaces], InterfaceT]
+) -> InterfaceT:
+    found = next((one for one in known if same_type(one.ros_type, ros_type)), None)
     if found is not None:
         return found
     try:
