@@ -40,10 +40,10 @@ def test_it_finds_what_a_look_at_everything_finds_in_the_same_order(
         info for info in left if kind in {None, info.kind} and name in {None, info.name} and node in {None, info.node}
     ]
     for kind in EntityKind:
-        assert set(index.types(kind)) == {info.ros_type for info in left if info.kind is kind}
-        for ros_type in index.types(kind):
-            fitting = [info for info in left if info.kind is kind and info.ros_type == ros_type]
-            assert list(index.of_type(kind, ros_type)) == fitting
-            assert index.first_of_type(kind, ros_type) == fitting[0]
-    assert index.first_of_type(EntityKind.NODE, "absent") is None
+        firsts = [*index.first_of_each_type(kind)]
+        assert {one.ros_type for one in firsts} == {info.ros_type for info in left if info.kind is kind}
+        for first in firsts:
+            fitting = [info for info in left if info.kind is kind and info.ros_type == first.ros_type]
+            assert list(index.of_type(kind, first.ros_type)) == fitting
+            assert first == fitting[0]
     assert index.remove(Entity()) is None

@@ -52,7 +52,7 @@ def test_the_map_has_walls_with_a_door_in_them_and_the_row_in_front_is_the_south
 
     def cell(x: float, y: float) -> int:
         column = int((x - info.origin.position.x) / info.resolution)
-        return grid.data[int((y - info.origin.position.y) / info.resolution) * info.width + column]
+        return int(grid.data[int((y - info.origin.position.y) / info.resolution) * info.width + column])
 
     assert [cell(0.0, 0.0), cell(2.0, 1.0)] == [0, 0]
     assert [cell(-1.0, 0.0), cell(3.0, 1.0), cell(0.5, 1.5), cell(2.5, -1.5)] == [100] * 4

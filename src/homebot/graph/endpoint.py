@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple, TypeAlias, final
@@ -151,17 +151,13 @@ class EndpointIndex:
         """Return how many entities one *node* has."""
         return len(self._by_node.get(node, {}))
 
-    def types(self, kind: EntityKind) -> tuple[str, ...]:
-        """Return the ROS types of the entities of one *kind*, each once."""
-        return tuple(self._by_type[kind])
+    def first_of_each_type(self, kind: EntityKind) -> Iterator[EndpointInfo]:
+        """Yield of each ROS type the oldest entity of one *kind*."""
+        return (next(iter(entities.values())) for entities in tuple(self._by_type[kind].values()))
 
     def of_type(self, kind: EntityKind, ros_type: str) -> tuple[EndpointInfo, ...]:
         """Return the entities of one *kind* with the full ROS type *ros_type*."""
         return tuple(self._by_type[kind].get(ros_type, {}).values())
-
-    def first_of_type(self, kind: EntityKind, ros_type: str) -> EndpointInfo | None:
-        """Return the oldest of those, or None."""
-        return next(iter(self._by_type[kind].get(ros_type, {}).values()), None)
 
     def _terms_of(self, info: EndpointInfo) -> tuple[_Term, ...]:
         """Return each index of an entity, with the term by which it is there."""

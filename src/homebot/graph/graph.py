@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Iterator
 from contextlib import contextmanager
 from functools import cached_property
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from homebot import messages
@@ -127,22 +128,13 @@ class Graph:
 
     def get_message_types(self) -> tuple[type[Message], ...]:
         """Return the message types of all topics, each once. Cost: O(types)."""
-        found: dict[type[Message], None] = {}
-        for kind in (EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION):
-            for ros_type in self._endpoints.types(kind):
-                first = self._endpoints.first_of_type(kind, ros_type)
-                topic = self._topics.get(first.name) if first else None
-                if topic is not None:
-                    found[topic.message_type] = None
-        return tuple(found)
+        firsts = map(self._endpoints.first_of_each_type, (EntityKind.PUBLISHER, EntityKind.SUBSCRIPTION))
+        topics = (self._topics.get(one.name) for one in chain.from_iterable(firsts))
+        return tuple(dict.fromkeys(topic.message_type for topic in topics if topic is not None))
 
     def get_service_types(self) -> tuple[ServiceType[Any, Any], ...]:  # as above
         """Return the types of all served services, each once. Cost: O(types)."""
-        first_endpoints = [
-            self._endpoints.first_of_type(EntityKind.SERVICE, ros_type)
-            for ros_type in self._endpoints.types(EntityKind.SERVICE)
-        ]
-        found = (self.get_service_type(first.name) for first in first_endpoints if first)
+        found = [self.get_service_type(one.name) for one in self._endpoints.first_of_each_type(EntityKind.SERVICE)]
         return tuple(one for one in found if one is not None)
 
     def get_topics_of_type(self, ros_type: str) -> tuple[str, ...]:

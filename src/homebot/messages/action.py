@@ -48,17 +48,12 @@ class ActionType(Generic[GoalT, ResultT, FeedbackT]):
     @cached_property
     def FeedbackMessage(self) -> type[Any]:  # noqa: N802 - ROS's name
         """The message of the topic ``feedback``: ``goal_id``, ``feedback``."""
-        return self._message("FeedbackMessage", {"goal_id": UUID, "feedback": self.Feedback})
+        return message_class(f"{self.ros_type}_FeedbackMessage", {"goal_id": UUID, "feedback": self.Feedback})
 
     def _service(self, name: str, request: dict[str, object], response: dict[str, object]) -> ServiceType[Any, Any]:
-        return ServiceType(
-            f"{self.ros_type}_{name}",
-            self._message(f"{name}_Request", request),
-            self._message(f"{name}_Response", response),
-        )
-
-    def _message(self, suffix: str, fields: dict[str, object]) -> type[Message]:
-        return message_class(f"{self.ros_type}_{suffix}", fields)
+        ros_type = f"{self.ros_type}_{name}"
+        sides = message_class(f"{ros_type}_Request", request), message_class(f"{ros_type}_Response", response)
+        return ServiceType(ros_type, *sides)
 
 
 def message_class(

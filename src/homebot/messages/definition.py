@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import lru_cache
+from itertools import chain
 from typing import Any, Final, Literal, TypeVar, get_args, get_origin
 
 from annotated_types import MaxLen, MinLen
@@ -116,7 +117,9 @@ def zero_message(message_type: type[MessageT]) -> MessageT:
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
     """Return every message type that *message_type* holds, at any depth, each once, in order of first use."""
     found: dict[type[Message], None] = {}
-    _add_nested(message_type, found)
+    for field in fields_of(message_type):
+        if field.message is not None:
+            found |= dict.fromkeys((field.message, *nested_types(field.message)))
     return tuple(found)
 
 
@@ -150,13 +153,6 @@ def definition_body(message_type: type[Message]) -> str:
     return "".join(f"{field.declaration}\n" for field in fields_of(message_type))
 
 
-def _add_nested(message_type: type[Message], found: dict[type[Message], None]) -> None:
-    for field in fields_of(message_type):
-        if field.message is not None and field.message not in found:
-            found[field.message] = None
-            _add_nested(field.message, found)
-
-
 def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefinition:
     annotation, metadata = field.annotation, tuple(field.metadata)
     if annotation is bytes:
@@ -164,27 +160,18 @@ def _definition(owner: type[Message], name: str, field: FieldInfo) -> FieldDefin
     numbers = next((mark for mark in metadata if isinstance(mark, RosArray)), None)
     if numbers is not None:
         return FieldDefinition(name, numbers.name, is_array=True, is_numeric=True, **_bounds(metadata))
-    if get_origin(annotation) is tuple:
-        arguments = get_args(annotation)
-        if len(arguments) == 2 and arguments[1] is Ellipsis:  # tuple[T, ...]
-            inner, marks = _unwrapped(arguments[0])
-            element, message = _element(owner, name, inner, marks)
-            if element == "uint8":
-                raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is written bytes")
-            longest = _longest(marks)
-            return FieldDefinition(
-                name, element, message, is_array=True, choices=_choices(inner), longest=longest, **_bounds(metadata)
-            )
+    array: dict[str, Any] = {}
+    if get_origin(annotation) is tuple and get_args(annotation)[1:] == (Ellipsis,):
+        array = {"is_array": True, **_bounds(metadata)}
+        annotation, metadata = get_args(annotation)[0], ()
+        if get_origin(annotation) is typing.Annotated:
+            annotation, *marks = get_args(annotation)
+            metadata = tuple(marks)
     element, message = _element(owner, name, annotation, metadata)
-    longest = _longest(metadata)
-    return FieldDefinition(name, element, message, choices=_choices(annotation), longest=longest)
-
-
-def _unwrapped(annotation: object) -> tuple[object, tuple[object, ...]]:
-    if get_origin(annotation) is typing.Annotated:
-        inner, *metadata = get_args(annotation)
-        return inner, tuple(metadata)
-    return annotation, ()
+    if array and element == "uint8":
+        raise UsageError(f"{owner.__name__}.{name}: a sequence of uint8 is written bytes")
+    choices = annotation if isinstance(annotation, type) and issubclass(annotation, StrEnum) else None
+    return FieldDefinition(name, element, message, choices=choices, longest=_longest(metadata), **array)
 
 
 def _is_text(annotation: object) -> bool:
@@ -213,22 +200,13 @@ def _longest(metadata: tuple[object, ...]) -> int | None:
 
     Other greatest lengths of texts are bounds of homebot's own messages, which their ROS types do not have.
     """
-    declared = any(isinstance(mark, RosType) and mark.name in TEXTS for mark in metadata)
-    return next((mark.max_length for mark in _flat(metadata) if isinstance(mark, MaxLen)), None) if declared else None
-
-
-def _flat(metadata: tuple[object, ...]) -> Iterator[object]:
-    for mark in metadata:
-        yield from mark.metadata if isinstance(mark, FieldInfo) else (mark,)
-
-
-def _choices(annotation: object) -> type[StrEnum] | None:
-    return annotation if isinstance(annotation, type) and issubclass(annotation, StrEnum) else None
+    if not any(isinstance(mark, RosType) and mark.name in TEXTS for mark in metadata):
+        return None
+    flat = chain.from_iterable(mark.metadata if isinstance(mark, FieldInfo) else (mark,) for mark in metadata)
+    return next((mark.max_length for mark in flat if isinstance(mark, MaxLen)), None)
 
 
 def _bounds(metadata: tuple[object, ...]) -> dict[str, Any]:
     shortest = next((mark.min_length for mark in metadata if isinstance(mark, MinLen)), 0)
     longest = next((mark.max_length for mark in metadata if isinstance(mark, MaxLen)), None)
-    if longest is not None and shortest == longest:
-        return {"size": longest}
-    return {"bound": longest}
+    return {"size" if shortest == longest else "bound": longest}

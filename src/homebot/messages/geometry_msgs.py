@@ -1,6 +1,6 @@
-"""ROS ``geometry_msgs``: places, directions and speeds; the rest of the package is made of its text."""
+"""ROS ``geometry_msgs``: places and directions; the rest of the package is made of its text."""
 
-from typing import Annotated, TypeAlias
+from typing import Annotated
 
 from pydantic import Field
 
@@ -17,16 +17,10 @@ __all__ = [
     "Quaternion",
     "Transform",
     "TransformStamped",
-    "Twist",
-    "TwistStamped",
-    "TwistWithCovariance",
     "Vector3",
 ]
 
 __getattr__ = text_messages("geometry_msgs")
-
-_Covariance: TypeAlias = Annotated[Float64Array, Field(min_length=36, max_length=36)]
-"""Six rows of six: x, y, z, and the rotations about them."""
 
 
 class Vector3(Message, ros_type="geometry_msgs/msg/Vector3"):
@@ -68,30 +62,11 @@ class Transform(Message, ros_type="geometry_msgs/msg/Transform"):
     rotation: Quaternion
 
 
-class Twist(Message, ros_type="geometry_msgs/msg/Twist"):
-    """A speed in space, or a command to drive at it.
-
-    Attributes:
-        linear: Metres per second.
-        angular: Radians per second.
-    """
-
-    linear: Vector3
-    angular: Vector3
-
-
 class PoseWithCovariance(Message, ros_type="geometry_msgs/msg/PoseWithCovariance"):
-    """A :class:`Pose` that is uncertain."""
+    """A :class:`Pose` that is uncertain: its covariance has six rows, of x, y, z, and of the rotations about them."""
 
     pose: Pose
-    covariance: _Covariance
-
-
-class TwistWithCovariance(Message, ros_type="geometry_msgs/msg/TwistWithCovariance"):
-    """A :class:`Twist` that is uncertain."""
-
-    twist: Twist
-    covariance: _Covariance
+    covariance: Annotated[Float64Array, Field(min_length=36, max_length=36)]
 
 
 class PoseStamped(Message, ros_type="geometry_msgs/msg/PoseStamped"):
@@ -106,13 +81,6 @@ class PoseWithCovarianceStamped(Message, ros_type="geometry_msgs/msg/PoseWithCov
 
     header: Header
     pose: PoseWithCovariance
-
-
-class TwistStamped(Message, ros_type="geometry_msgs/msg/TwistStamped"):
-    """A :class:`Twist` at a time, in a frame."""
-
-    header: Header
-    twist: Twist
 
 
 class TransformStamped(Message, ros_type="geometry_msgs/msg/TransformStamped"):

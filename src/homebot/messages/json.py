@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import lru_cache
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from pydantic import ValidationError
 from pydantic_core import PydanticSerializationError, to_json
@@ -27,7 +27,6 @@ from homebot.support.strict_json import in_ascii
 __all__ = [
     "JsonObject",
     "JsonValue",
-    "known_fields",
     "message_from_json",
     "message_to_json",
     "message_to_pieces",
@@ -99,16 +98,10 @@ def message_from_json(
         return message_type.model_validate(_fields_from_json(message_type, value))
     except ValidationError as exc:
         if ignore_unknown and any(one["type"] == "extra_forbidden" for one in exc.errors()):
-            return message_from_json(message_type, known_fields(message_type, value))
+            return message_from_json(message_type, _known_fields(message_type, value))
         secrets = frozenset(name for name, field in message_type.model_fields.items() if not field.repr)
         problem = validation_problem(exc, secrets)
         raise TypeMismatchError(f"not a {message_type.ros_type}: {problem}") from exc
-
-
-def known_fields(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
-    """Return the JSON object *value* of a message without fields that its type, or that of a field, lacks."""
-    known = fields_by_name(message_type)
-    return {name: _known_value(known[name], item) for name, item in value.items() if name in known}
 
 
 def validation_problem(error: ValidationError, secrets: frozenset[str] = frozenset()) -> str:
@@ -141,14 +134,10 @@ def _holds_bytes(message_type: type[Message]) -> bool:
     return any(field.is_base64 for one in types for field in fields_of(one))
 
 
-def _form_to_json(message: Message) -> JsonValue:
-    form = message.json_form()
-    return message_to_json(message) if form is message else _value_to_json(form)
-
-
 def _value_to_json(value: object) -> JsonValue:
     if isinstance(value, Message):
-        return _form_to_json(value)
+        form = value.json_form()
+        return message_to_json(value) if form is value else _value_to_json(form)
     if isinstance(value, bytes):
         return base64.b64encode(value).decode()
     if isinstance(value, NumericArray) and value.buffer.format != "d":
@@ -171,12 +160,18 @@ def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) 
     return fields
 
 
-def _known_value(field: FieldDefinition, value: object) -> object:
-    if field.message is not None and isinstance(value, list):
-        return [_known_value(field, item) for item in value]
-    if field.message is not None and isinstance(value, Mapping):
-        return known_fields(field.message, value)
-    return value
+def _known_fields(message_type: type[Message], value: Any) -> Any:
+    """Return the JSON value of a message, or of a list of messages, without fields that their types lack."""
+    if isinstance(value, list):
+        return [_known_fields(message_type, item) for item in value]
+    if not isinstance(value, Mapping):
+        return value
+    known = fields_by_name(message_type)
+    return {
+        name: item if (inner := known[name].message) is None else _known_fields(inner, item)
+        for name, item in value.items()
+        if name in known
+    }
 
 
 def _value_from_json(field: FieldDefinition, value: object) -> object:

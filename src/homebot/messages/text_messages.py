@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from homebot.errors import UnknownTypeError
@@ -16,13 +15,13 @@ def text_messages(package: str) -> Callable[[str], Any]:
 
     To a type checker, which cannot read the text, each is any class.
     """
-    return partial(_find, package)
 
+    def find(name: str) -> Any:
+        from homebot.messages.interfaces import find_message  # noqa: PLC0415 - most packages are never asked for
 
-def _find(package: str, name: str) -> Any:
-    from homebot.messages.interfaces import find_message  # noqa: PLC0415 - most packages are never asked for
+        try:
+            return find_message(f"{package}/msg/{name}")
+        except UnknownTypeError as exc:
+            raise AttributeError(f"homebot.messages.{package}: {exc}") from None
 
-    try:
-        return find_message(f"{package}/msg/{name}")
-    except UnknownTypeError as exc:
-        raise AttributeError(f"homebot.messages.{package}: {exc}") from None
+    return find

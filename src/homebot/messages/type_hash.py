@@ -52,16 +52,10 @@ def type_hash(interface: type[Message] | ServiceType[Any, Any] | ActionType[Any,
         _add_action(types, interface)
     else:
         _add_message(types, interface, interface.ros_type)
-    name = interface.ros_type
-    description = {
-        "type_description": _individual(name, types.pop(name)),
-        "referenced_type_descriptions": [_individual(one, types[one]) for one in sorted(types)],
-    }
+    described = {name: {"type_name": name, "fields": fields} for name, fields in sorted(types.items())}
+    own = described.pop(interface.ros_type)
+    description = {"type_description": own, "referenced_type_descriptions": [*described.values()]}
     return f"RIHS01_{hashlib.sha256(json.dumps(description).encode()).hexdigest()}"
-
-
-def _individual(name: str, fields: list[_Field]) -> dict[str, object]:
-    return {"type_name": name, "fields": fields}
 
 
 def _add_message(types: dict[str, list[_Field]], message: type[Message], name: str) -> None:
@@ -99,11 +93,9 @@ def _add_action(types: dict[str, list[_Field]], action: ActionType[Any, Any, Any
 
 
 def _described(fields: Iterable[FieldDefinition]) -> list[_Field]:
-    described = [{"name": field.name, "type": _field_type(field)} for field in fields]
-    if not described:  # IDL has no empty structures, so ROS 2 gives them a member
-        empty = FieldDefinition("structure_needs_at_least_one_member", "uint8")
-        described = [{"name": empty.name, "type": _field_type(empty)}]
-    return described
+    # IDL has no empty structures, so ROS 2 gives them a member.
+    members = tuple(fields) or (FieldDefinition("structure_needs_at_least_one_member", "uint8"),)
+    return [{"name": field.name, "type": _field_type(field)} for field in members]
 
 
 def _field_type(field: FieldDefinition) -> dict[str, object]:

@@ -141,10 +141,6 @@ def _nested_key(package: str, base: str) -> str:
     return key
 
 
-def _can_hold(array: FieldDefinition, count: int) -> bool:
-    return count == array.size if array.size else count <= (array.bound or count)
-
-
 def _constant(parts: re.Match[str]) -> object:
     if parts["array"] or parts["base"] not in _PRIMITIVES or not _CONSTANT_NAME.fullmatch(parts["name"]):
         raise ValueError("a constant is of one primitive, in capitals")
@@ -159,8 +155,9 @@ def _parse_default(of: FieldDefinition, text: str) -> object:
     if not (text.startswith("[") and text.endswith("]")):
         raise ValueError("the default of an array is [VALUE, …]")
     values = tuple(_parse_value(of.ros_type, item) for item in _ITEM.findall(text[1:-1]))
-    if not _can_hold(of, len(values)):
-        raise ValueError(f"there are {len(values)} values")
+    count = len(values)
+    if count != (of.size or count) or count > (of.bound or count):
+        raise ValueError(f"there are {count} values")
     return bytes(values) if of.is_bytes else values
 
 

@@ -31,8 +31,7 @@ __all__ = ["Interfaces", "find_action", "find_message", "find_service", "interfa
 _DEFAULT: Final = "jazzy"
 _HOME: Final = "homebot.messages"
 _PACKAGES: Final = (
-    "action_msgs builtin_interfaces geometry_msgs nav_msgs rcl_interfaces std_msgs std_srvs tf2_msgs "
-    "unique_identifier_msgs"
+    "action_msgs builtin_interfaces geometry_msgs rcl_interfaces std_msgs std_srvs tf2_msgs unique_identifier_msgs"
 )
 _CLASSES: Final = {one: f"{_HOME}.{one}" for one in _PACKAGES.split()} | {"diagnostic_msgs": f"{_HOME}.key_value"}
 """The modules with the classes of packages that homebot itself uses, which go before a definition by text."""
