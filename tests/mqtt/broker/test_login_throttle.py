@@ -106,6 +106,18 @@ def test_a_client_that_was_in_before_does_not_wait_until_it_is_wrong_itself(
     assert answer(attempt(state, b"right", client_id="lamp")) is None
 
 
+def test_who_guesses_under_the_name_of_a_client_does_not_lock_it_out_of_a_long_password(
+    new_state: NewState,
+) -> None:
+    password = "a password that is long"
+    state = new_state(credentials={"u": password})
+    assert answer(attempt(state, password.encode(), client_id="lamp")) is ReasonCode.SUCCESS
+    for _ in range(30):
+        attempt(state, client_id="lamp")
+    assert answer(attempt(state, password.encode(), client_id="lamp")) is ReasonCode.SUCCESS
+    assert answer(attempt(state, password.encode(), client_id="new")) is None
+
+
 def test_a_waiting_attempt_whose_client_goes_is_forgotten(state: BrokerState, clock: ManualClock) -> None:
     for _ in range(5):
         attempt(state)

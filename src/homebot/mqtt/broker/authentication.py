@@ -64,6 +64,7 @@ _LONGEST: Final = 8.0
 _FORGOTTEN: Final = 600.0  # seconds after the last wrong password
 _MOST_HOSTS: Final = 1000
 _MOST_KNOWN: Final = 2000
+_LONG: Final = 16  # bytes of a password that is too long to be guessed
 
 
 class Applicant(NamedTuple):
@@ -88,27 +89,35 @@ class LoginThrottle:
 
     After three wrong passwords from one host each further one delays all new attempts from there, half a second at
     first, twice as long each time, eight seconds at most. A client that has logged in from there before does not wait,
-    until its password is wrong once. Both are remembered of a bounded number; the one that failed, or came, longest
-    ago is forgotten first.
+    until its password is wrong once; with a long one it does not wait then either, for those who guess may call
+    themselves as it does. Both are remembered of a bounded number; the one that failed, or came, longest ago is
+    forgotten first.
     """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._guessers: BoundedMap[str, _Guesser] = BoundedMap(_MOST_HOSTS)
-        self._known: BoundedMap[Applicant, None] = BoundedMap(_MOST_KNOWN)
+        self._known: BoundedMap[Applicant, bool] = BoundedMap(_MOST_KNOWN)  # whether it was not wrong since
 
     def __len__(self) -> int:
         return len(self._guessers)
 
-    def until(self, applicant: Applicant) -> float:
-        """Return when the attempt may be checked, on the clock's monotonic scale; may be past."""
-        guesser = self._guessers.get(applicant.host)
-        return 0.0 if guesser is None or applicant in self._known else guesser.until
+    def until(self, applicant: Applicant, right: bytes) -> float:
+        """Return when the attempt may be checked, on the clock's monotonic scale; may be past.
+
+        Args:
+            right: Its password if that is right, else empty.
+        """
+        guesser, was_right = self._guessers.get(applicant.host), self._known.get(applicant)
+        if guesser is None or was_right or (was_right is not None and len(right) >= _LONG):
+            return 0.0
+        return guesser.until
 
     def failed(self, applicant: Applicant) -> tuple[int, float]:
         """Note a wrong password; return how many were from this host, and how long the next attempt has to wait."""
         now = self._clock.monotonic()
-        self._known.pop(applicant, None)
+        if applicant in self._known:
+            self._known[applicant] = False
         guesser = self._guessers.pop(applicant.host, None)
         if guesser is None or guesser.failed_at < now - _FORGOTTEN:
             guesser = _Guesser()
@@ -122,7 +131,7 @@ class LoginThrottle:
 
     def succeeded(self, applicant: Applicant) -> None:
         """Note that a password was right."""
-        self._known[applicant] = None
+        self._known[applicant] = True
 
 
 @final

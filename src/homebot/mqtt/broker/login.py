@@ -49,7 +49,10 @@ class ConnectRequest(NamedTuple):
 def may_try_at(connect: Connect, state: BrokerState, address: str) -> float:
     """Return when the password of *connect* may be looked at, on the clock's monotonic scale; often that is past."""
     applicant = _applicant(connect, state, address)
-    return 0.0 if applicant is None else state.throttle.until(applicant)
+    if applicant is None:
+        return 0.0
+    is_wrong = state.authentication.check(connect.username, connect.password).failed
+    return state.throttle.until(applicant, b"" if is_wrong else connect.password or b"")
 
 
 def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
