@@ -75,6 +75,14 @@ async def test_a_room_that_the_owner_states_may_be_empty() -> None:
             ),
         ),
         (
+            {
+                "quiet_hours": [
+                    {"start": "22:00", "end": "06:00", "commands": ["turn on light in halll", "unlock locks"]}
+                ]
+            },
+            ("control.quiet_hours: 'turn on light in halll': no device is in 'halll'; did you mean hall?",),
+        ),
+        (
             {"witnesses": {"light in halll": ""}},
             ("control.witnesses: no device fits 'light in halll'; no device is in 'halll'; did you mean hall?",),
         ),

@@ -133,12 +133,15 @@ class ControlSettings(PolicySettings):
 
     @property
     def stated_names(self) -> StatedNames:
-        """The sensors, contacts, rooms and queries in it, which may be misspelt."""
+        """The sensors, contacts, rooms, queries and commands in it, which may be misspelt."""
         doors = self.presence_guard.doors if self.presence_guard is not None else {}
         contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
         sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in self.witnesses.items() if sensor.strip()]
+        locked = [("control.interlocks", one) for table in self.interlocks for one in table.commands]
+        quiet = [("control.quiet_hours", one) for table in self.quiet_hours for one in table.commands]
         return StatedNames(
             rooms=[(_DOORS, room) for room in doors],
             devices=[*contacts, *sensors],
             queries=[(_WITNESSES, query, parse_lasting_query(query)) for query in self.witnesses],
+            patterns=[(key, one.text, one.query) for key, one in (*locked, *quiet)],
         )

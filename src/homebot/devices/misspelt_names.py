@@ -40,12 +40,14 @@ class StatedNames(NamedTuple):
     Attributes:
         rooms: The key and name of each room.
         devices: The key and the id or name of each device.
-        queries: The key, the text and the terms of each query.
+        queries: The key, the text and the terms of each query that some device must fit.
+        patterns: Likewise of those that need not fit any, such as the commands of a policy.
     """
 
     rooms: Sequence[tuple[str, str]] = ()
     devices: Sequence[tuple[str, str]] = ()
     queries: Sequence[tuple[str, str, Query]] = ()
+    patterns: Sequence[tuple[str, str, Query]] = ()
 
 
 @final
@@ -105,6 +107,10 @@ class ConfiguredNames:
             answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
             if not answer.total:
                 yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
+        for key, text, query in stated.patterns[:_MOST]:
+            answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
+            if answer.is_mistake:
+                yield f"{key}: {text!r}: {answer.message}"
 
     async def _unknown_rooms(self, rooms: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
         stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if rooms else []
