@@ -55,6 +55,11 @@ def test_a_command_is_its_text_on_the_topic_where_the_part_listens() -> None:
     assert codec("lights").write("level", 40.0, transition=3.0) == (Publication("x/in", b"0.4", qos=1),)
 
 
+def test_a_white_turns_a_lamp_on() -> None:
+    published = codec("lights").write("color_temperature", 2700.0)
+    assert [(one.topic, one.payload) for one in published] == [("x/in", b"2700 K"), ("x/in", b"on")]
+
+
 def test_the_answer_of_a_thermostat_is_its_target_once() -> None:
     hall = codec("thermostats")
     hall.write("heating_setpoint", 21.0)

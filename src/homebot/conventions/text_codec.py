@@ -61,10 +61,13 @@ class TextCodec:
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> Publications:
         """Return the command that sets *capability*; text has no transitions."""
         del transition
-        payload = encode_command(capability, value, self._part).encode(errors="replace")
-        self.expect(payload)
+        texts = [encode_command(capability, value, self._part)]
+        if capability == "color_temperature":  # which leaves a lamp off, unlike a brightness
+            texts.append(encode_command("on_off", True, self._part))  # noqa: FBT003 - the value
+        payloads = [text.encode(errors="replace") for text in texts]
+        self.expect(payloads[0])
         self._is_asked = True
-        return (Publication(self._part.writes[0], payload, qos=1),)
+        return tuple([Publication(self._part.writes[0], payload, qos=1) for payload in payloads])
 
     def expect(self, command: bytes) -> None:
         """Record that *command* was sent, so that its answer may be the same text."""
