@@ -278,6 +278,14 @@ Act = Callable[[Any], Awaitable[None]]
     [
         (Light, LAMP, lambda it: it.turn_on(), [("on_off", True, 0.0)]),
         (Light, LAMP, lambda it: it.turn_off(transition=2), [("on_off", False, 2.0)]),
+        (Light, ("level",), lambda it: it.turn_on(), [("level", 100.0, 0.0)]),
+        (Light, ("level",), lambda it: it.turn_off(), [("level", 0.0, 0.0)]),
+        (
+            Light,
+            ("level", "color_temperature"),
+            lambda it: it.turn_on(kelvin=2700),
+            [("level", 100.0, 0.0), ("color_temperature", 2700.0, 0.0)],
+        ),
         (
             Light,
             LAMP,

@@ -83,7 +83,7 @@ class Light(Handle):
         effect: str | None = None,
         transition: float = 0.0,
     ) -> Outcome:
-        """Turn it on. Settings that are not given stay as they are.
+        """Turn it on, by its brightness if it has no switch. Settings that are not given stay as they are.
 
         Args:
             level: The brightness in percent, above 0 and up to 100.
@@ -97,6 +97,8 @@ class Light(Handle):
         """
         if isinstance(level, int | float) and not 0 < level <= 100:
             raise RefusedError(f"{level:g} as level of {self.id}", "it takes a level above 0 and up to 100 %")
+        if level is None and not self.can("on_off") and self.can("level"):
+            level = self.level or 100.0  # it has no other switch
         settings: dict[str, PlainValue] = {"level": level, "color_temperature": kelvin}
         settings["color"] = tuple(color) if isinstance(color, list) else color
         settings["effect"] = effect
