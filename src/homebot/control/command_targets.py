@@ -290,10 +290,11 @@ def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
 def part_name(device: Device, part: DevicePart) -> str:
     """Return the name of *part* for people, with its id if it has no name and several parts take commands.
 
-    Its own name is left out if all others are settings and diagnoses.
+    Its own name is left out if all others are settings and diagnoses, or none takes commands.
     """
     if part.part.name:
-        is_lone = len(device.parts) == 1 or [one for one in device.parts if not one.part.category] == [part]
+        is_lone = len(device.parts) == 1 or not _controls(device.parts)
+        is_lone = is_lone or [one for one in device.parts if not one.part.category] == [part]
         return device.name if is_lone else f"{device.name} {part.part.name}"
     return f"{device.name} #{part.id}" if len(_controls(device.parts)) > 1 else device.name
 

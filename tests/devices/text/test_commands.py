@@ -92,7 +92,7 @@ def test_a_word_that_the_part_does_not_take_is_refused_with_those_that_it_takes(
 
 def test_a_part_that_cannot_be_told_anything_takes_nothing() -> None:
     sensor = Part(id="", service_type="temperature_sensor", capabilities=(Capability(name="temperature"),))
-    with pytest.raises(RefusedError, match="takes nothing"):
+    with pytest.raises(RefusedError, match="takes no commands"):
         decode_command("on", sensor)
 
 

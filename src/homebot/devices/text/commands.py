@@ -73,7 +73,8 @@ def decode_command(text: str, part: Part) -> tuple[str, PlainValue]:
         or _option_command(text, settable)
     )
     if command is None:
-        raise RefusedError(f"the word {text[:40]!r}", f"this part takes {_known(settable)}")
+        taken = f"this part takes {_known(settable)}" if settable else "it takes no commands, it only reports"
+        raise RefusedError(f"the word {text[:40]!r}", taken)
     return command
 
 
