@@ -126,6 +126,15 @@ def test_the_doctor_asks_for_no_more_devices_than_it_names(still: StillHouse, ru
     assert still.carried <= 3 * 20 + 2
 
 
+def test_where_no_device_was_found_the_next_step_is_named(
+    still: StillHouse, run: Run, capsys: Text, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A broker that is away, or a wrong password, looked like a house without devices."""
+    monkeypatch.setattr(still, "_devices", tuple)
+    assert run("devices") == 0
+    assert capsys.readouterr().out == "no device discovered yet; `homebot doctor` tells why\n"
+
+
 def test_all_devices_of_a_large_house_are_listed_once_each(still: StillHouse, run: Run, capsys: Text) -> None:
     still.crowd = 450
     assert run("devices", "--json") == 0

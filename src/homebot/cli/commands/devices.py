@@ -81,7 +81,8 @@ def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
         count = f"no device offers {options.type} now" if options.type else "no device discovered yet"
     where = home()
     if where or not rows:
-        print(f"{count}{f' in {where}' if where else ''}")
+        why = "" if rows or options.type else "; `homebot doctor` tells why"
+        print(f"{count}{f' in {where}' if where else ''}{why}")
 
 
 def _print_json(door: DoorClient, options: argparse.Namespace) -> None:
