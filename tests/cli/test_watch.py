@@ -93,6 +93,14 @@ def test_a_query_that_is_not_understood_is_refused(door: str) -> None:
     assert (watch.returncode, errors.startswith("homebot: ")) == (1, True)
 
 
+def test_a_query_that_nothing_matches_yet_is_said(door: str) -> None:
+    watch = _watch(door, "nosuch")
+    assert watch.stderr is not None
+    assert watch.stderr.readline() == "homebot: so far no device matches 'nosuch'; `homebot devices` lists all\n"
+    watch.send_signal(signal.SIGINT)
+    watch.communicate(timeout=60)
+
+
 def test_a_reader_that_has_enough_ends_it_quietly(door: str) -> None:
     watch = _watch(door)
     assert watch.stdout is not None

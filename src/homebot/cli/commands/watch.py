@@ -10,7 +10,7 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final, Never, cast
 
-from homebot.cli.device_queries import find_devices, matching_devices
+from homebot.cli.device_queries import find_devices, matching_devices, why_none
 from homebot.cli.door_client import DoorClient, ReceivedMessage, set_door_command
 from homebot.cli.terminal import is_terminal
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
@@ -52,7 +52,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _watch(door: DoorClient, options: argparse.Namespace) -> Never:
-    house = _WatchedHouse(door, " ".join(options.query))
+    query = " ".join(options.query)
+    house = _WatchedHouse(door, query)
+    if query and not house.names:
+        print(f"homebot: so far {why_none(door, query)}", file=sys.stderr)
     printer = _LinePrinter(house.names, as_json=options.json)
     while True:
         for message in door.until(_TICK):
