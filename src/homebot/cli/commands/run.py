@@ -56,8 +56,8 @@ _TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKE
 _EXAMPLES = """\
   homebot run                                     embedded broker, a simulated family's house, live in the terminal
   homebot run --plain                             the same, with the log in place of the live view
-  homebot run --house thesis                      a small house of two lamps, in real time, with the light service
   homebot run --for 15                            the same, for 15 seconds
+  homebot run --house thesis                      a small house of two lamps, in real time, with the light service
   homebot run --house villa.toml                  a house that you describe, with the light service
   homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
   homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
