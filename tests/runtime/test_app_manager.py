@@ -57,7 +57,7 @@ async def home(folder: Path, *, with_door: bool = False) -> AsyncIterator[Runtim
     read = await asyncio.to_thread(load_config, config)
     runtime = Runtime(read, with_door=with_door, read_config=lambda: load_config(config))
     async with runtime:
-        runtime._apps.trial = 0.05
+        runtime.app_manager.trial = 0.05
         yield runtime
     sys.modules.pop("hall", None)
     sys.path.remove(str(folder))
@@ -81,13 +81,13 @@ def change(folder: Path, old: str, new: str) -> None:
 
 async def test_a_reload_takes_code_and_settings_as_they_are_now(tmp_path: Path) -> None:
     async with home(tmp_path) as runtime:
-        assert await runtime._apps.reload("hall") == "reloaded the app hall"
+        assert await runtime.app_manager.reload("hall") == "reloaded the app hall"
         change(tmp_path, "first", "again")
-        await runtime._apps.reload("hall")
+        await runtime.app_manager.reload("hall")
         with (tmp_path / "homebot.toml").open("a") as file:
             file.write("[apps.hall.x]\n")
         with pytest.raises(UsageError, match=r"hall is not reloaded, the old one runs: .*apps\.hall\.x: unknown key"):
-            await runtime._apps.reload("hall")
+            await runtime.app_manager.reload("hall")
         assert runs(runtime) == ["first word", "first word", "again word"]
 
 
@@ -109,39 +109,39 @@ async def test_a_reload_that_fails_leaves_the_old_code_running(
         before = sys.modules["hall"]
         change(tmp_path, old, new)
         with pytest.raises(UsageError, match=f"hall is not reloaded, the old one runs: .*({problem})"):
-            await runtime._apps.reload("hall")
+            await runtime.app_manager.reload("hall")
         assert sys.modules["hall"] is before
         assert runtime.graph.get_node("/hall") is not None
         assert runs(runtime)[-1] == "first word"
         assert runtime.supervisor.given_up == []
         assert all(crash.state == "running again" for crash in runtime.supervisor.crashes.values())
         change(tmp_path, new, old) if new else (tmp_path / "hall.py").write_text(HALL)
-        await runtime._apps.reload("hall")
+        await runtime.app_manager.reload("hall")
 
 
 async def test_an_app_is_loaded_from_a_file_and_unloaded(tmp_path: Path) -> None:
     async with home(tmp_path) as runtime:
         file = tmp_path / "porch.py"
         file.write_text(HALL.replace("Hall", "PorchLight").replace("first", "porch"))
-        assert await runtime._apps.load(str(file)) == "loaded the app porch_light"
+        assert await runtime.app_manager.load(str(file)) == "loaded the app porch_light"
         with pytest.raises(UsageError, match="porch_light runs already; `homebot app reload porch_light`"):
-            await runtime._apps.load(str(file))
-        await runtime._apps.reload("porch_light")
-        assert [app.name for app in runtime._apps.apps] == ["hall", "porch_light"]
-        await runtime._apps.unload("hall")
+            await runtime.app_manager.load(str(file))
+        await runtime.app_manager.reload("porch_light")
+        assert [app.name for app in runtime.app_manager.apps] == ["hall", "porch_light"]
+        await runtime.app_manager.unload("hall")
         assert runtime.graph.get_node("/hall") is None
         with pytest.raises(UsageError, match="no app 'porch_lihgt' runs; did you mean porch_light"):
-            await runtime._apps.unload("porch_lihgt")
-        await runtime._apps.load("hall")
-        assert [app.name for app in runtime._apps.apps] == ["porch_light", "hall"]
+            await runtime.app_manager.unload("porch_lihgt")
+        await runtime.app_manager.load("hall")
+        assert [app.name for app in runtime.app_manager.apps] == ["porch_light", "hall"]
         file.write_text(
             HALL.replace("Hall", "Other").replace("await anyio", "raise ValueError(1)\n        await anyio")
         )
         with pytest.raises(UsageError, match="other is not loaded: ValueError: 1"):
-            await runtime._apps.load(str(file))
+            await runtime.app_manager.load(str(file))
         assert "other" not in runtime.supervisor.crashes
         with pytest.raises(ConfigError, match=r"'lihgt_service' is not installed .*did you mean light_service"):
-            await runtime._apps.load("lihgt_service")
+            await runtime.app_manager.load("lihgt_service")
         sys.modules.pop("porch", None)
 
 
@@ -158,17 +158,17 @@ async def test_a_package_is_reloaded_with_its_folder_and_nothing_else(
     (tmp_path / "homebot.toml").write_text('[apps.hall]\nclass = "my_home.hall:Hall"\n')
     read = await asyncio.to_thread(load_config, tmp_path / "homebot.toml")
     async with Runtime(read, with_door=False) as runtime:
-        runtime._apps.trial = 0.05
+        runtime.app_manager.trial = 0.05
         import helpers  # type: ignore[import-not-found]  # noqa: PLC0415 - it is made above
 
         (package / "words.py").write_text("WORD = 'again'\n")
-        await runtime._apps.reload("hall")
+        await runtime.app_manager.reload("hall")
         assert runs(runtime) == ["first word", "again word"]
         assert sys.modules["helpers"] is helpers
         good = sys.modules["my_home.words"]
         (package / "words.py").write_text("WORD = \n")
         with pytest.raises(UsageError, match=r"the old one runs: .*SyntaxError"):
-            await runtime._apps.reload("hall")
+            await runtime.app_manager.reload("hall")
         assert sys.modules["my_home.words"] is good is sys.modules["my_home"].words
     for name in ("helpers", "my_home", "my_home.words", "my_home.hall"):
         sys.modules.pop(name, None)
@@ -180,15 +180,15 @@ async def test_an_app_of_homebot_is_reloaded_with_its_settings_alone(tmp_path: P
     config = tmp_path / "homebot.toml"
     read = await asyncio.to_thread(load_config, config)
     async with Runtime(read, with_door=False, read_config=lambda: load_config(config)) as runtime:
-        runtime._apps.trial = 0.05
+        runtime.app_manager.trial = 0.05
         before = sys.modules["homebot.apps.lights_out"]
         config.write_text("[apps.lights_out]\nquiet_after = 1700\n")
-        await runtime._apps.reload("lights_out")
-        assert runtime._apps.apps[0].settings.model_dump()["quiet_after"] == 1700
+        await runtime.app_manager.reload("lights_out")
+        assert runtime.app_manager.apps[0].settings.model_dump()["quiet_after"] == 1700
         assert sys.modules["homebot.apps.lights_out"] is before
         config.write_text("[apps.lights_out]\nact = 'light in hall'\n")
         with pytest.raises(HomebotError, match=r"apps\.lights_out\.act: has changed; reload the configuration first"):
-            await runtime._apps.reload("lights_out")
+            await runtime.app_manager.reload("lights_out")
 
 
 async def test_clients_load_and_reload_by_services_and_by_the_command_line(
@@ -234,11 +234,11 @@ async def test_reloads_leave_nothing_behind(tmp_path: Path) -> None:
 
     async def reload(runtime: Runtime, times: int) -> None:
         for _ in range(times):
-            await runtime._apps.reload("hall")
+            await runtime.app_manager.reload("hall")
             runtime.app_host.context.store_of("hall").clear()
 
     async with home(tmp_path) as runtime:
-        runtime._apps.trial = 0.0
+        runtime.app_manager.trial = 0.0
         await reload(runtime, 1000)
         first, before = seen(runtime), resident()
         await reload(runtime, rounds)
@@ -275,11 +275,11 @@ async def test_a_durable_timer_stays_over_a_reload_and_is_taken_over_by_its_name
 ) -> None:
     monkeypatch.syspath_prepend(str(tmp_path))
     async with Runtime(put_timer(tmp_path), with_door=False) as runtime:
-        runtime._apps.trial = 0.05
+        runtime.app_manager.trial = 0.05
         (before,) = runtime.app_host.running["timer"].jobs
         for old, new in (('"2h"', '"4h"'), ("self.after(", "0 and self.after("), (', "0s"', ', "1s"')):
             (tmp_path / "timer.py").write_text((tmp_path / "timer.py").read_text().replace(old, new))
-            await runtime._apps.reload("timer")
+            await runtime.app_manager.reload("timer")
             (job,) = runtime.app_host.running["timer"].jobs
             assert (job.name, job is before) == ("off", False)
             assert job.next is not None
@@ -287,7 +287,7 @@ async def test_a_durable_timer_stays_over_a_reload_and_is_taken_over_by_its_name
             assert abs((job.next - before.next).total_seconds()) < 5
         (tmp_path / "timer.py").write_text(TIMER.replace("self.after(", "0 and self.after(").replace("off", "on"))
         with capture_logs() as lines:
-            await runtime._apps.reload("timer")
+            await runtime.app_manager.reload("timer")
         assert runtime.app_host.running["timer"].jobs == ()
         assert "the job off is skipped: its method off is gone" in str(lines)
 

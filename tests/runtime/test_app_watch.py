@@ -44,7 +44,7 @@ async def test_an_app_is_reloaded_when_its_file_changes_and_no_other(
     config = parse_config({"apps": apps, "door": {"port": 0}}, "test")
     with capture_logs() as lines:
         async with Runtime(config, with_door=False, watches_apps=True) as runtime:
-            runtime._apps.trial = 0.05
+            runtime.app_manager.trial = 0.05
 
             def reloads(event: str = RELOADED) -> list[object]:
                 return [one["app"] for one in lines if one["event"] == event]
@@ -84,7 +84,7 @@ async def test_a_module_of_an_app_that_is_a_package_is_watched(tmp_path: Path, m
     config = parse_config({"apps": {"hall": {"class": "watched_house:Hall"}}, "door": {"port": 0}}, "test")
     with capture_logs() as lines:
         async with Runtime(config, with_door=False, watches_apps=True) as runtime:
-            runtime._apps.trial = 0.05
+            runtime.app_manager.trial = 0.05
             while not any(one["event"] == RELOADED for one in lines):
                 (folder / "rooms" / "__init__.py").write_text('WORD = "second"')
                 await anyio.sleep(0.2)

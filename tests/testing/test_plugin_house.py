@@ -471,6 +471,44 @@ def test_every_command_of_every_kind_is_among_those() -> None:
     assert [one for one in commands if not re.match(pattern, f"coroutine '{one}' was never awaited")] == []
 
 
+def test_an_app_that_is_reloaded_keeps_what_lasts_over_a_restart(tried: Tried, pytester: pytest.Pytester) -> None:
+    """The durable timer is called when it would have been, the other is gone, and ``run`` begins anew."""
+    pytester.makepyfile(
+        cellar="""
+from homebot import App
+
+class Cellar(App):
+    async def run(self):
+        self.store["starts"] = self.store.get("starts", 0) + 1
+        if self.store["starts"] == 1:
+            self.after("1h", self.tell, name="kept", durable=True)
+            self.after("1h", self.notify_lost)
+
+    async def tell(self):
+        await self.notify(f"{self.store['starts']} starts")
+
+    async def notify_lost(self):
+        await self.notify("lost")
+"""
+    )
+    tests = """
+@pytest.mark.house("cellar:Cellar")
+async def test_it(house):
+    await house.run_for("40m")
+    await house.reload("cellar")
+    await house.run_for("19m")
+    assert house.notifications == ()
+    await house.run_for("1m")
+    assert [one.text for one in house.notifications] == ["2 starts"]
+
+@pytest.mark.house("cellar:Cellar")
+async def test_its_name_is_looked_up(house):
+    with pytest.raises(Exception, match="no app 'celar' runs; did you mean cellar?"):
+        await house.reload("celar")
+"""
+    tried(START + tests, passed=2)
+
+
 def test_a_failed_test_shows_commands_and_changes_and_no_raw_messages(tried: Tried) -> None:
     """Under 40 lines of at most 120 columns, the newest last."""
     tests = """

@@ -149,7 +149,7 @@ class Runtime:
         if self._plan.interfaces is not None:
             self.graph.interfaces = self._plan.interfaces
         self.supervisor = Supervisor(self._clock)
-        self._apps = AppManager(self.supervisor, self.app_host, self._planner)
+        self.app_manager = AppManager(self.supervisor, self.app_host, self._planner)
         self.door: Door | None = None
         self._start_is_cut = False
 
@@ -222,7 +222,7 @@ class Runtime:
             await to_thread.run_sync(self._plan.door.check_port)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
-        self._apps.offer_services(main)
+        self.app_manager.offer_services(main)
         RuntimeHealth(main, self._plan.home, self.supervisor, self.loop_watch, self.lost_lines, self.app_host)
         main.offer_service("std_srvs/srv/Trigger", START_RECORDER, partial(self._serve_recorder, main))
         main.offer_service("std_srvs/srv/Trigger", COPY_FILES, partial(self._serve_copies, main))
@@ -240,7 +240,7 @@ class Runtime:
             await stack.enter_async_context(component)
         if not self._start_is_cut:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
-            text = self._apps.running_text(self._plan.apps)
+            text = self.app_manager.running_text(self._plan.apps)
             _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
             # Loaded last: it takes longer than other parts of the start, and clients shake hands before they ask.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
@@ -255,9 +255,9 @@ class Runtime:
         yield running("control", self._control)
         if self.record_into is not None:
             yield running("recorder", partial(self._record, self.record_into))
-        yield self._apps.running(self._plan.apps, lambda: self._start_is_cut)
+        yield self.app_manager.running(self._plan.apps, lambda: self._start_is_cut)
         if self.watches_apps:
-            yield running("app_watch", self._apps.reload_changed)
+            yield running("app_watch", self.app_manager.reload_changed)
         if self._plan.keeps_history(by_default=self.index_file is not None or self.house is not None):
             yield running("history", self._history)
         yield running("robots", partial(track_robots, self.graph, self._plan, lambda: self._owner.plan))

@@ -233,6 +233,15 @@ class TestHouse:
         async with Node(self.runtime.graph, "expectation") as node:
             await Expectation(HouseView.of(node), device, values).wait(within)
 
+    async def reload(self, app: str) -> None:
+        """Stop *app* and start it from its file, as ``homebot app reload``; what it keeps stays, as over a restart.
+
+        Raises:
+            UsageError: There is none, or the new one cannot be loaded or crashes at once; the old one runs then.
+        """
+        __tracebackhide__ = True
+        await self.runtime.app_manager.reload(app)
+
     async def listen(self) -> None:
         """Receive homebot's messages until cancelled."""
         while True:
