@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 import anyio
 
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.control import Control
 from homebot.devices import Devices
 from homebot.devices.handles import Light

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from random import Random
 from typing import TypeVar
 
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.devices import KeyValue, Sighting
 from homebot.devices.gateway_messages import Report
 from homebot.devices.part import Capability, Part

@@ -13,7 +13,7 @@ import sys
 import time
 
 from bench_ingest import ingest
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.log import configure_logging
 
 configure_logging(level="error")

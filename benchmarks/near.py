@@ -15,7 +15,7 @@ from random import Random
 import anyio.lowlevel
 
 from directory import report, sighting
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.clock import LoopClock
 from homebot.devices import QUERY_DEVICES, QueryDevices, Sighting
 from homebot.devices.gateway_messages import Report as DeviceReport

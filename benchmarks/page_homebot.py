@@ -13,7 +13,7 @@ import json
 import sys
 import time
 
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.config import parse_config
 from homebot.log import configure_logging
 from homebot.runtime import Runtime

@@ -13,7 +13,7 @@ import time
 
 import anyio
 
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.devices import Devices
 from homebot.devices.handles import Light
 from homebot.discovery import Directory, DirectorySettings

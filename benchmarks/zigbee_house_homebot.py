@@ -14,7 +14,7 @@ import time
 
 import anyio
 
-from homebot.cli.commands.run import COLLECT_AFTER
+from homebot.cli.serve import COLLECT_AFTER
 from homebot.devices import Devices
 from homebot.discovery import Directory, DirectorySettings
 from homebot.gateways.mqtt import MqttGateway, MqttGatewaySettings

@@ -22,7 +22,7 @@ def config(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "settings"))
     monkeypatch.setenv("HOMEBOT_DATA", str(tmp_path / "data"))
     file = folder / "homebot.toml"
-    file.write_text('[gateways.mqtt]\nurl = "embedded"\n')
+    file.write_text('[gateways.mqtt]\nurl = "embedded"\n[door]\nport = 0\n')
     return file
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Annotated, Final, TypeAlias, TypeVar
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
@@ -137,11 +137,16 @@ class ControlSettings(PolicySettings):
         doors = self.presence_guard.doors if self.presence_guard is not None else {}
         contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
         sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in self.witnesses.items() if sensor.strip()]
-        locked = [("control.interlocks", one) for table in self.interlocks for one in table.commands]
-        quiet = [("control.quiet_hours", one) for table in self.quiet_hours for one in table.commands]
         return StatedNames(
             rooms=[(_DOORS, room) for room in doors],
             devices=[*contacts, *sensors],
             queries=[(_WITNESSES, query, parse_lasting_query(query)) for query in self.witnesses],
-            patterns=[(key, one.text, one.query) for key, one in (*locked, *quiet)],
+            patterns=[*_stated("interlocks", self.interlocks), *_stated("quiet_hours", self.quiet_hours)],
         )
+
+
+def _stated(key: str, tables: Iterable[Interlock | QuietHours]) -> Iterator[tuple[str, str, Query]]:
+    """Yield the key, the text and the query of each command in *tables*."""
+    for table in tables:
+        for one in table.commands:
+            yield f"control.{key}", one.text, one.query

@@ -108,9 +108,8 @@ class ConfiguredNames:
             if not answer.total:
                 yield f"{key}: no device fits {text!r}; {answer.message or '`homebot find` shows what does'}"
         for key, text, query in stated.patterns[:_MOST]:
-            answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
-            if answer.is_mistake:
-                yield f"{key}: {text!r}: {answer.message}"
+            if mistake := await self._mistake(query):
+                yield f"{key}: {text!r}: {mistake}"
 
     async def _unknown_rooms(self, rooms: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
         stated = [room.name for room in (await self._places.call(GetPlaces.Request())).rooms] if rooms else []
@@ -118,6 +117,10 @@ class ConfiguredNames:
             if fold(name) not in map(fold, stated) and not await self._is_area(name):
                 areas = {device.area for device in await self._fitting()} - {""}
                 yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
+
+    async def _mistake(self, query: Query) -> str:
+        answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
+        return answer.message if answer.is_mistake else ""
 
     async def _is_area(self, name: str) -> bool:
         return any(fold(device.area) == fold(name) for device in await self._fitting(AreaIs(fold(name))))
