@@ -14,6 +14,7 @@ import anyio
 import pytest
 from structlog.testing import capture_logs
 
+import homebot.house
 from homebot.config import parse_config
 from homebot.devices import Devices
 from homebot.devices.handles import Light
@@ -22,7 +23,7 @@ from homebot.devices.robot_messages import WhereIsRobot, WhereIsRobotRequest
 from homebot.graph import Node, qos_profile_latched
 from homebot.graph.actions import ActionClient, GoalState
 from homebot.house import World, thesis_world
-from homebot.house.description import parse_world
+from homebot.house.description import load_world, parse_world
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.definition import zero_message
 from homebot.messages.geometry_msgs import Point, Pose, PoseStamped, PoseWithCovarianceStamped, Quaternion
@@ -38,6 +39,7 @@ from homebot.runtime import Runtime
 pytestmark = pytest.mark.virtual_time
 
 FAMILY = tomllib.loads((Path(__file__).parents[2] / "examples" / "houses" / "family.toml").read_text("utf-8"))
+FAMILY_HOUSE = load_world(Path(homebot.house.__file__).parent / "family" / "house.toml")
 BATTERY_STATE = find_message("sensor_msgs/msg/BatteryState")
 CONFIG = {"home": {"name": "home425"}, "gateways": {"mqtt": {"root": "home425"}}}
 
@@ -90,6 +92,14 @@ async def test_the_robot_of_the_house_is_found_in_its_room_and_stays_known_while
         assert {one.child_frame_id for one in static.transforms} == {"base_link"}
         assert 590 <= len(frames) <= 610
         assert (batteries[-1].percentage, batteries[-1].power_supply_status) == (1.0, 4)
+
+
+async def test_in_the_hall_of_the_family_the_lamp_of_the_hall_is_the_nearest() -> None:
+    """The hall is long: while its lamp had no position, ten metres were added, and the lamp of the study came first."""
+    async with running(world=FAMILY_HOUSE) as (_, node):
+        await anyio.sleep(1.5)  # then it drives off
+        found = await Devices(node).find(Light, near="robot")
+        assert found[0].device.id == "hall_lamp"
 
 
 async def test_a_reload_leaves_the_rooms_of_the_house_as_they_are() -> None:
