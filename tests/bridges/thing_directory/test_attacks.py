@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import AsyncExitStack, suppress
+
 import anyio
 import pytest
 from tests.bridges.thing_directory.conftest import OpenHouse, ServedHouse
@@ -56,13 +58,30 @@ async def test_an_invalid_request_is_refused_and_the_next_one_is_answered(
 async def test_connections_beyond_the_limit_are_refused_until_others_close(served_house: OpenHouse) -> None:
     async with served_house(max_clients=5) as house:
         await house.things(2)
-        opened = [await anyio.connect_tcp("127.0.0.1", house.bridge.port) for _ in range(20)]
+        opened = []
+        for _ in range(20):
+            opened.append(await anyio.connect_tcp("127.0.0.1", house.bridge.port))
+            with suppress(anyio.BrokenResourceError, anyio.EndOfStream):
+                await opened[-1].send(b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n")
+                await opened[-1].receive()
         assert b" 503 " in await answer_to(house.bridge.port, b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n")
         for stream in opened:
             await stream.aclose()
         assert len(await house.things(2)) == 2
         counts = {one.name: one.count for one in house.bridge.health(HealthRequest()).counts}
         assert counts["turned_away"] >= 15
+
+
+async def test_connections_without_a_request_or_with_a_wrong_token_keep_no_client_out(served_house: OpenHouse) -> None:
+    async with served_house(max_clients=5, token="right") as house, AsyncExitStack() as opened:
+        right = b"GET /things HTTP/1.1\r\n" + HOST + b"Authorization: Bearer right\r\n\r\n"
+        for request in (b"", b"GET /things HTTP/1.1\r\nHost: 127", b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n"):
+            for _ in range(5):
+                stream = await opened.enter_async_context(await anyio.connect_tcp("127.0.0.1", house.bridge.port))
+                await stream.send(request)
+                if request.endswith(b"\r\n\r\n"):
+                    await stream.receive()
+            assert b" 200 " in await answer_to(house.bridge.port, right), request
 
 
 async def test_a_client_that_floods_and_reads_nothing_leaves_the_others_alone(served_house: OpenHouse) -> None:

@@ -36,6 +36,8 @@ _SWEEP_EVERY = 1.0
 _MOST_SEGMENTS = 8
 _LINE = 8190
 _CLOSING = 0.5
+_NOT_LET_IN: Final = frozenset({401, 403, 429})
+"""Statuses after which a connection is closed: it would take the place of a client."""
 _BUSY = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 5\r\nContent-Length: 0\r\nConnection: close\r\n\r\n"
 """The response to one client too many."""
 _CONTINUE = b"HTTP/1.1 100 Continue\r\n\r\n"
@@ -103,6 +105,8 @@ class HttpExchange:
     async def answer(self, status: int, headers: Mapping[str, str], body: bytes) -> None:
         """Send the answer; to HEAD without its body."""
         response = web.Response(status=status, headers=headers, body=body)
+        if status in _NOT_LET_IN:
+            response.force_close()
         self._stream = response
         async with self._in_time():
             await response.prepare(self._request)
@@ -204,14 +208,16 @@ class BoundedServer(web.Server):
                 await self.shutdown(_CLOSING)
 
     def connection_made(self, handler: web.RequestHandler, transport: asyncio.Transport) -> None:
-        """Take a connection, unless there are too many."""
+        """Take a connection; where there are too many, in place of the oldest that has sent no request yet."""
         super().connection_made(handler, transport)
-        if len(self.connections) > self._settings.max_clients:
+        if len(self.connections) > self._settings.max_clients and not self._silent:
             self.counters.turned_away += 1
             transport.write(_BUSY)
             transport.close()
-        else:
-            self._silent[handler] = (self._clock.monotonic(), transport)
+            return
+        if len(self.connections) > self._settings.max_clients:
+            self._cut(next(iter(self._silent)))
+        self._silent[handler] = (self._clock.monotonic(), transport)
 
     def connection_lost(self, handler: web.RequestHandler, exc: BaseException | None = None) -> None:
         """Forget a connection."""
@@ -237,11 +243,13 @@ class BoundedServer(web.Server):
         while True:
             await anyio.sleep(_SWEEP_EVERY)
             limit = self._clock.monotonic() - FIRST_REQUEST_WITHIN
-            for handler, (began, transport) in tuple(self._silent.items()):
+            for handler, (began, _) in tuple(self._silent.items()):
                 if began < limit:
-                    self.counters.clients_cut += 1
-                    self._silent.pop(handler, None)
-                    transport.abort()
+                    self._cut(handler)
+
+    def _cut(self, handler: web.RequestHandler) -> None:
+        self.counters.clients_cut += 1
+        self._silent.pop(handler)[1].abort()
 
 
 def _crash_in(line: logging.LogRecord) -> str:
