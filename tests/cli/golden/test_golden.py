@@ -33,6 +33,15 @@ def check(name: str, printed: str) -> None:
     assert printed == file.read_text()
 
 
+@pytest.mark.parametrize(("state", "said"), [("on", "Attic is on.\n"), ("on, 40 %, …", "Attic is on, 40 %, …\n")])
+def test_a_state_that_is_cut_ends_once(
+    run: Run, capsys: Text, monkeypatch: pytest.MonkeyPatch, state: str, said: str
+) -> None:
+    monkeypatch.setattr("homebot.cli.commands.why.state_text", lambda _device: state)
+    assert run("why", "ATTIC") == 0
+    assert capsys.readouterr().out.startswith(said)
+
+
 @pytest.mark.parametrize(
     ("name", "arguments", "code"),
     [

@@ -156,7 +156,8 @@ def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingS
 
 def _print_state(device: Device) -> None:
     state = state_text(device)
-    print_line(f"{_name(device)} is {state}." if state else f"{_name(device)} does not report its state.", "bold")
+    end = "" if state.endswith("…") else "."
+    print_line(f"{_name(device)} is {state}{end}" if state else f"{_name(device)} does not report its state.", "bold")
 
 
 def _name(device: Device) -> str:
