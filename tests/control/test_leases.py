@@ -9,6 +9,7 @@ import anyio
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from structlog.testing import capture_logs
 from tests.control.conftest import Home, OpenHome, hold_request, ignore, obey_after, refusal, report
 from tests.sizes import examples
 
@@ -362,6 +363,15 @@ async def test_who_holds_or_commands_what_is_not_there_is_told_what_is(
     command = CommandRequest(device=device, part=part, settings=(lit,), issuer="client:cook")
     result = await home.app.create_client(PerformCommand, PERFORM_COMMAND).call(command)
     assert (result.kind, result.text) == ("gone", problem)
+
+
+async def test_the_log_names_the_program_that_holds_nothing_beside_the_name_it_gives_itself(home: Home) -> None:
+    home.put("lamp", "light", "on_off")
+    await anyio.sleep(0.1)
+    assert (await home.hold(hold_request("lamp", "on_off", True))).held
+    with capture_logs() as lines:
+        assert not (await home.hold(hold_request("lamp", "on_off", False, "client:agent"))).held
+    assert "lamp is not held for robot (client:agent): held on by robot" in lines[0]["message"]
 
 
 @pytest.mark.parametrize(

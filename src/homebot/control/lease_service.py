@@ -246,7 +246,7 @@ class LeaseService:
     def _refused(self, request: HoldRequest, reason: str, policy: str = LEASE_POLICY) -> LeaseState:
         self._node.log.info(
             "control.lease_refused",
-            message=f"{request.device} is not held for {request.by}: {reason}",
+            message=f"{request.device} is not held for {request.by} ({request.issuer}): {reason}",
             device=request.device,
         )
         self._journal.hold_denied(request, policy, reason)
