@@ -223,6 +223,16 @@ async def test_an_error_in_a_task_comes_out_as_itself(graph: Graph) -> None:
     assert node.is_closed
 
 
+async def test_the_only_error_of_a_group_comes_out_with_its_own_context(graph: Graph) -> None:
+    """Not with the group, whose traceback a log would show beside its own."""
+    first, mine = KeyError("first"), ValueError("mine")
+    mine.__context__ = first
+    with pytest.raises(ValueError, match="mine") as caught:
+        async with Node(graph, "node"):
+            raise ExceptionGroup("tasks", [mine])
+    assert caught.value.__context__ is first
+
+
 async def test_several_errors_come_out_as_a_group(graph: Graph) -> None:
     async def fail() -> None:
         raise ValueError

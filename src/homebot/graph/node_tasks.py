@@ -90,7 +90,11 @@ class NodeTasks:
                 raise
         if only is exc:
             return False
-        raise only
+        context = only.__context__
+        try:
+            raise only
+        finally:
+            only.__context__ = context  # not the group that it was in: a log would have it twice
 
     async def _end_handlers(self, handlers: asyncio.TaskGroup) -> None:
         self._cancel_handlers()
