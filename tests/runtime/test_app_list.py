@@ -10,10 +10,11 @@ import pytest
 from tests.patience import PATIENCE
 
 from homebot import App
+from homebot.cli.commands.app import _rows
 from homebot.cli.main import main
 from homebot.clock import read_zone
 from homebot.config import parse_config
-from homebot.devices.app_messages import AppsRequest, ListApps
+from homebot.devices.app_messages import AppInfo, AppsRequest, ListApps
 from homebot.devices.health import GetHealth, HealthRequest
 from homebot.devices.names import LIST_APPS, RUNTIME_HEALTH
 from homebot.graph import Node
@@ -80,3 +81,9 @@ async def test_apps_are_listed_with_their_jobs_by_a_service_and_by_the_command_l
         text = capsys.readouterr().out
         (listed,), _ = json.JSONDecoder().raw_decode(text, text.index("[\n"))  # the log may say more after it
         assert [job["name"] for job in listed["jobs"]] == ["slow", "odd", "evening"]
+
+
+@pytest.mark.parametrize(("crashes", "text"), [(1, "crashed once"), (3, "crashed 3 times")])
+def test_the_crashes_of_an_app_are_in_its_state(crashes: int, text: str) -> None:
+    app = AppInfo(name="hall", state="running", crashes=crashes, last_crash="ValueError: no lamp")
+    assert _rows(app, 0.0, read_zone(ZONE)) == [("hall", f"running, {text}: ValueError: no lamp", "", "", "")]

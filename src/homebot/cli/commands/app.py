@@ -94,7 +94,8 @@ def _zone(name: str) -> tzinfo:
 
 
 def _rows(app: AppInfo, now: float, zone: tzinfo) -> list[tuple[str, ...]]:
-    crashes = f", {app.crashes} crashes: {printable(app.last_crash, 60)}" if app.crashes else ""
+    times = "crashed once" if app.crashes == 1 else f"crashed {app.crashes} times"
+    crashes = f", {times}: {printable(app.last_crash, 60)}" if app.crashes else ""
     head = (printable(app.name), f"{app.state}{crashes}")
     jobs = [(_job_text(job), *_times(job, now, zone)) for job in app.jobs] or [("", "", "")]
     return [(*(head if number == 0 else ("", "")), *job) for number, job in enumerate(jobs)]
