@@ -23,7 +23,7 @@ from websockets.sync.client import connect
 from homebot.bridges.rosbridge.types import OWN_MODULES
 from homebot.messages.definition import fields_of
 from homebot.messages.interfaces import Interfaces
-from homebot.messages.interfaces.interface_classes import messages_in
+from homebot.messages.interfaces.interface_text import messages_in
 
 ROOT = Path(__file__).parents[1]
 GUIDE = (ROOT / "docs" / "robots.md").read_text("utf-8")

@@ -89,32 +89,10 @@ def test_a_door_between_two_floors_is_a_stair() -> None:
     ("old", "new", "key", "reason"),
     [
         ("position = [4, 4.5]", "position = [4.4, 4.5]", "Kitchen.position", "0.40 m from Hall"),
-        (
-            'rooms = ["Hall", "Kitchen"]',
-            'rooms = ["Hall", "Kitchn"]',
-            "Kitchn.rooms",
-            "did you mean Kitchen",
-        ),
+        ('rooms = ["Hall", "Kitchen"]', 'rooms = ["Hall", "Kitchn"]', "Kitchn.rooms", "did you mean Kitchen"),
         ('rooms = ["Hall", "Kitchen"]', 'rooms = ["Hall"]', "places.doors", "rooms"),
-        (
-            POLYGON,
-            "polygon = [[0, 0], [4, 5], [4, 0], [0, 5]]",
-            "Hall.polygon",
-            "cross",
-        ),
-        (
-            POLYGON,
-            "polygon = [[0, 0], [4, 0]]",
-            "Hall.polygon",
-            "2 different corners",
-        ),
+        (POLYGON, "polygon = [[0, 0], [4, 5], [4, 0], [0, 5]]", "Hall.polygon", "cross"),
         (POLYGON, "polygon = [0, 4]", "Hall.polygon", "list of corners"),
-        (
-            POLYGON,
-            "polygon = [[0, 0], [nan, 0], [1, 1]]",
-            "Hall.polygon",
-            "10,000 m",
-        ),
     ],
 )
 def test_a_mistake_in_the_geometry_is_named_by_key_and_value(old: str, new: str, key: str, reason: str) -> None:
@@ -123,19 +101,6 @@ def test_a_mistake_in_the_geometry_is_named_by_key_and_value(old: str, new: str,
         house(text)
     assert key in caught.value.key
     assert reason in str(caught.value)
-
-
-def test_a_robot_in_a_doorway_stays_in_its_room_until_it_is_well_outside() -> None:
-    plan = FloorPlan.of(house())
-
-    rooms, last = [], ""
-    for x in (3.9, 4.05, 3.95, 4.15, 4.25, 4.1, 3.85, 3.75):
-        found = plan.room_at(x, 4.5, last=last)
-        assert found is not None
-        last = found.room
-        rooms.append(last)
-
-    assert rooms == ["Hall", "Hall", "Hall", "Hall", "Kitchen", "Kitchen", "Kitchen", "Hall"]
 
 
 def test_a_room_is_found_on_its_floor_alone() -> None:

@@ -16,11 +16,7 @@ T = TypeVar("T")
 
 @final
 class ServerTurns:
-    """Hands out turns; a piece of work is the part of a task between two of them.
-
-    Args:
-        now: The clock that measures the share, in seconds.
-    """
+    """Hands out turns; a piece of work is the part of a task between two of them."""
 
     def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
         self._budget = TurnBudget(now, lambda call: asyncio.get_running_loop().call_soon(call))

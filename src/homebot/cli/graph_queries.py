@@ -63,14 +63,12 @@ def topic_type(door: DoorClient, topic: str) -> str:
 
 def no_such_topic(door: DoorClient, topic: str) -> PeerError:
     """Return the error that there is no *topic*; its message names similar ones."""
-    known = [one.name for one in entities(door) if one.kind in {"publisher", "subscription"}]
-    return not_found("topic", topic, known)
+    return not_found("topic", topic, _topics(door))
 
 
 def not_yet(door: DoorClient, topic: str) -> str:
     """Return the line that says that *topic*, which does not exist, is waited for; it names similar ones."""
-    known = [one.name for one in entities(door) if one.kind in {"publisher", "subscription"}]
-    similar = did_you_mean(topic, known, "", cutoff=0.7)
+    similar = did_you_mean(topic, _topics(door), "", cutoff=0.7)
     return f"homebot: no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
 
 
@@ -101,17 +99,14 @@ class Schema:
 
     def _message(self, message: dict[str, object], ros_type: str) -> dict[str, object]:
         fields = self._types.get(ros_type, {})
-        return {name: self._field(value, *fields.get(name, ("", False))) for name, value in message.items()}
+        return {name: self._value(value, fields.get(name, "")) for name, value in message.items()}
 
-    def _field(self, value: object, ros_type: str, is_array: bool) -> object:  # noqa: FBT001  # private, one caller
-        if is_array and ros_type == "uint8" and isinstance(value, str):
+    def _value(self, value: object, ros_type: str) -> object:
+        if ros_type == "uint8[]" and isinstance(value, str):
             return _readable_bytes(value)
         if isinstance(value, list):
-            return [self._element(item, ros_type) for item in value]
-        return self._element(value, ros_type)
-
-    def _element(self, value: object, ros_type: str) -> object:
-        return self._message(value, ros_type) if isinstance(value, dict) else value
+            return [self._value(item, ros_type.removesuffix("[]")) for item in value]
+        return self._message(value, ros_type.removesuffix("[]")) if isinstance(value, dict) else value
 
 
 def message_schema(door: DoorClient, ros_type: str) -> Schema:
@@ -128,9 +123,14 @@ def _schema(door: DoorClient, service: str, ros_type: str) -> Schema:
     return Schema(cast("list[MessageTypeRecord]", door.call(service, {"type": ros_type})["typedefs"]))
 
 
-def _fields(typedef: MessageTypeRecord) -> dict[str, tuple[str, bool]]:
-    kinds = zip(typedef["fieldtypes"], (length >= 0 for length in typedef["fieldarraylen"]), strict=True)
-    return dict(zip(typedef["fieldnames"], kinds, strict=True))
+def _fields(typedef: MessageTypeRecord) -> dict[str, str]:
+    """Return the type of each field by its name, of an array with ``[]`` after it."""
+    kinds = (typedef["fieldnames"], typedef["fieldtypes"], typedef["fieldarraylen"])
+    return {name: kind if length < 0 else f"{kind}[]" for name, kind, length in zip(*kinds, strict=True)}
+
+
+def _topics(door: DoorClient) -> list[str]:
+    return [one.name for one in entities(door) if one.kind in {"publisher", "subscription"}]
 
 
 def _readable_bytes(text: str) -> str | list[int]:

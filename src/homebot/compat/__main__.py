@@ -15,7 +15,7 @@ from homebot.compat import rclpy
 from homebot.compat.messages import program_type
 from homebot.errors import UsageError
 from homebot.messages.interfaces import Interfaces
-from homebot.messages.interfaces.interface_classes import Interface
+from homebot.messages.interfaces.interface_text import Interface
 
 __all__ = ["main"]
 

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from homebot.messages.definition import zero_message
-from homebot.messages.interfaces.interface_classes import Interface
+from homebot.messages.interfaces.interface_text import Interface
 from homebot.messages.json import message_from_json
 from homebot.messages.message import Message, ServiceType
 from homebot.messages.numeric_array import NumericArray

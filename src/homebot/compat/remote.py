@@ -49,17 +49,14 @@ class _Context:
 
     @property
     def portal(self) -> BlockingPortal:
-        """The way to the event loop."""
         if self._portal is None:
             raise UsageError("rclpy is not initialized; call rclpy.init() first")
         return self._portal
 
     def ok(self) -> bool:
-        """Return whether there is a graph."""
         return self._portal is not None
 
     def init(self) -> None:
-        """Start the graph unless there is one."""
         if self._portal is not None:
             return
         if not structlog.is_configured():

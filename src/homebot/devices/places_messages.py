@@ -84,7 +84,6 @@ class TagDeviceRequest(Message):
     """Tag a device with a word by which it is found; the directory remembers that over a restart.
 
     Attributes:
-        tag: The word or words.
         remove: Whether to take it back instead.
     """
 
@@ -169,7 +168,6 @@ class TeachPlaceRequest(Message):
     """The room of a device, as a tag says that is at it; it counts where neither the owner nor the device says one.
 
     Attributes:
-        gateway: The gateway of the tag.
         tag: The key of the tag; empty for a code.
         room: The room that the tag or code says; the one that the tag is in, as far as that is known, counts more.
     """
@@ -203,11 +201,7 @@ class ChangeRoomRequest(Message):
 
 
 class ChangeRoomResponse(ServiceAnswer):
-    """The result of changing a room.
-
-    Attributes:
-        name: The new name of the room; empty for one that was removed.
-    """
+    """The result of changing a room."""
 
     name: str = ""
 
@@ -217,11 +211,7 @@ class ExportPlacesRequest(Message):
 
 
 class ExportPlacesResponse(Message):
-    """A places file.
-
-    Attributes:
-        text: Its text: a table ``[places]`` in TOML.
-    """
+    """A places file: a table ``[places]`` in TOML."""
 
     text: str
 

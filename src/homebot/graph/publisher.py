@@ -43,11 +43,7 @@ class History(Protocol[MessageT]):
 
 
 class Publisher(GraphEntity, Generic[MessageT]):
-    """Publishes messages of one type on one topic, in order, without blocking.
-
-    Attributes:
-        incompatible_qos_count: The number of subscriptions that requested more than it offers.
-    """
+    """Publishes messages of one type on one topic, in order, without blocking."""
 
     def __init__(
         self,

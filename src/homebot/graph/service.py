@@ -51,7 +51,7 @@ class ServiceSlot:
         self.service_type = service_type
         self.server: Service[Any, Any] | None = None
         self.users = 0
-        self._waiters: dict[asyncio.Future[None], None] = {}  # in order of arrival, for reproducible runs
+        self._changed = asyncio.Event()
 
     def set_server(self, server: Service[Any, Any] | None) -> None:
         """Set the server and wake all waiting clients."""
@@ -60,18 +60,12 @@ class ServiceSlot:
 
     def wake(self) -> None:
         """Wake all tasks in :meth:`wait_for_change`."""
-        for waiter in self._waiters:
-            if not waiter.done():
-                waiter.set_result(None)
+        self._changed.set()
+        self._changed = asyncio.Event()
 
     async def wait_for_change(self) -> None:
         """Wait until a server or client is added or removed."""
-        waiter = asyncio.get_running_loop().create_future()
-        self._waiters[waiter] = None
-        try:
-            await waiter
-        finally:
-            self._waiters.pop(waiter, None)
+        await self._changed.wait()
 
 
 class Service(GraphEntity, Generic[RequestT, ResponseT]):

@@ -62,7 +62,6 @@ class Subscription(GraphEntity, Generic[MessageT]):
     Attributes:
         from_node: Full name of the only publishing node that it receives; empty for all nodes, :data:`OTHERS` for all
             but its own.
-        incompatible_qos_count: The number of publishers that offer less than it requests.
         expired: The number of messages not delivered because their lifespan had passed.
         unbegun: The number of received messages without a started task.
         slowest: Seconds that its callback, one at a time, needed at most, waiting included; None if not measured.

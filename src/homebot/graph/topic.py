@@ -20,11 +20,7 @@ QOS_INCOMPATIBLE = "graph.qos_incompatible"
 
 
 class Topic:
-    """A named channel of one message type; it exists while it has publishers or subscriptions.
-
-    Attributes:
-        message_type: Type of all its messages; a second type is refused.
-    """
+    """A named channel of one message type; it exists while it has publishers or subscriptions."""
 
     def __init__(self, name: str, message_type: type[Message], limit: LogLimit) -> None:
         """Create an unused topic; *limit* bounds the log lines about mismatches."""

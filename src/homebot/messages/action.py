@@ -22,11 +22,7 @@ FeedbackT = TypeVar("FeedbackT", bound=Message)
 
 @dataclass(frozen=True)
 class ActionType(Generic[GoalT, ResultT, FeedbackT]):
-    """The goal, result and feedback of an action, as ROS's generated ``Fibonacci.Goal`` and its siblings.
-
-    Attributes:
-        ros_type: The full ROS name, ``package/action/Name``.
-    """
+    """The goal, result and feedback of an action, as ROS's generated ``Fibonacci.Goal`` and its siblings."""
 
     ros_type: str
     Goal: type[GoalT]

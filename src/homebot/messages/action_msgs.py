@@ -10,11 +10,7 @@ __all__ = ["CancelGoal", "CancelGoalRequest", "CancelGoalResponse", "GoalInfo", 
 
 
 class GoalInfo(Message, ros_type="action_msgs/msg/GoalInfo"):
-    """A goal.
-
-    Attributes:
-        stamp: When it was accepted.
-    """
+    """A goal, and when it was accepted."""
 
     goal_id: UUID
     stamp: Time
@@ -56,7 +52,6 @@ class CancelGoalResponse(Message, ros_type="action_msgs/srv/CancelGoal_Response"
 
     Attributes:
         return_code: 0 none, 1 rejected, 2 unknown goal, 3 goal terminated.
-        goals_canceling: The goals that are canceling now.
     """
 
     ERROR_NONE: ClassVar = 0

@@ -53,11 +53,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """Marks an annotated Python type with the ROS primitive it stands for.
-
-    Attributes:
-        name: The primitive's name in a ``.msg`` file, for example ``uint8``.
-    """
+    """Marks an annotated Python type with the ROS primitive it stands for."""
 
     name: str
 
@@ -222,11 +218,7 @@ ResponseT = TypeVar("ResponseT")
 
 @dataclass(frozen=True)
 class ServiceType(Generic[RequestT, ResponseT]):
-    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and ``Trigger.Response``.
-
-    Attributes:
-        ros_type: The full ROS name, ``package/srv/Name``.
-    """
+    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and ``Trigger.Response``."""
 
     ros_type: str
     Request: type[RequestT]

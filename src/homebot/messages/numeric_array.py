@@ -71,11 +71,6 @@ class NumericArray(Sequence[NumberT]):
         """The numbers as a read-only buffer in the machine's order, such as ``numpy.frombuffer`` reads."""
         return memoryview(self._values).toreadonly()
 
-    @property
-    def nbytes(self) -> int:
-        """The bytes of :attr:`buffer`."""
-        return len(self._values) * self._values.itemsize
-
     def tolist(self) -> list[NumberT]:
         """Return the numbers as a list."""
         return self._values.tolist()

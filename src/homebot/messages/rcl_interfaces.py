@@ -12,9 +12,6 @@ class Log(Message, ros_type="rcl_interfaces/msg/Log"):
     Attributes:
         level: DEBUG 10, INFO 20, WARN 30, ERROR 40, FATAL 50.
         name: The logger: the node's full name with dots, without the leading one.
-        file: Source file, or empty.
-        function: Function, or empty.
-        line: Line in the file, or 0.
     """
 
     stamp: Time

@@ -10,10 +10,6 @@ __all__ = ["UUID"]
 
 
 class UUID(Message, ros_type="unique_identifier_msgs/msg/UUID"):
-    """A universally unique identifier (RFC 4122).
-
-    Attributes:
-        uuid: Its 16 bytes, in network order.
-    """
+    """A universally unique identifier (RFC 4122): 16 bytes in network order."""
 
     uuid: Annotated[bytes, Field(min_length=16, max_length=16)]

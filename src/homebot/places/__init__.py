@@ -1,41 +1,26 @@
 """Places in the house: its rooms, floors and doors, and the owner's statements about devices. Pure."""
 
-from homebot.places.facts import (
-    NO_PLACES,
-    FactName,
-    OwnerFact,
-    Places,
-    Position,
-    read_position,
-)
-from homebot.places.plan import NO_AREAS, OUTSIDE, HouseDoor, HousePlan, HouseRoom
+from homebot.places.facts import NO_PLACES as NO_PLACES
+from homebot.places.facts import FactName as FactName
+from homebot.places.facts import OwnerFact as OwnerFact
+from homebot.places.facts import Places as Places
+from homebot.places.facts import Position as Position
+from homebot.places.facts import read_position as read_position
+from homebot.places.plan import NO_AREAS as NO_AREAS
+from homebot.places.plan import OUTSIDE as OUTSIDE
+from homebot.places.plan import HouseDoor as HouseDoor
+from homebot.places.plan import HousePlan as HousePlan
+from homebot.places.plan import HouseRoom as HouseRoom
 from homebot.support.lazy_names import lazy_names
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from homebot.places.floor_plan import FloorPlan
-    from homebot.places.settings import PlacesSettings, check_name, read_places, stated_position
-    from homebot.places.text import places_text
-
-__all__ = [
-    "NO_AREAS",
-    "NO_PLACES",
-    "OUTSIDE",
-    "FactName",
-    "FloorPlan",
-    "HouseDoor",
-    "HousePlan",
-    "HouseRoom",
-    "OwnerFact",
-    "Places",
-    "PlacesSettings",
-    "Position",
-    "check_name",
-    "places_text",
-    "read_places",
-    "read_position",
-    "stated_position",
-]
+    from homebot.places.floor_plan import FloorPlan as FloorPlan
+    from homebot.places.settings import PlacesSettings as PlacesSettings
+    from homebot.places.settings import check_name as check_name
+    from homebot.places.settings import read_places as read_places
+    from homebot.places.settings import stated_position as stated_position
+    from homebot.places.text import places_text as places_text
 
 if not TYPE_CHECKING:  # else a name that does not exist would pass for one
     __getattr__ = lazy_names(

@@ -83,8 +83,6 @@ class Places:
 
     Attributes:
         devices: The facts of each device, by the ids and hardware addresses that it is known by.
-        doors: The doors of which more is stated than their rooms.
-        closed_door: Metres that going through a closed door counts.
     """
 
     rooms: tuple[HouseRoom, ...] = ()

@@ -64,7 +64,6 @@ class _File:
             self._bearing = math.radians(bearing)
 
     def rooms(self) -> dict[str, _Table]:
-        """Return the tables of rooms."""
         found: dict[str, _Table] = {}
         corners: list[Point] = []
         for key, given, kind, coordinates in self._of("Polygon", "MultiPolygon"):
@@ -104,7 +103,6 @@ class _File:
             yield {"rooms": rooms, "position": ends, **more}
 
     def devices(self) -> Iterator[tuple[str, _Table]]:
-        """Yield the tables of devices, by id."""
         for key, given, _, coordinates in self._of("Point"):
             if isinstance(device := given.get("device"), str):
                 error = given.get("error", OWNER_ERROR)

@@ -202,7 +202,6 @@ class TransformBuffer:
         return min(filter(None, stamps), default=0)
 
     def _between(self, target: str, source: str, time: int) -> Rigid:
-        """Return the transform of points of *source* into *target*."""
         up, first_problem = self._walk(source, time)
         down, problem = self._walk(target, time)
         for frame, way in down.items():

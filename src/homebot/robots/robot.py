@@ -41,7 +41,6 @@ class TrackedRobot:
 
     Args:
         now: Returns seconds since the Unix epoch, by a clock that is never set.
-        on_change: Called after each change.
 
     Attributes:
         alive_at: When it last gave a sign of life.
@@ -75,7 +74,6 @@ class TrackedRobot:
         Args:
             limit: Seconds for which it counts; of ``/amcl_pose`` from the last sign of life, unless a later position
                 of another source shows that the robot is elsewhere.
-            at: The position; None where only the room is known.
             age: Seconds since it was received.
             by_robot: Whether the robot states it, so that it lives.
             place: Further fields of the pose: ``error``, ``room``, ``floor``, ``is_nearest_room``.

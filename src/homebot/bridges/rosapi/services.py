@@ -54,7 +54,6 @@ class TypeDef(Message, ros_type="rosapi_msgs/msg/TypeDef"):
         fieldtypes: The fields' types; of one element where the field is an array.
         fieldarraylen: -1 for one value, 0 for any number of values, else exactly that many.
         examples: A value of each field, as text.
-        constvalues: Their values, as text.
     """
 
     type: str

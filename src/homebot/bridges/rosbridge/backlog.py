@@ -34,11 +34,7 @@ class DoorBacklog:
     """The bytes that wait for all clients together.
 
     Args:
-        limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
-
-    Attributes:
-        lost: Messages dropped since the start.
-    """
+        limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest."""
 
     def __init__(self, limit: int) -> None:
         self.lost = 0
@@ -192,7 +188,7 @@ def _weight(value: object) -> int:
     if isinstance(value, str | bytes):
         return sys.getsizeof(value)
     if isinstance(value, NumericArray):
-        return _OBJECT + value.nbytes
+        return _OBJECT + value.buffer.nbytes
     if isinstance(value, tuple):
         return sys.getsizeof(value) + sum(_weight(item) for item in value)
     return _OBJECT

@@ -25,11 +25,7 @@ _OF_THE_BODY: Final = frozenset(
 
 @final
 class PostedRequest:
-    """A request that is being received.
-
-    Attributes:
-        method: Its method, once it is whole.
-    """
+    """A request that is being received."""
 
     def __init__(self) -> None:
         self.method = ""

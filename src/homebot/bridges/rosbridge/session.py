@@ -172,7 +172,6 @@ class ClientSession:
             self._answer(op, str(exc))
 
     def _check(self, op: protocol.Operation) -> None:
-        """Refuse *op* where the client has no right to it."""
         access = self.client.access
         try:
             access.check(op, self._node.resolve_name)

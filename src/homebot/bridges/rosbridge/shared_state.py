@@ -135,11 +135,7 @@ class Provisions:
 class SharedState:
     """The state that all clients of a door share.
 
-    Args:
-        owners: Returns the robots of the house, with their topics and frames.
-
     Attributes:
-        expected: Topics to come.
         providers: The connection that provides each service and action, by its full name.
         refusals: Tells of each refusal for want of a right; None before the first.
     """

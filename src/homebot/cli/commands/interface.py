@@ -12,7 +12,7 @@ from homebot.config import load_config
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages.definition import fields_of
 from homebot.messages.interfaces import Interfaces
-from homebot.messages.interfaces.interface_classes import Interface, messages_in
+from homebot.messages.interfaces.interface_text import Interface, messages_in
 from homebot.messages.interfaces.settings import read_interfaces
 from homebot.messages.type_hash import type_hash
 

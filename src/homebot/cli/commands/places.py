@@ -259,7 +259,6 @@ def _map(door: DoorClient, file: str) -> RobotMap:
 
 
 def _read(file: str) -> str:
-    """Return the text of *file*."""
     try:
         content = sys.stdin.buffer.read(_MAX_BYTES + 1) if file == "-" else _content(Path(file))
         if len(content) > _MAX_BYTES:

@@ -15,11 +15,13 @@ from typing import Any, Final
 from homebot.errors import UnknownTypeError, UsageError
 from homebot.messages.action import ActionType
 from homebot.messages.definition import definition_body, fields_of
-from homebot.messages.interfaces.interface_classes import Interface, build_interface, messages_in
 from homebot.messages.interfaces.interface_text import (
     KINDS,
+    Interface,
     ParsedMessage,
+    build_interface,
     interface_key,
+    messages_in,
     parse_interface,
     split_definitions,
 )
