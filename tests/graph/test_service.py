@@ -176,36 +176,11 @@ async def test_a_request_of_another_type_is_refused(node: Node, client: TriggerC
         await client.call(String(data="x"))  # type: ignore[arg-type]  # the mistake under test
 
 
-async def test_a_call_ends_when_its_time_is_up_and_the_handler_goes_on(
-    node: Node, client: TriggerClient, gate: Gate
-) -> None:
-    node.create_service(Trigger, "s", gate)
-    with pytest.raises(ServiceTimeoutError, match=r"service /s did not answer within 2 s") as caught:
-        await client.call(ASK, timeout=2)
-    assert (now(), caught.value.timeout, gate.cancelled, gate.running) == (2, 2, 0, 1)
-    gate.opened.set()
-    assert (await client.call(ASK)).success
-    assert (gate.started, gate.cancelled) == (2, 0)
-
-
 async def test_a_call_has_a_time_limit_by_default(node: Node, client: TriggerClient, gate: Gate) -> None:
     node.create_service(Trigger, "s", gate)
-    with pytest.raises(ServiceTimeoutError):
+    with pytest.raises(ServiceTimeoutError, match=r"service /s did not answer within 5 s"):
         await client.call(ASK)
     assert now() == 5
-
-
-async def test_a_dying_server_ends_the_call_at_once(
-    run: Callable[[str], Awaitable[Node]], client: TriggerClient, gate: Gate
-) -> None:
-    server = await run("server")
-    server.create_service(Trigger, "/s", gate)
-    call = asyncio.create_task(client.call(ASK))
-    await anyio.sleep(1)
-    server.close()
-    with pytest.raises(ServiceGoneError, match="service /s went away during the call"):
-        await call
-    assert (now(), gate.cancelled) == (1, 1)
 
 
 async def test_a_dying_server_ends_the_calls_in_its_line_too(node: Node, client: TriggerClient, gate: Gate) -> None:
@@ -216,8 +191,8 @@ async def test_a_dying_server_ends_the_calls_in_its_line_too(node: Node, client:
     server.close()
     server.close()
     ended = await asyncio.gather(*calls, return_exceptions=True)
-    assert [type(one) for one in ended] == [ServiceGoneError] * 3
-    assert (gate.started, now()) == (1, closed_at)
+    assert [str(one) for one in ended] == [str(ServiceGoneError("/s"))] * 3
+    assert (gate.started, gate.cancelled, now()) == (1, 1, closed_at)
 
 
 async def test_a_server_may_close_itself_while_it_answers(node: Node, client: TriggerClient) -> None:

@@ -9,7 +9,7 @@ from typing import Annotated
 import pytest
 from pydantic import Field
 
-from homebot.messages import Empty, Int32, Log, String, Time
+from homebot.messages import Empty, Int32, String, Time
 from homebot.messages import message as fields
 from homebot.messages.cdr import message_to_cdr
 from homebot.messages.message import Message
@@ -77,15 +77,6 @@ def test_each_value_is_aligned_to_its_own_size() -> None:
         + "00000000" + struct.pack("<dd", 1.0, 2.0).hex()  # no length where it is fixed
         + "02000000" + "02000000 7800" + "0000" + "03000000 797a00"
     )  # fmt: skip
-    assert message_to_cdr(message) == hexed(expected)
-
-
-def test_nested_messages_are_written_in_place() -> None:
-    message = Log(stamp=Time(sec=1, nanosec=0), level=20, name="n", msg="m", file="", function="", line=9)
-    expected = (
-        "01000000 00000000 14 000000 02000000 6e00 0000 02000000 6d00 0000"
-        " 01000000 00 000000 01000000 00 000000 09000000"
-    )
     assert message_to_cdr(message) == hexed(expected)
 
 

@@ -9,7 +9,7 @@ import pytest
 from pydantic import Field
 
 from homebot.errors import UsageError
-from homebot.messages import Empty, Log, Message, ParameterEvent, ParameterValue, String, Time
+from homebot.messages import Empty, Log, Message, ParameterEvent, String, Time
 from homebot.messages import message as fields
 from homebot.messages.action_msgs import GoalInfo
 from homebot.messages.definition import definition_text, fields_of, nested_types, zero_message
@@ -88,21 +88,6 @@ def test_the_text_of_a_log_line_is_that_of_rcl_interfaces() -> None:
         "MSG: builtin_interfaces/Time\n"
         "int32 sec\n"
         "uint32 nanosec\n"
-    )
-
-
-def test_the_text_of_a_parameter_value_is_that_of_rcl_interfaces() -> None:
-    assert definition_text(ParameterValue) == (
-        "uint8 type\n"
-        "bool bool_value\n"
-        "int64 integer_value\n"
-        "float64 double_value\n"
-        "string string_value\n"
-        "byte[] byte_array_value\n"
-        "bool[] bool_array_value\n"
-        "int64[] integer_array_value\n"
-        "float64[] double_array_value\n"
-        "string[] string_array_value\n"
     )
 
 

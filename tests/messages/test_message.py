@@ -13,7 +13,6 @@ from homebot.errors import UsageError
 from homebot.messages import Bool, Float64, Int32, Int64, Message, String, Time
 from homebot.messages import message as fields
 from homebot.messages.rcl_interfaces import ParameterValue
-from homebot.messages.std_srvs import SetBool, Trigger
 
 
 class Numbers(Message):
@@ -166,16 +165,3 @@ def test_the_schema_for_other_tools_tells_the_range() -> None:
     schema = Int64.model_json_schema()["properties"]["data"]
     assert (schema["minimum"], schema["exclusiveMaximum"]) == (-(2**63), 2**63)
     assert Numbers.model_json_schema()["properties"]["plain"]["minimum"] == -(2**63)
-
-
-def test_the_two_standard_services_have_the_types_of_ros() -> None:
-    assert [kind.ros_type for kind in (Trigger, Trigger.Request, Trigger.Response)] == [
-        "std_srvs/srv/Trigger",
-        "std_srvs/srv/Trigger_Request",
-        "std_srvs/srv/Trigger_Response",
-    ]
-    assert [kind.ros_type for kind in (SetBool, SetBool.Request, SetBool.Response)] == [
-        "std_srvs/srv/SetBool",
-        "std_srvs/srv/SetBool_Request",
-        "std_srvs/srv/SetBool_Response",
-    ]

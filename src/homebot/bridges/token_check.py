@@ -52,7 +52,8 @@ class TokenCheck:
     It remembers the wrong tokens of the 1,000 addresses that were wrong last, and the 1,000 programs that came in last.
 
     Args:
-        tokens: The right tokens by name; at least one."""
+        tokens: The right tokens by name; at least one.
+    """
 
     def __init__(self, tokens: Mapping[str, SecretStr], clock: Clock) -> None:
         self.wrong = 0

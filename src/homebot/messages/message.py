@@ -218,7 +218,7 @@ ResponseT = TypeVar("ResponseT")
 
 @dataclass(frozen=True)
 class ServiceType(Generic[RequestT, ResponseT]):
-    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and ``Trigger.Response``."""
+    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and its sibling."""
 
     ros_type: str
     Request: type[RequestT]

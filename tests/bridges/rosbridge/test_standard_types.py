@@ -16,15 +16,6 @@ from homebot.messages.std_msgs import Header
 DRIVE = {"linear": {"x": 0.5, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -0.25}}
 
 
-@pytest.mark.parametrize("spelling", ["geometry_msgs/Twist", "geometry_msgs/msg/Twist"])
-async def test_a_client_publishes_standard_messages_for_another(house: House, spelling: str) -> None:
-    async with house.peer() as robot, house.peer() as joystick:
-        await robot.tell("subscribe", topic="/cmd_vel", type=spelling)
-        await joystick.send("advertise", topic="/cmd_vel", type="geometry_msgs/Twist")
-        await joystick.send("publish", topic="/cmd_vel", msg=DRIVE)
-        assert await robot.receive() == {"op": "publish", "topic": "/cmd_vel", "msg": DRIVE}
-
-
 async def test_the_header_of_ros_1_is_taken_without_its_counter(house: House) -> None:
     stamped = {"header": {"seq": 7, "stamp": {"secs": 1, "nsecs": 2}, "frame_id": "map"}, "twist": DRIVE}
     async with house.peer() as robot, house.peer() as old:

@@ -92,18 +92,6 @@ async def test_a_best_effort_publisher_reaches_a_client(house: House, peer: Peer
     assert (await peer.receive())["msg"] == {"data": 7}
 
 
-async def test_bytes_are_base64_both_ways(house: House, peer: Peer) -> None:
-    node = house.node("gateway")
-    subscription = node.create_subscription(RawMessage, "/raw")
-    await peer.send("subscribe", topic="/raw")
-    fields = {"gateway": "g", "key": "k", "address": "a", "payload": "b24=", "retained": False}
-    await peer.send("publish", topic="/raw", msg=fields | {"received_at": {"secs": 1, "nsecs": 2}})
-    message = await subscription.receive()
-    assert message.payload == b"on"
-    assert message.received_at == Time(sec=1, nanosec=2)
-    assert (await peer.receive())["msg"]["payload"] == "b24="
-
-
 async def test_a_topic_of_a_known_type_may_be_read_before_anybody_publishes(house: House, peer: Peer) -> None:
     await peer.tell("subscribe", topic="/later", type="std_msgs/String")
     house.node("talker").create_publisher(String, "/later").publish(String(data="now"))

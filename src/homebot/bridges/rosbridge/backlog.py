@@ -34,7 +34,8 @@ class DoorBacklog:
     """The bytes that wait for all clients together.
 
     Args:
-        limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest."""
+        limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
+    """
 
     def __init__(self, limit: int) -> None:
         self.lost = 0

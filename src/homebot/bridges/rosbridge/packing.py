@@ -87,7 +87,8 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 class FrameAssembler:
     """Reads operations; a fragmented one after its last fragment, in any order.
 
-    The fragments of ten frames may wait for others; those of one more replace those that have waited longest."""
+    The fragments of ten frames may wait for others; those of one more replace those that have waited longest.
+    """
 
     def __init__(self, limit: int) -> None:
         self.dropped = 0
