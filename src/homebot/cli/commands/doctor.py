@@ -47,7 +47,7 @@ _FAULTS = (
 )
 """How the names of counts begin or end that should be 0."""
 
-_ILLS = ("commands_refused", "commands_failed", "failures", "dropped", "lost")
+_ILLS = ("commands_failed", "failures", "dropped", "lost")
 """Those of them that are no matter of outsiders: one is enough for not all to be well."""
 
 _MOST, _FEW = 20, 5
