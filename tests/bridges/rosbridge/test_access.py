@@ -26,6 +26,7 @@ from homebot.devices.outcomes import Confirmed, Evidence, Outcome
 from homebot.devices.robot_owners import RobotOwners
 from homebot.devices.services import SubscribeToTopicRequest
 from homebot.messages import String
+from homebot.messages.interfaces import find_message
 from homebot.messages.std_srvs import SuccessResponse, Trigger
 
 OUT = "/gateway/mqtt/out"
@@ -216,6 +217,18 @@ async def test_a_client_that_may_act_on_something_speaks_with_apps(open_house: A
         assert (await peer.call("/app/go"))["result"] is True
         with anyio.fail_after(PATIENCE):
             assert (await heard.receive()).data == "x"
+
+
+async def test_only_a_robot_asks_for_doors_which_an_app_may_unlock(open_house: Any) -> None:
+    request: dict[str, Any] = {"topic": "/adapter_door_requests", "type": "rmf_door_msgs/msg/DoorRequest"}
+    async with robot(open_house, "read", "act: harmless") as (_, peer):
+        assert (await refusal(peer, "advertise", **request)).startswith("the right robot is missing; ")
+        assert (await refusal(peer, "publish", **request, msg={})).startswith("the right robot is missing; ")
+    async with robot(open_house, "read", "robot: rosie") as (house, peer):
+        heard = house.node("doors").create_subscription(find_message("rmf_door_msgs/msg/DoorRequest"), request["topic"])
+        await peer.send("publish", **request, msg={"door_name": "front_door"})
+        with anyio.fail_after(PATIENCE):
+            assert (await heard.receive()).door_name == "front_door"
 
 
 async def test_a_client_without_the_right_raw_does_not_send_commands_by_a_gateway(open_house: Any) -> None:
