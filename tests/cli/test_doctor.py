@@ -19,8 +19,9 @@ from homebot.cli import main
 from homebot.cli.commands.doctor import gateway_finding, health_findings
 from homebot.cli.findings import FindingKind, print_finding
 from homebot.devices import Fact, GatewayState
-from homebot.devices.health import Count, HealthResponse
+from homebot.devices.health import Count, HealthResponse, PartFailure
 from homebot.discovery.store import index_path
+from homebot.messages import Time
 
 Text = pytest.CaptureFixture[str]
 
@@ -67,6 +68,16 @@ def test_a_count_that_alone_makes_all_not_well_has_a_code_of_its_own(capsys: Tex
         "inbox dropped 7",
         "→ homebot journal tells more of commands",
     ]
+
+
+def test_a_handler_that_failed_is_one_finding() -> None:
+    """The count alone would be a loss, of which the journal tells nothing."""
+    failure = PartFailure(
+        part="hall", what="the handler light failed", count=2, last=Time.from_seconds(0.0), why="ValueError: no lamp"
+    )
+    health = HealthResponse(counts=Count.each({"callback_failures": 2}), failures=(failure,))
+    assert [one.kind for one in health_findings("homebot", health, 0.0, everything=False)] == [FindingKind.FAILURE]
+    assert len([*health_findings("homebot", health, 0.0, everything=True)]) == 2
 
 
 def test_every_code_is_once_in_the_guide() -> None:

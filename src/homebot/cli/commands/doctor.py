@@ -201,7 +201,8 @@ def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Ite
 
 def _count_rows(counts: Iterable[Count], *, everything: bool) -> Iterator[tuple[FindingKind, FindingRow]]:
     for one in counts:
-        if everything or (one.count and _is_one_of(_FAULTS, one.name)):
+        is_listed = one.name == "callback_failures"  # each with its reason, as a failure
+        if everything or (one.count and not is_listed and _is_one_of(_FAULTS, one.name)):
             kind = FindingKind.LOSS if one.count and _is_one_of(_ILLS, one.name) else FindingKind.COUNT
             yield kind, FindingRow(one.name.replace("_", " "), str(one.count))
 
