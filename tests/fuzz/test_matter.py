@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import json
 import random
+from collections.abc import Mapping
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz
 from tests.gateways.checked_command import checked_command
 
 from homebot.conventions.matter.sensor_clusters import press_of
-from homebot.conventions.payload import parse_json
+from homebot.conventions.payload import as_fields, parse_json
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.value import PlainValue
-from homebot.errors import RefusedError, WireError
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.announced.gateway_device import can_report
 from homebot.gateways.matter.node import MatterNode, NodeDevice, parse_path
-from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, read_frame
+from homebot.gateways.matter.server_link import MAX_FRAME_BYTES, check_greeting, result_of
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter.clusters import DEVICE_TYPES, attributes_of
 
@@ -82,7 +83,12 @@ def test_damaged_frames_are_refused_or_read(fuzz: Fuzz) -> None:
 
     for damage, rng in fuzz("matter frames"):
         frame = damage.damaged_bytes(json.dumps(rng.choice(frames)).encode())
+        fields: Mapping[str, object] = {}
         with suppress(WireError):
-            found = read_frame(parse_json(frame, MAX_FRAME_BYTES))
-            if isinstance(found, MatterEvent) and isinstance(found.data, list) and len(found.data) > 1:
-                parse_path(found.data[1])
+            fields = as_fields(parse_json(frame, MAX_FRAME_BYTES))
+            check_greeting(fields)
+        with suppress(LinkError, RefusedError):
+            result_of("it", fields)
+        with suppress(WireError):
+            data = fields.get("data")
+            parse_path(data[1] if isinstance(data, list) and len(data) > 1 else data)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from homebot.cli.main import main
-from homebot.gateways.matter.server_messages import OLDEST_SCHEMA, SCHEMA
+from homebot.gateways.matter.server_link import OLDEST_SCHEMA, SCHEMA
 from homebot.gateways.mdns.own_services import DOOR, HOMEBOT
 
 GUIDE = (Path(__file__).parents[2] / "docs" / "protocols.md").read_text()

@@ -10,7 +10,7 @@ from homebot.devices.always_ask import is_declared
 from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
-from homebot.gateways.matter.server_messages import check_result
+from homebot.gateways.matter.server_link import check_result
 
 MODES = [
     {"0": "Rest", "1": 5, "2": [{"1": 16384}]},

@@ -1,46 +1,27 @@
-"""The services of a Matter gateway that commission and remove nodes; the Matter server does the work.
-
-Source: as :mod:`homebot.gateways.matter.server_messages`: ``commission_with_code``, ``remove_node``.
-"""
+"""The services of a Matter gateway that commission and remove nodes; the Matter server does the work."""
 
 from __future__ import annotations
 
+from collections.abc import Awaitable, Callable
 from functools import partial
-from typing import TYPE_CHECKING, Annotated, Final, Protocol
+from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
-from homebot.conventions.setup_codes import check_matter_setup_code
 from homebot.devices.names import GatewayNames
 from homebot.devices.pairing_messages import PairResponse
-from homebot.errors import RefusedError, UnableError
 from homebot.gateways.pairing import ActingGateway, PairingRequests
+from homebot.graph import Node
 from homebot.messages.message import Message, ServiceType
-
-if TYPE_CHECKING:
-    from homebot.gateways.matter.server_link import MatterServerLink
-    from homebot.graph import Node
 
 __all__ = [
     "Commission",
     "CommissionRequest",
     "CommissioningNames",
-    "CommissioningServices",
     "Decommission",
     "DecommissionRequest",
+    "serve_commissioning",
 ]
-
-COMMISSIONS_WITHIN: Final = 180.0
-REMOVES_WITHIN: Final = 120.0
-"""In seconds; the server looks for a device for 30 seconds, and tries three times to read all of its attributes."""
-
-_NOT_COMMISSIONED, _NOT_INTERVIEWED = 1, 2
-_PROBLEMS: Final = {
-    _NOT_COMMISSIONED: "no device could be commissioned with this code; is it in pairing mode and on this network, "
-    "and not commissioned already?",
-    _NOT_INTERVIEWED: "the device was commissioned, but its attributes could not be read",
-}
-"""By error code; the details of the server say less, and could repeat the setup code."""
 
 
 class CommissionRequest(Message):
@@ -86,50 +67,20 @@ class CommissioningNames:
         self.decommission = f"{GatewayNames(gateway).node}/decommission"
 
 
-class CommissioningGateway(ActingGateway, Protocol):
-    """The gateway of the nodes."""
+def serve_commissioning(
+    node: Node,
+    gateway: ActingGateway,
+    add: Callable[[CommissionRequest], Awaitable[tuple[str, str]]],
+    remove: Callable[[str], Awaitable[tuple[str, str]]],
+) -> None:
+    """Serve :class:`CommissioningNames`: *add* and *remove* return key and name, and raise LinkError or PeerError."""
+    names, additions, removals = CommissioningNames(node.name), PairingRequests(gateway), PairingRequests(gateway)
 
-    def connected_link(self) -> MatterServerLink:
-        """Return the connection to the server, or raise a :class:`LinkError`."""
+    async def commission(request: CommissionRequest) -> PairResponse:
+        return await additions.answer("commissioning", partial(add, request))
 
-    def node_of(self, key: str) -> tuple[int, str]:
-        """Return the id of a node and its name, or raise an :class:`UnableError`."""
+    async def decommission(request: DecommissionRequest) -> PairResponse:
+        return await removals.answer("removing it", partial(remove, request.key))
 
-    async def add_commissioned(self, data: object) -> tuple[str, str]:
-        """Add a node as the answer to its commissioning describes it; return its key and name."""
-
-
-class CommissioningServices:
-    """Serves :class:`CommissioningNames`."""
-
-    def __init__(self, gateway: CommissioningGateway, node: Node) -> None:
-        self._gateway = gateway
-        self._additions, self._removals = PairingRequests(gateway), PairingRequests(gateway)
-        names = CommissioningNames(node.name)
-        node.create_service(Commission, names.commission, self._commission, concurrent=True)
-        node.create_service(Decommission, names.decommission, self._decommission, concurrent=True)
-
-    async def _commission(self, request: CommissionRequest) -> PairResponse:
-        return await self._additions.answer("commissioning", partial(self._add, request))
-
-    async def _decommission(self, request: DecommissionRequest) -> PairResponse:
-        return await self._removals.answer("removing it", partial(self._remove, request.key))
-
-    async def _add(self, request: CommissionRequest) -> tuple[str, str]:
-        check_matter_setup_code(request.code)
-        link, args = self._gateway.connected_link(), {"code": request.code, "network_only": request.network_only}
-        if not (request.network_only or link.has_bluetooth):
-            raise UnableError("the Matter server has no Bluetooth; it can only commission devices on the network")
-        what, command = "commissioning", "commission_with_code"
-        try:
-            described = await link.call(what, command, args, is_secret=True, within=COMMISSIONS_WITHIN)
-        except RefusedError as exc:
-            raise UnableError(_PROBLEMS.get(exc.code or 0, str(exc))) from None
-        return await self._gateway.add_commissioned(described)
-
-    async def _remove(self, key: str) -> tuple[str, str]:
-        """Remove a node; one that does not answer is removed from the server alone."""
-        node_id, name = self._gateway.node_of(key)
-        link = self._gateway.connected_link()
-        await link.call(f"removing {name}", "remove_node", {"node_id": node_id}, within=REMOVES_WITHIN)
-        return key, name
+    node.create_service(Commission, names.commission, commission, concurrent=True)
+    node.create_service(Decommission, names.decommission, decommission, concurrent=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Final
 from urllib.parse import urlsplit
 
 import anyio.lowlevel
@@ -12,21 +12,33 @@ from homebot.conventions.matter.endpoint import DESCRIPTOR, MatterEndpoint
 from homebot.conventions.matter.parts import parts_of
 from homebot.conventions.matter.sensor_clusters import SWITCH, press_of
 from homebot.conventions.payload import as_fields, shown
+from homebot.conventions.setup_codes import check_matter_setup_code
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
-from homebot.errors import LinkError, PeerError, UnableError, WireError
+from homebot.errors import LinkError, PeerError, RefusedError, UnableError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import GatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.linked_gateway import LinkedGateway
-from homebot.gateways.matter.commissioning import CommissioningServices
+from homebot.gateways.matter.commissioning import CommissionRequest, serve_commissioning
 from homebot.gateways.matter.node import BASIC, BRIDGED, MatterNode, NodeDevice, node_id_of, parse_path
-from homebot.gateways.matter.server_link import MatterServerLink
-from homebot.gateways.matter.server_messages import MAX_FRAME_BYTES, MatterEvent, check_result
+from homebot.gateways.matter.server_link import MAX_FRAME_BYTES, MatterServerLink, check_result
 from homebot.graph import Node
 from homebot.plugins import check_extra
 
 __all__ = ["MatterGateway", "MatterGatewaySettings"]
+
+COMMISSIONS_WITHIN: Final = 180.0
+REMOVES_WITHIN: Final = 120.0
+"""In seconds; the server looks for a device for 30 seconds, and tries three times to read all of its attributes."""
+
+_NOT_COMMISSIONED, _NOT_INTERVIEWED = 1, 2
+_PROBLEMS: Final = {
+    _NOT_COMMISSIONED: "no device could be commissioned with this code; is it in pairing mode and on this network, "
+    "and not commissioned already?",
+    _NOT_INTERVIEWED: "the device was commissioned, but its attributes could not be read",
+}
+"""By error code; the details of the server say less, and could repeat the setup code."""
 
 
 class MatterGatewaySettings(GatewaySettings):
@@ -66,46 +78,13 @@ class MatterGateway(LinkedGateway):
         self._link: MatterServerLink | None = None
         self._connecting: MatterServerLink | None = None
         self.devices = PublishedDevices(self, self._perform, settings)
-        CommissioningServices(self, node)
+        serve_commissioning(node, self, self._commission, self._decommission)
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
         """Look for the library."""
         del settings
         check_extra('the gateway "matter"', "matter", "aiohttp")
-
-    def connected_link(self) -> MatterServerLink:
-        """Return the connection to the server; raise LinkError without one."""
-        if self._link is None:
-            raise LinkError(f"the Matter server cannot be reached: {self.problem}")
-        return self._link
-
-    def node_of(self, key: str) -> tuple[int, str]:
-        """Return ID and name of the node that is the device *key*; raise UnableError if none is, or its bridge."""
-        node = self._node_of.get(key)
-        if node is None:
-            raise UnableError(f"the Matter gateway has no device {key[:100]!r}")
-        device = node.published[0].device
-        if device.key != key:
-            raise UnableError(
-                f"{key} is behind the bridge {device.key} ({device.name}); only the bridge can be removed"
-            )
-        return node.id, device.name
-
-    async def add_commissioned(self, data: object) -> tuple[str, str]:
-        """Take a node as the answer to its commissioning describes it, and return its key and name.
-
-        Raises:
-            WireError: It is not a node.
-            UnableError: The gateway has as many nodes as its settings allow.
-        """
-        node_id = node_id_of(as_fields(data).get("node_id"))
-        if node_id not in self._nodes:  # python-matter-server announces it before it answers
-            await self._add_node(data, "it was commissioned")
-        if node_id not in self._nodes:
-            raise UnableError(f"node {node_id} was commissioned, but the gateway has max_nodes already")
-        device = self._nodes[node_id].published[0].device
-        return device.key, device.name
 
     async def connect(self) -> None:
         """Connect, and follow the server until the link is lost."""
@@ -138,19 +117,23 @@ class MatterGateway(LinkedGateway):
         self._link = self._connecting
         self.on_link()
 
-    async def _on_event(self, event: MatterEvent, payload: bytes) -> None:
+    async def _on_event(self, event: str, data: object, payload: bytes) -> None:
         await anyio.lowlevel.checkpoint()
-        source = self._source_of(event)
+        source = self._source_of(data)
         try:
-            match event.event:
+            match event:
                 case "node_added" | "node_updated":
-                    await self._add_node(event.data, "the Matter server reported it")
+                    await self._add_node(data, "the Matter server reported it")
                 case "node_removed":
-                    self._remove_node(node_id_of(event.data), "it was removed from the Matter server")
-                case "attribute_updated" | "node_event":
-                    await self._on_report(event, source, payload)
+                    self._remove_node(node_id_of(data), "it was removed from the Matter server")
+                case "attribute_updated" if self.devices.admits(source):
+                    await self._on_attribute(data, payload)
+                case "attribute_updated" if source in self._node_of:
+                    self._missed.add(self._node_of[source].id)  # it is read later
+                case "node_event" if self.devices.admits(source):
+                    await self._on_node_event(data, payload)
                 case "endpoint_removed":
-                    self._remove_endpoint(event.data)
+                    self._remove_endpoint(data)
                 case "server_shutdown":
                     raise LinkError("the Matter server was shut down")
                 case _:
@@ -158,9 +141,8 @@ class MatterGateway(LinkedGateway):
         except WireError as exc:
             self.devices.reject(source, payload, str(exc))
 
-    def _source_of(self, event: MatterEvent) -> str:
+    def _source_of(self, data: object) -> str:
         """Return the source of an event: the key of the node, if it is known."""
-        data = event.data
         node_id: object = data
         if isinstance(data, list):
             node_id = data[0] if data else None
@@ -205,14 +187,6 @@ class MatterGateway(LinkedGateway):
         node, number = self._nodes.get(node_id_of(fields.get("node_id"))), fields.get("endpoint_id")
         if node is not None and isinstance(number, int) and node.endpoints.pop(number, None) is not None:
             self._describe(node, "an endpoint was removed")
-
-    async def _on_report(self, event: MatterEvent, source: str, payload: bytes) -> None:
-        """Handle a report unless its source has no budget left; a missed attribute is read later."""
-        is_attribute = event.event == "attribute_updated"
-        if self.devices.admits(source):
-            await (self._on_attribute if is_attribute else self._on_node_event)(event.data, payload)
-        elif is_attribute and source in self._node_of:
-            self._missed.add(self._node_of[source].id)
 
     async def _on_attribute(self, data: object, payload: bytes) -> None:
         if not isinstance(data, list) or len(data) != 3:
@@ -279,15 +253,45 @@ class MatterGateway(LinkedGateway):
         missed, self._missed = self._missed, set()
         for node_id in missed & self._nodes.keys():
             try:
-                described = await self.connected_link().call("a node", "get_node", {"node_id": node_id})
+                described = await self._connected().call("a node", "get_node", {"node_id": node_id})
                 await self._add_node(described, "it was asked for")
             except LinkError:
                 return  # all nodes are listed again after the next connection
             except PeerError as exc:
                 self.devices.reject(self.peer, b"", f"node {node_id} cannot be read again: {exc}")
 
+    async def _commission(self, request: CommissionRequest) -> tuple[str, str]:
+        """Add the device that has a setup code."""
+        check_matter_setup_code(request.code)
+        link, args = self._connected(), {"code": request.code, "network_only": request.network_only}
+        if not (request.network_only or link.has_bluetooth):
+            raise UnableError("the Matter server has no Bluetooth; it can only commission devices on the network")
+        what, command = "commissioning", "commission_with_code"
+        try:
+            described = await link.call(what, command, args, is_secret=True, within=COMMISSIONS_WITHIN)
+        except RefusedError as exc:
+            raise UnableError(_PROBLEMS.get(exc.code or 0, str(exc))) from None
+        node_id = node_id_of(as_fields(described).get("node_id"))
+        if node_id not in self._nodes:  # python-matter-server announces it before it answers
+            await self._add_node(described, "it was commissioned")
+        if node_id not in self._nodes:
+            raise UnableError(f"node {node_id} was commissioned, but the gateway has max_nodes already")
+        device = self._nodes[node_id].published[0].device
+        return device.key, device.name
+
+    async def _decommission(self, key: str) -> tuple[str, str]:
+        """Remove a node; one that does not answer is removed from the server alone."""
+        node = self._node_of.get(key)
+        if node is None:
+            raise UnableError(f"the Matter gateway has no device {key[:100]!r}")
+        root, name = node.published[0].device.key, node.published[0].device.name
+        if root != key:
+            raise UnableError(f"{key} is behind the bridge {root} ({name}); only the bridge can be removed")
+        await self._connected().call(f"removing {name}", "remove_node", {"node_id": node.id}, within=REMOVES_WITHIN)
+        return key, name
+
     async def _perform(self, command: Command) -> None:
-        link = self.connected_link()
+        link = self._connected()
         node = self._node_of[command.key]
         device = next(one for one in node.published if one.device.key == command.key)
         if not node.is_reachable(device):
@@ -298,3 +302,8 @@ class MatterGateway(LinkedGateway):
         for order in row.orders_of(endpoint, command):
             name, args = order.server_call(node.id, endpoint.id)
             check_result(what, await link.call(what, name, args, is_secret=order.is_secret))
+
+    def _connected(self) -> MatterServerLink:
+        if self._link is None:
+            raise LinkError(f"the Matter server cannot be reached: {self.problem}")
+        return self._link

@@ -1,41 +1,52 @@
 """Commands and events over the WebSocket of a Matter server.
 
-Frames are taken in the order in which they come, so that no event overtakes the list of nodes that it changes.
+A server greets with its version, answers each command with its ``message_id``, and sends events of its own. Frames are
+taken in the order in which they come, so that no event overtakes the list of nodes that it changes.
 
-Source: as :mod:`homebot.gateways.matter.server_messages`.
+Source: python-matter-server 8.1, ``docs/websockets_api.md`` and ``common/models.py`` (schema version 11); the server of
+matter.js follows the same.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Awaitable, Callable, Mapping
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, TypeAlias
 
 import anyio
 
-from homebot.errors import LinkError, WireError
+from homebot.conventions.payload import as_fields, clean_text, compact_json, shown
+from homebot.errors import LinkError, RefusedError, WireError
 from homebot.gateways.long_json import parse_long_json
-from homebot.gateways.matter.server_messages import (
-    MAX_FRAME_BYTES,
-    MatterEvent,
-    ServerAnswer,
-    ServerFrame,
-    ServerInfo,
-    command_frame,
-    error_of,
-    read_frame,
-)
 from homebot.gateways.pending_calls import PendingCalls
+from homebot.support.numbers import whole_number
 
 if TYPE_CHECKING:
     from homebot.gateways.http_streams import WebSocket
 
-__all__ = ["MatterServerLink"]
+__all__ = ["MAX_FRAME_BYTES", "MatterServerLink", "OnEvent", "check_greeting", "check_result", "result_of"]
+
+MAX_FRAME_BYTES: Final = 32 * 1024 * 1024
+"""Longest frame: the answer to ``start_listening`` has every attribute of every node, some 50 kB for each node."""
+
+SCHEMA: Final = 11
+"""The newest version that this module follows."""
+
+OLDEST_SCHEMA: Final = 5
 
 GREETS_WITHIN: Final = 10.0
 LISTS_WITHIN: Final = 120.0
 ANSWERS_WITHIN: Final = 30.0
 """All in seconds; the server asks a sleepy device several times."""
+
+_NODE_NOT_READY, _NODE_NOT_RESOLVING, _SDK_STACK = 3, 4, 7
+_TIMEOUTS = ("0x00000032", "timeout", "timed out")
+"""Texts in the details of an error when the device did not answer, for which there is no error code."""
+
+_Fields: TypeAlias = Mapping[str, object]
+
+OnEvent: TypeAlias = Callable[[str, object, bytes], Awaitable[None]]
+"""Takes the name of an event, such as ``attribute_updated``, its data, and the frame that it came in."""
 
 
 class MatterServerLink:
@@ -43,11 +54,10 @@ class MatterServerLink:
 
     Args:
         on_nodes: Takes the list of all nodes, before any later event.
-        on_event: Takes an event, and the frame that it came in.
         on_invalid: Takes each invalid frame, and the reason.
 
     Attributes:
-        fabric: The compressed ID of the server's fabric; empty if it is not known.
+        fabric: The compressed ID of the server's fabric, 16 digits; empty if it is not known.
         has_bluetooth: Whether the server can commission devices over Bluetooth, as its greeting says.
     """
 
@@ -55,7 +65,7 @@ class MatterServerLink:
         self,
         socket: WebSocket,
         on_nodes: Callable[[object], Awaitable[None]],
-        on_event: Callable[[MatterEvent, bytes], Awaitable[None]],
+        on_event: OnEvent,
         on_invalid: Callable[[bytes, str], None],
     ) -> None:
         self.fabric = ""
@@ -64,8 +74,8 @@ class MatterServerLink:
         self._on_nodes = on_nodes
         self._on_event = on_event
         self._on_invalid = on_invalid
-        self._calls = PendingCalls[ServerAnswer]("the Matter server")
-        self._listening_id = ""
+        self._calls = PendingCalls[_Fields]("the Matter server")
+        self._listening_id = self._calls.new_id()
         self._listing = anyio.CancelScope()
 
     async def run(self) -> None:
@@ -87,13 +97,7 @@ class MatterServerLink:
             self._calls.end()
 
     async def call(
-        self,
-        what: str,
-        command: str,
-        args: Mapping[str, object],
-        *,
-        is_secret: bool = False,
-        within: float = ANSWERS_WITHIN,
+        self, what: str, command: str, args: _Fields, *, is_secret: bool = False, within: float = ANSWERS_WITHIN
     ) -> object:
         """Send the server a command, and return the result.
 
@@ -107,36 +111,81 @@ class MatterServerLink:
         """
 
         async def send(message_id: str) -> None:
-            await self._socket.send(command_frame(message_id, command, args))
+            await self._send(message_id, command, args)
 
-        answer = await self._calls.call(what, send, within)
-        if answer.error_code is not None:
-            raise error_of(what, answer, is_secret=is_secret)
-        return answer.result
+        return result_of(what, await self._calls.call(what, send, within), is_secret=is_secret)
+
+    async def _send(self, message_id: str, command: str, args: _Fields) -> None:
+        await self._socket.send(compact_json({"message_id": message_id, "command": command, "args": dict(args)}))
 
     async def _greet(self) -> None:
-        frame = await _parsed(await self._socket.receive())
-        if not isinstance(frame, ServerInfo):
-            raise WireError("the server at this address is not a Matter server")
-        frame.check()
-        self.has_bluetooth, self.fabric = frame.has_bluetooth, frame.fabric
-        self._listening_id = self._calls.new_id()
-        await self._socket.send(command_frame(self._listening_id, "start_listening", {}))
+        greeting = await _parsed(await self._socket.receive())
+        check_greeting(greeting)
+        fabric = greeting.get("compressed_fabric_id")
+        self.fabric = f"{fabric:016X}" if type(fabric) is int and 0 < fabric < 1 << 64 else ""
+        self.has_bluetooth = greeting.get("bluetooth_enabled") is True
+        await self._send(self._listening_id, "start_listening", {})
 
     async def _on_frame(self, payload: bytes) -> None:
         frame = await _parsed(payload)
-        if isinstance(frame, MatterEvent):
-            await self._on_event(frame, payload)
-        elif isinstance(frame, ServerAnswer) and frame.message_id == self._listening_id:
-            if frame.error_code is not None:
-                raise error_of("the list of nodes", frame)
-            await self._on_nodes(frame.result)
+        event, message_id = frame.get("event"), frame.get("message_id")
+        if isinstance(event, str):
+            await self._on_event(event, frame.get("data"), payload)
+        elif message_id == self._listening_id:
+            await self._on_nodes(result_of("the list of nodes", frame))
             self._listing.deadline = math.inf
-        elif isinstance(frame, ServerAnswer):
-            await self._calls.resolve(frame.message_id, frame)  # one without a waiting caller came too late
+        elif isinstance(message_id, str):
+            await self._calls.resolve(message_id, frame)  # one without a waiting caller came too late
+        else:
+            raise WireError("a message is neither an event nor an answer")
 
 
-async def _parsed(message: str | bytes) -> ServerFrame:
-    """Return the message in a frame; other tasks run while a long one is parsed."""
+async def _parsed(message: str | bytes) -> _Fields:
+    """Return the object in a frame; other tasks run while a long one is parsed."""
     payload = message.encode(errors="replace") if isinstance(message, str) else message
-    return read_frame(await parse_long_json(payload, MAX_FRAME_BYTES))
+    frame = await parse_long_json(payload, MAX_FRAME_BYTES)
+    if not isinstance(frame, dict):
+        raise WireError(f"{shown(frame)} is not an object")
+    return frame
+
+
+def check_greeting(greeting: _Fields) -> None:
+    """Raise WireError if a server says in its *greeting* that homebot does not understand its messages."""
+    schema = whole_number(greeting.get("schema_version"))
+    if schema is None or "event" in greeting or "message_id" in greeting:
+        raise WireError("the server at this address is not a Matter server")
+    if schema < OLDEST_SCHEMA:
+        raise WireError(f"the Matter server uses schema version {schema}; homebot needs {OLDEST_SCHEMA} or later")
+    if (oldest := whole_number(greeting.get("min_supported_schema_version")) or 0) > SCHEMA:
+        raise WireError(f"the Matter server needs schema version {oldest} or later; homebot knows {SCHEMA}")
+
+
+def result_of(what: str, answer: _Fields, *, is_secret: bool = False) -> object:
+    """Return the result in an *answer*.
+
+    Args:
+        is_secret: Whether the command had a code in it; the details, which may repeat it, are not shown then.
+
+    Raises:
+        LinkError: The device did not answer the server.
+        RefusedError: The answer has another error code.
+    """
+    if "error_code" not in answer:
+        return answer.get("result")
+    code, text = whole_number(answer["error_code"]), answer.get("details")
+    details = text[:2_000] if isinstance(text, str) else ""
+    reason = ("" if is_secret else clean_text(details)) or f"the Matter server answered with error {code}"
+    is_timeout = any(one in details.casefold() for one in _TIMEOUTS)
+    if code in {_NODE_NOT_READY, _NODE_NOT_RESOLVING, _SDK_STACK} or is_timeout:
+        raise LinkError(f"{what}: {reason}")
+    raise RefusedError(what, reason, code)
+
+
+def check_result(what: str, result: object) -> None:
+    """Raise RefusedError if the *result* of a command has a status of failure, as writes and operations may."""
+    fields = as_fields(result)
+    operation = as_fields(fields.get("commandResponseState"))
+    writes = [as_fields(one).get("Status") for one in result] if isinstance(result, list) else []
+    for status in (*writes, fields.get("status"), operation.get("errorStateID", operation.get("errorStateId"))):
+        if type(status) is int and status != 0:
+            raise RefusedError(what, f"the device answered with the status 0x{status:02x}", status)
