@@ -80,14 +80,14 @@ class HomeAssistantLamp(ServedLamp):
         await self.tasks.start(self.entity.serve)
 
     async def report(self, *, on: bool) -> None:
-        self.server.tell_raw(json.loads(self.raw(on=on)))
+        self.server.send_states({"c": json.loads(self.raw(on=on))})
 
     def raw(self, *, on: bool) -> bytes:
         return compact_json({self.entity.entity_id: {"+": {"s": "on" if on else "off"}}}).encode()
 
     async def misbehave(self) -> None:
         for number in range(2000):
-            self.server.tell_raw({f"light.strange_{number}": "?" * 10_000})
+            self.server.send_states({"c": {f"light.strange_{number}": "?" * 10_000}})
             if number % 50 == 0:
                 await anyio.sleep(0.01)
 

@@ -10,6 +10,7 @@ from typing import Final
 import anyio
 from anyio.abc import TaskStatus
 
+from homebot.devices.identity import in_pairs
 from homebot.house.connected_device import ServedDevice
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.dialects.wire import device_orders, hardware_address, node_name, scaled
@@ -170,7 +171,6 @@ class ServedEntity(ServedDevice, ListedEntity):
 
     def device_entry(self) -> Fields:
         """Return the entry of its device."""
-        digits = hardware_address(self.device)
         return {
             "id": node_name(self.device),
             "name": self.device.device_id,
@@ -178,6 +178,6 @@ class ServedEntity(ServedDevice, ListedEntity):
             "manufacturer": "homebot",
             "model": f"simulated {self.device.kind}",
             "identifiers": [["simulated", node_name(self.device)]],
-            "connections": [["mac", ":".join(digits[at : at + 2] for at in range(0, 12, 2))]],
+            "connections": [["mac", in_pairs(hardware_address(self.device))]],
             "disabled_by": None,
         }

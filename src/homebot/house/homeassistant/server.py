@@ -15,7 +15,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.house.dialects.wire import as_json, as_object
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.http.web_server import WebDevice, WebPeer, WebServer
 
 __all__ = ["ListedEntity", "SimulatedHomeAssistant"]
 
@@ -50,7 +50,7 @@ class ListedEntity(ABC):
         """Return the entry of its device."""
 
 
-class SimulatedHomeAssistant:
+class SimulatedHomeAssistant(WebDevice):
     """A Home Assistant with its entities, which it keeps when they are away.
 
     Args:
@@ -95,7 +95,7 @@ class SimulatedHomeAssistant:
         if is_new:
             for registry in ("area", "device", "entity"):
                 self.change_registry(registry)
-            self._tell({"a": {entity.entity_id: _compressed(entity)}})
+            self.send_states({"a": {entity.entity_id: _compressed(entity)}})
         else:
             self.show(entity, entity.shown, entity.attributes)
 
@@ -106,12 +106,12 @@ class SimulatedHomeAssistant:
         entity.shown = state
         entity.attributes |= news
         if entity.entity_id in self.entities:
-            self._tell({"c": {entity.entity_id: {"+": additions | ({"a": news} if news else {})}}})
+            self.send_states({"c": {entity.entity_id: {"+": additions | ({"a": news} if news else {})}}})
 
     def remove(self, entity: ListedEntity) -> None:
         """Remove an entity and its device."""
         if self.entities.pop(entity.entity_id, None) is not None:
-            self._tell({"r": [entity.entity_id]})
+            self.send_states({"r": [entity.entity_id]})
             self.change_registry("entity")
             self.change_registry("device")
 
@@ -128,15 +128,6 @@ class SimulatedHomeAssistant:
             if trigger in followed and peer in self.server.peers:
                 found = {"idx": str(followed.index(trigger)), "platform": "device"}
                 peer.send(_event(number, {"variables": {"trigger": found}, "context": None}))
-
-    def tell_raw(self, changes: Fields) -> None:
-        """Send changes as they are, to all that subscribed to states."""
-        self._tell({"c": changes})
-
-    def answer(self, request: WebRequest) -> WebReply:
-        """Refuse a request of HTTP."""
-        del request
-        return WebReply(b"Not Found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
         """Accept a WebSocket and ask for a token."""
@@ -213,7 +204,8 @@ class SimulatedHomeAssistant:
                 return True, {"code": "not_found", "message": f"Service {frame.get('domain')}.{service} not found."}
         return False, {"context": {"id": "1"}}
 
-    def _tell(self, event: Fields) -> None:
+    def send_states(self, event: Fields) -> None:
+        """Send an event to all that subscribed to states."""
         for peer, number in self._states.items():
             if peer in self.server.peers:
                 peer.send(_event(number, event))

@@ -81,16 +81,19 @@ class WebPeer:
 
 
 class WebDevice(Protocol):
-    """The device behind a server."""
+    """The device behind a server; one that inherits from it has neither pages nor WebSockets by itself."""
 
     def answer(self, request: WebRequest) -> WebReply:
         """Return the answer to a request."""
+        del request
+        return WebReply(b"Not Found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
         """Accept a new WebSocket to *path*, or a new stream of events from there; false if there is none."""
 
     def receive(self, peer: WebPeer, message: bytes) -> None:
         """Handle a WebSocket message."""
+        del peer, message
 
 
 class WebServer:

@@ -17,9 +17,10 @@ import anyio.to_thread
 from anyio.abc import TaskStatus
 
 from homebot.conventions.hue.resources import merged
+from homebot.devices.identity import in_pairs
 from homebot.house.dialect import SimulatedDeviceInfo
 from homebot.house.dialects.wire import as_json, as_object, hardware_address
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.http.web_server import WebDevice, WebPeer, WebReply, WebRequest, WebServer
 from homebot.house.hue.resources import (
     CHANGED,
     Resource,
@@ -56,7 +57,7 @@ class BridgedHueDevice(Protocol):
         """Carry out a command to its light."""
 
 
-class SimulatedHueBridge:
+class SimulatedHueBridge(WebDevice):
     """A bridge with its devices, which it keeps when they are away.
 
     Args:
@@ -139,16 +140,12 @@ class SimulatedHueBridge:
         peer.send(b": hi")
         return True
 
-    def receive(self, peer: WebPeer, message: bytes) -> None:
-        """Ignore a message of a WebSocket: it has none."""
-        del peer, message
-
     def answer(self, request: WebRequest) -> WebReply:
         """Return the answer to a request of HTTP."""
         if request.path in {"/api/config", "/api/0/config"}:
-            pairs = ":".join(self.id[at : at + 2] for at in (0, 2, 4, 10, 12, 14))
-            about = {"name": NAME, "bridgeid": self.id.upper(), "modelid": "BSB002", "mac": pairs}
-            return WebReply(as_json(about | {"swversion": "1968096020", "apiversion": "1.68.0"}))
+            about = {"name": NAME, "bridgeid": self.id.upper(), "modelid": "BSB002"}
+            about |= {"mac": in_pairs(self.id[:6] + self.id[10:]), "swversion": "1968096020", "apiversion": "1.68.0"}
+            return WebReply(as_json(about))
         if request.path == "/api" and request.method == "POST":
             return self._make_key(request.body)
         if request.headers.get(KEY_HEADER) not in self.keys:

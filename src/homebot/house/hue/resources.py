@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping
 from typing import Final, TypeAlias
 from uuid import NAMESPACE_DNS, uuid5
 
+from homebot.devices.identity import in_pairs
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.dialects.wire import hardware_address, lamp_order, mired_kelvin, scaled
 
@@ -71,8 +72,7 @@ def resource_uuid(*names: str) -> str:
 
 def radio_address(device: SimulatedDeviceInfo) -> str:
     """Return the address of a device in the radio network, in pairs of digits."""
-    digits = hardware_address(device, 16)
-    return ":".join(digits[at : at + 2] for at in range(0, 16, 2))
+    return in_pairs(hardware_address(device, 16))
 
 
 def device_resources(device: SimulatedDeviceInfo, kind: str, state: DeviceState) -> list[Resource]:
@@ -96,15 +96,14 @@ def bridge_resources(bridge_id: str, name: str) -> list[Resource]:
     """Return the bridge as a device with its services."""
     owner = {"rid": resource_uuid(bridge_id), "rtype": "device"}
     own = {"id": resource_uuid(bridge_id, "bridge"), "owner": owner, "type": "bridge", "bridge_id": bridge_id}
-    pairs = ":".join(bridge_id[at : at + 2] for at in range(0, 16, 2))
-    radio = {
+    radio: Resource = {
         "id": resource_uuid(bridge_id, "zigbee"),
         "owner": owner,
         "type": "zigbee_connectivity",
         "status": "connected",
-        "mac_address": pairs,
+        "mac_address": in_pairs(bridge_id),
     }
-    services: list[Resource] = [{**own, "time_zone": {"time_zone": "Europe/Berlin"}}, dict(radio)]
+    services: list[Resource] = [{**own, "time_zone": {"time_zone": "Europe/Berlin"}}, radio]
     return [_device(owner["rid"], name, "bridge", services), *services]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Final, TypeAlias, TypedDict
+from typing import Final, TypeAlias
 
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.dialects.wire import device_orders, hardware_address, mired_kelvin, scaled
@@ -95,7 +95,7 @@ def command_orders(kind: str, cluster: int, command: str, payload: Mapping[str, 
     wanted = _COMMANDS.get((cluster, command))
     if wanted is None or not any(path.startswith(f"{cluster}/") for path in _FIXED.get(kind, {})):
         return None
-    return device_orders("lamp" if kind == "plug" else kind, **wanted(payload)) or None
+    return wanted("lamp" if kind == "plug" else kind, payload) or None
 
 
 def write_orders(kind: str, path: str, value: object) -> tuple[str, ...] | None:
@@ -116,39 +116,31 @@ def _endpoint(kind: str, state: DeviceState) -> Attributes:
     }
 
 
-class _Order(TypedDict, total=False):
-    """The arguments of :func:`homebot.house.dialects.wire.device_orders` that come from a command."""
-
-    is_on: bool | None
-    brightness: float | None
-    kelvin: float | None
-    position: float | None
-    action: str
-
-
-def _level(payload: Mapping[str, object]) -> _Order:
+def _obey_level(kind: str, payload: Mapping[str, object]) -> tuple[str, ...]:
     level = scaled(payload.get("level"), _LEVELS)
-    return {"is_on": None if level is None else level > 0, "brightness": level}
+    return device_orders(kind, is_on=None if level is None else level > 0, brightness=level)
 
 
-def _lift(payload: Mapping[str, object]) -> _Order:
+def _obey_lift(kind: str, payload: Mapping[str, object]) -> tuple[str, ...]:
     closed = scaled(payload.get("liftPercent100thsValue"), 10_000)
-    return {"position": None if closed is None else 1 - closed}
+    return device_orders(kind, position=None if closed is None else 1 - closed)
 
 
-_COMMANDS: Final[Mapping[tuple[int, str], Callable[[Mapping[str, object]], _Order]]] = {
-    (6, "On"): lambda _: {"is_on": True},
-    (6, "Off"): lambda _: {"is_on": False},
-    (8, "MoveToLevelWithOnOff"): _level,
-    (257, "LockDoor"): lambda _: {"action": "lock"},
-    (257, "UnlockDoor"): lambda _: {"action": "unlock"},
-    (258, "UpOrOpen"): lambda _: {"action": "open"},
-    (258, "DownOrClose"): lambda _: {"action": "close"},
-    (258, "StopMotion"): lambda _: {"action": "stop"},
-    (258, "GoToLiftPercentage"): _lift,
-    (768, "MoveToColorTemperature"): lambda payload: {"kelvin": mired_kelvin(payload.get("colorTemperatureMireds"))},
+_COMMANDS: Final[Mapping[tuple[int, str], Callable[[str, Mapping[str, object]], tuple[str, ...]]]] = {
+    (6, "On"): lambda kind, _: device_orders(kind, is_on=True),
+    (6, "Off"): lambda kind, _: device_orders(kind, is_on=False),
+    (8, "MoveToLevelWithOnOff"): _obey_level,
+    (257, "LockDoor"): lambda kind, _: device_orders(kind, action="lock"),
+    (257, "UnlockDoor"): lambda kind, _: device_orders(kind, action="unlock"),
+    (258, "UpOrOpen"): lambda kind, _: device_orders(kind, action="open"),
+    (258, "DownOrClose"): lambda kind, _: device_orders(kind, action="close"),
+    (258, "StopMotion"): lambda kind, _: device_orders(kind, action="stop"),
+    (258, "GoToLiftPercentage"): _obey_lift,
+    (768, "MoveToColorTemperature"): lambda kind, payload: device_orders(
+        kind, kelvin=mired_kelvin(payload.get("colorTemperatureMireds"))
+    ),
 }
-"""By cluster and command."""
+"""By cluster and command: what gives a device of a kind its orders."""
 
 
 def _lamp(lamp: DeviceState) -> Attributes:

@@ -43,8 +43,7 @@ class ServedMatterNode(HubDevice, CommissionedNode):
         setup_code: str = "",
     ) -> None:
         HubDevice.__init__(self, device, on_command)
-        CommissionedNode.__init__(self)
-        self.server = server
+        CommissionedNode.__init__(self, server)
         self.setup_code = setup_code
         self._kind = kind or device.kind
 
@@ -61,16 +60,8 @@ class ServedMatterNode(HubDevice, CommissionedNode):
 
     def show(self) -> None:
         """Report the attributes that have changed."""
-        if not self.is_available:
-            return
-        for path, value in state_attributes(self._kind, self.state).items():
-            if self.attributes.get(f"1/{path}") != value:
-                self.change(f"1/{path}", value)
-
-    def change(self, path: str, value: object) -> None:
-        """Report that an attribute has a new value."""
-        self.attributes[path] = value
-        self.server.report(self, path, value)
+        if self.is_available:
+            self.update(at_endpoint(1, state_attributes(self._kind, self.state)))
 
     def invoke(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
         """Carry out a command; return false for one that it does not have."""
@@ -104,25 +95,15 @@ class BridgedMatterDevice(HubDevice):
     def show(self) -> None:
         """Report the attributes that have changed."""
         if self.is_there:
-            self._bridge.update(self, state_attributes(self.device.kind, self.state))
-
-    def invoke(self, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
-        """Carry out a command; return false for one that it does not have."""
-        return self.is_there and _obey(self, command_orders(self.device.kind, cluster, command, payload))
-
-    def write(self, path: str, value: object) -> bool:
-        """Write an attribute (``513/18``); return false for one that cannot be written."""
-        return self.is_there and _obey(self, write_orders(self.device.kind, path, value))
+            self._bridge.show(self, state_attributes(self.device.kind, self.state))
 
 
 class MatterBridge(CommissionedNode):
     """A bridge, which always has power."""
 
     def __init__(self, info: SimulatedDeviceInfo, server: SimulatedMatterServer) -> None:
-        super().__init__()
-        self.is_bridge = True
-        self.is_available = True
-        self._server = server
+        super().__init__(server)
+        self.is_bridge = self.is_available = True
         self._devices: dict[int, BridgedMatterDevice] = {}
         self.attributes = root_attributes(info, [_AGGREGATOR]) | at_endpoint(
             _AGGREGATOR, {"29/0": [{"0": _AGGREGATOR_TYPE, "1": 1}], "29/3": []}
@@ -139,34 +120,36 @@ class MatterBridge(CommissionedNode):
             self.attributes[f"{_AGGREGATOR}/29/3"] = list(self._devices)
         attributes = bridged_attributes(device.device, device.state, is_reachable=True)
         self.attributes.update(at_endpoint(endpoint, attributes))
-        self._server.send_event("node_updated", self.describe())
+        self.server.send_event("node_updated", self.describe())
         if is_new:
-            self._server.send_event("endpoint_added", {"node_id": self.node_id, "endpoint_id": endpoint})
+            self.server.send_event("endpoint_added", {"node_id": self.node_id, "endpoint_id": endpoint})
 
     def miss(self, device: BridgedMatterDevice) -> None:
         """Report that a device does not answer the bridge."""
-        self.update(device, {_REACHABLE: False})
+        self.show(device, {_REACHABLE: False})
 
-    def update(self, device: BridgedMatterDevice, attributes: Attributes) -> None:
+    def show(self, device: BridgedMatterDevice, attributes: Attributes) -> None:
         """Report the attributes of a device that are new."""
         endpoint = self._endpoint_of(device)
-        for path, value in {} if endpoint is None else at_endpoint(endpoint, attributes).items():
-            if self.attributes.get(path) != value:
-                self.attributes[path] = value
-                self._server.report(self, path, value)
+        if endpoint is not None:
+            self.update(at_endpoint(endpoint, attributes))
 
     def invoke(self, endpoint: int, cluster: int, command: str, payload: Mapping[str, object]) -> bool:
         """Pass a command on; return false where no device takes it."""
         device = self._devices.get(endpoint)
-        return device is not None and device.invoke(cluster, command, payload)
+        if device is None or not device.is_there:
+            return False
+        return _obey(device, command_orders(device.device.kind, cluster, command, payload))
 
     def write(self, path: str, value: object) -> bool:
         """Pass a new value of an attribute on; return false where no device takes it."""
         endpoint, _, attribute = path.partition("/")
         device = self._devices.get(int(endpoint)) if endpoint.isdecimal() else None
-        if device is None or not device.write(attribute, value):
+        if device is None or not device.is_there:
             return False
-        self.update(device, {attribute: value})
+        if not _obey(device, write_orders(device.device.kind, attribute, value)):
+            return False
+        self.update({path: value})
         return True
 
     def _endpoint_of(self, device: BridgedMatterDevice) -> int | None:

@@ -13,7 +13,7 @@ import anyio
 from anyio.abc import TaskStatus
 
 from homebot.house.dialects.wire import as_json, as_object
-from homebot.house.http.web_server import WebPeer, WebReply, WebRequest, WebServer
+from homebot.house.http.web_server import WebDevice, WebPeer, WebServer
 
 __all__ = ["CommissionedNode", "SimulatedMatterServer"]
 
@@ -34,7 +34,8 @@ class CommissionedNode(ABC):
         attributes: The values that the server knows, by path.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, server: SimulatedMatterServer) -> None:
+        self.server = server
         self.node_id = 0
         self.is_available = False
         self.is_bridge = False
@@ -48,6 +49,17 @@ class CommissionedNode(ABC):
     @abstractmethod
     def write(self, path: str, value: object) -> bool:
         """Write an attribute; return false for one that cannot be written."""
+
+    def update(self, attributes: Mapping[str, object]) -> None:
+        """Report those *attributes*, by path, that are new."""
+        for path, value in attributes.items():
+            if self.attributes.get(path) != value:
+                self.change(path, value)
+
+    def change(self, path: str, value: object) -> None:
+        """Report that an attribute has a new value."""
+        self.attributes[path] = value
+        self.server.send_event("attribute_updated", [self.node_id, path, value])
 
     def describe(self) -> dict[str, object]:
         """Return the node as the server lists it."""
@@ -66,7 +78,7 @@ class CommissionedNode(ABC):
 _Handler: TypeAlias = Callable[[CommissionedNode, Mapping[str, object]], _Answer]
 
 
-class SimulatedMatterServer:
+class SimulatedMatterServer(WebDevice):
     """A server with its nodes, which it keeps when they are away.
 
     Attributes:
@@ -119,21 +131,12 @@ class SimulatedMatterServer:
             if node.setup_code and node.is_available:
                 self._commissionable.append(node)
 
-    def report(self, node: CommissionedNode, path: str, value: object) -> None:
-        """Report that an attribute has a new value."""
-        self.send_event("attribute_updated", [node.node_id, path, value])
-
     def send_event(self, event: str, data: object) -> None:
         """Send an event to all listening clients."""
         frame = as_json({"event": event, "data": data})
         for peer in self.server.peers:
             if peer.name:
                 peer.send(frame)
-
-    def answer(self, request: WebRequest) -> WebReply:
-        """Refuse a request of HTTP."""
-        del request
-        return WebReply(b"Not Found", 404, "text/plain")
 
     def greet(self, peer: WebPeer, path: str) -> bool:
         """Accept a WebSocket at ``/ws`` and send the greeting."""
