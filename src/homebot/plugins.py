@@ -134,16 +134,16 @@ def class_in(module: ModuleType, name: str, base: type[object]) -> str:
 
 
 def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
-    """Add a table for the app *wanted* to those of *apps* unless it has one; a class MyApp runs as my_app."""
+    """Add *wanted* to the tables *apps* unless one is of it; a class MyApp gets my_app, with the settings there."""
     place, kind = _place_of(wanted)
     if any(_place_of(str(table.get("class", name))) == (place, kind) for name, table in apps.items()):
         return
-    first = name = snake_case(kind)
+    first = name = snake_case(kind) if ":" in wanted else wanted
     number = 1
-    while name in apps:
+    while name in apps and ("class" in apps[name] or has_plugin("homebot.apps", name)):
         number += 1
         name = f"{first}_{number}"
-    apps[name] = {"class": wanted} if ":" in wanted else {}
+    apps[name] = apps.get(name, {}) | ({} if name == wanted else {"class": wanted})
 
 
 def _place_of(name: str) -> tuple[Path, str]:

@@ -130,6 +130,13 @@ def test_an_app_that_the_configuration_names_runs_once_where_its_file_is_named_t
     assert config_of("--app", "mine.py").apps == config_of("--app", "mine:Mine").apps == expected
 
 
+def test_an_app_in_a_file_has_the_settings_of_the_table_of_its_name() -> None:
+    """As one that is loaded later; where an app of that name is installed, the table is its own."""
+    Path("homebot.toml").write_text('[gateways.mqtt]\n[apps.mine]\ncolour = "red"\n[apps.follow_me]\n')
+    expected = {"mine": {"class": "a:Mine", "colour": "red"}, "follow_me": {}, "follow_me_2": {"class": "a:FollowMe"}}
+    assert config_of("--app", "a:Mine", "--app", "a:FollowMe").apps == expected
+
+
 def test_a_file_in_the_folder_is_used_and_options_add_to_it() -> None:
     Path("homebot.toml").write_text(
         '[gateways.mqtt]\nurl = "mqtt://broker"\nstale_after = 5.0\n'

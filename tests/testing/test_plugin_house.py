@@ -471,6 +471,28 @@ def test_every_command_of_every_kind_is_among_those() -> None:
     assert [one for one in commands if not re.match(pattern, f"coroutine '{one}' was never awaited")] == []
 
 
+def test_an_app_of_the_test_has_the_settings_of_the_table_of_its_name(tried: Tried, pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(
+        garden="""
+from homebot import App
+from homebot.apps import AppSettings
+
+class Settings(AppSettings):
+    plant: str = ""
+
+class Garden(App[Settings]):
+    async def run(self):
+        await self.notify(self.settings.plant)
+"""
+    )
+    tests = """
+@pytest.mark.house("garden:Garden", config={"apps": {"garden": {"plant": "rose"}}})
+async def test_it(house):
+    assert [one.text for one in house.notifications] == ["rose"]
+"""
+    tried(START + tests, passed=1)
+
+
 def test_an_app_that_is_reloaded_keeps_what_lasts_over_a_restart(tried: Tried, pytester: pytest.Pytester) -> None:
     """The durable timer is called when it would have been, the other is gone, and ``run`` begins anew."""
     pytester.makepyfile(
