@@ -137,7 +137,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
     async def wait_for_handlers(self) -> None:
         """Wait for the end of all handlers that still work on abandoned calls of this client."""
         for run in list(self._left_at_work):
-            await run.wait_for_end()
+            await run.ended.wait()
 
     def close(self) -> None:
         """Close the client. Idempotent."""
@@ -171,7 +171,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             raise
         finally:
             self._limits.discard(limit)
-            if not run.has_ended:
+            if not run.ended.is_set():
                 self._left_at_work.add(run)
 
     def _time_error(self, run: HandlerRun, timeout: float) -> ServiceError:

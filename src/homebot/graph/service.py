@@ -215,6 +215,7 @@ class HandlerRun:
     Attributes:
         outcome: The response or a :class:`homebot.errors.ServiceError`; cancelled if the caller left first.
         task: The task that runs the handler, or None before and after.
+        ended: Set when the handler has ended.
     """
 
     def __init__(self, server: Service[Any, Any], handler: Awaitable[object]) -> None:
@@ -225,11 +226,9 @@ class HandlerRun:
         self.task: asyncio.Task[Any] | None = None
         self._handler = handler
         self._parent = _run_of_current_task()
-        self.has_ended = False
+        self.ended = asyncio.Event()
         self._is_answered = False
-        self._is_cancelled = False
-        self._stop: Callable[[], object] | None = None
-        self._end_event: anyio.Event | None = None
+        self._scope = anyio.CancelScope()
         server.add_run(self)
 
     async def serve(self, *, is_callers_task: bool = False) -> None:
@@ -237,10 +236,9 @@ class HandlerRun:
         token = _current.set(self)
         self.task = asyncio.current_task()
         outcome: object = _UNSERVED
-        with anyio.CancelScope() as scope:
-            self._stop = scope.cancel
+        with self._scope:
             try:
-                if self.server.is_closed or self._is_cancelled:
+                if self.server.is_closed or self._scope.cancel_called:
                     self._discard_handler()
                 else:
                     outcome = await self._handler
@@ -256,15 +254,12 @@ class HandlerRun:
 
     def _is_end(self, error: BaseException, *, is_callers_task: bool) -> bool:
         """Return whether *error* ends this run: its cancellation, or that of its task."""
-        is_cancelled = self._is_cancelled and isinstance(error, asyncio.CancelledError)
+        is_cancelled = self._scope.cancel_called and isinstance(error, asyncio.CancelledError)
         return is_cancelled or is_end_of(self.task, error) or (is_callers_task and _is_cancelled_by_asyncio(error))
 
     def cancel(self) -> None:
         """Cancel the handler."""
-        self._is_cancelled = True
-        stop, self._stop = self._stop, None
-        if stop is not None:
-            stop()
+        self._scope.cancel()
 
     def abandon(self) -> None:
         """Drop the outcome: the caller was cancelled; the handler continues."""
@@ -284,12 +279,6 @@ class HandlerRun:
         self._discard_handler()
         self._end(_UNSERVED)
 
-    async def wait_for_end(self) -> None:
-        """Wait until the handler has ended."""
-        if not self.has_ended:
-            self._end_event = self._end_event or anyio.Event()
-            await self._end_event.wait()
-
     @property
     def parent(self) -> HandlerRun | None:
         """The handler that waits for this one, or None if the caller is no handler or has left."""
@@ -298,10 +287,8 @@ class HandlerRun:
     def _end(self, outcome: object) -> None:
         if outcome is _UNSERVED:
             outcome = ServiceGoneError(self.server.service_name)
-        self.has_ended, self._stop = True, None
         self.task = None  # the loop holds this run in the context of each cancelled timer of the handler for a while
-        if self._end_event is not None:
-            self._end_event.set()
+        self.ended.set()
         if self.outcome.done():
             self.server.drop(outcome)
         else:

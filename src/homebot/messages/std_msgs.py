@@ -5,7 +5,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message
 from homebot.messages.text_messages import text_messages
 
-__all__ = ["Bool", "Empty", "Float32", "Float64", "Header", "Int32", "Int64", "String", "UInt8"]
+__all__ = ["Bool", "Float64", "Header", "Int32", "String"]
 
 __getattr__ = text_messages("std_msgs")
 
@@ -35,29 +35,7 @@ class Int32(Message, ros_type="std_msgs/msg/Int32"):
     data: fields.Int32
 
 
-class Int64(Message, ros_type="std_msgs/msg/Int64"):
-    """A whole number of 64 bits."""
-
-    data: fields.Int64
-
-
-class UInt8(Message, ros_type="std_msgs/msg/UInt8"):
-    """A whole number from 0 to 255."""
-
-    data: fields.UInt8
-
-
-class Float32(Message, ros_type="std_msgs/msg/Float32"):
-    """A real number of 32 bits."""
-
-    data: fields.Float32
-
-
 class Float64(Message, ros_type="std_msgs/msg/Float64"):
     """A real number of 64 bits."""
 
     data: fields.Float64
-
-
-class Empty(Message, ros_type="std_msgs/msg/Empty"):
-    """A signal without a value."""

@@ -36,12 +36,10 @@ class RoomAt(NamedTuple):
 
     Attributes:
         is_nearest: Whether the point is in no room, and this is the nearest.
-        distance: Metres from the point to the room; 0 inside.
     """
 
     room: str
     is_nearest: bool = False
-    distance: float = 0.0
 
 
 class _Area(NamedTuple):
@@ -95,7 +93,7 @@ class FloorPlan:
         distances = {one.room: self.distance(one.room, x, y) for one in near}
         away = distances.get(last, math.inf)
         if (away or holding is None or holding.polygon.border_distance(x, y)) <= _HYSTERESIS:
-            return RoomAt(last, is_nearest=away > 0, distance=away)
+            return RoomAt(last, is_nearest=away > 0)
         return _nearest_room(distances) if holding is None else RoomAt(holding.room)
 
     def level(self, floor: str) -> str:
@@ -244,5 +242,4 @@ def _passages(ends: tuple[Point, ...]) -> list[Point]:
 def _nearest_room(distances: Mapping[str, float]) -> RoomAt | None:
     """Return the nearest room, by the distances of rooms in metres; None if it is too far away."""
     room = min(distances, key=distances.__getitem__, default="")
-    distance = distances.get(room, math.inf)
-    return RoomAt(room, is_nearest=True, distance=distance) if distance <= _NEARBY else None
+    return RoomAt(room, is_nearest=True) if distances.get(room, math.inf) <= _NEARBY else None

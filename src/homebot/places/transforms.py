@@ -38,7 +38,7 @@ MAX_FRAMES = 1000
 MAX_SAMPLES = 10_000
 """Transforms kept of one frame; the oldest is dropped for a newer one."""
 
-_NORM_TOLERANCE = 0.01
+NORM_TOLERANCE = 0.01
 _SECOND = 1_000_000_000
 
 
@@ -174,7 +174,7 @@ class TransformBuffer:
             return "has the same frame at both ends"
         if not all(map(math.isfinite, (*rigid.translation, *rigid.rotation))):
             return "has a number that is not finite"
-        if abs(sum(one * one for one in rigid.rotation) - 1) >= _NORM_TOLERANCE:
+        if abs(sum(one * one for one in rigid.rotation) - 1) >= NORM_TOLERANCE:
             return f"has a quaternion that is not of length 1: {rigid.rotation}"
         if child in (above := self._above(parent)):
             return "would make the frame its own ancestor"

@@ -10,6 +10,7 @@ from homebot.messages.geometry_msgs import Pose, TransformStamped
 from homebot.places.rigid import MapPose, Rigid, yaw_of
 from homebot.places.transforms import (
     MAX_FRAMES,
+    NORM_TOLERANCE,
     InvalidArgumentException,
     LookupException,
     Sample,
@@ -21,7 +22,6 @@ from homebot.robots.robot import TrackedRobot
 
 __all__ = ["RobotFrames"]
 
-_NORM_TOLERANCE: Final = 0.01
 _FARTHEST: Final = 1e6
 """Metres from the origin of the map."""
 
@@ -77,7 +77,7 @@ class RobotFrames:
         """
         point, turn = pose.position, pose.orientation
         rotation = (turn.x, turn.y, turn.z, turn.w)
-        if not abs(sum(one * one for one in rotation) - 1) < _NORM_TOLERANCE:  # also if one is NaN
+        if not abs(sum(one * one for one in rotation) - 1) < NORM_TOLERANCE:  # also if one is NaN
             rotation = (0.0, 0.0, 0.0, 1.0)
         unknown = LookupException(f"no static transform joins its frame {frame[:100]!r} to map")
         try:

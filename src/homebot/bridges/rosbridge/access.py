@@ -77,7 +77,8 @@ _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
 """A command without a number, so that it holds no code."""
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
-_PARAMETER_SERVICES: Final = {
+_OF_EACH_NODE: Final = {
+    "health": Right.READ,
     "describe_parameters": Right.READ,
     "get_parameter_types": Right.READ,
     "get_parameters": Right.READ,
@@ -85,7 +86,7 @@ _PARAMETER_SERVICES: Final = {
     "set_parameters": Right.MANAGE,
     "set_parameters_atomically": Right.MANAGE,
 }
-"""Services that a node offers for its parameters, by the ends of their names."""
+"""Services that any node may offer, by the ends of their names."""
 
 _GATEWAY_RIGHTS: Final = {**dict.fromkeys(names.GATEWAY_READING, Right.READ), "send_command": Right.RAW}
 """Services of gateways, by the ends of their names; the others manage them."""
@@ -222,10 +223,8 @@ def right_to_publish(name: str) -> Right:
 def right_to_call(name: str) -> Right:
     """Return the right that it takes to call the service, or to send a goal to the action, with the full *name*."""
     *path, last = name.split("/")[1:]
-    if last == "health":
-        return Right.READ
-    if last in _PARAMETER_SERVICES:
-        return _PARAMETER_SERVICES[last]
+    if last in _OF_EACH_NODE:
+        return _OF_EACH_NODE[last]
     if name in _ACTING or not _is_own(name):
         return Right.ACT
     if name.endswith("/_action/send_goal"):

@@ -13,7 +13,6 @@ from typing import Any, Generic, TypeAlias
 
 from homebot.errors import ClosedError, GoalAbortedError, GoalCanceledError, GoalRejectedError
 from homebot.graph.actions.goals import GoalState, endpoint_name
-from homebot.graph.client import Client
 from homebot.graph.endpoint import EndpointInfo, EntityKind, GraphEntity
 from homebot.graph.node import Node
 from homebot.graph.qos import qos_profile_latched
@@ -21,7 +20,6 @@ from homebot.graph.subscription import Subscription
 from homebot.messages.action import ActionType, FeedbackT, GoalT, ResultT
 from homebot.messages.action_msgs import CancelGoal, CancelGoalRequest, CancelGoalResponse, GoalInfo, GoalStatusArray
 from homebot.messages.builtin_interfaces import Time
-from homebot.messages.message import Message
 from homebot.messages.unique_identifier_msgs import UUID
 
 __all__ = ["ActionClient", "ClientGoal"]
@@ -34,21 +32,15 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
     """A goal that a client has sent."""
 
     def __init__(
-        self,
-        result_request: Any,
-        results: Client[Any, Any],
-        cancels: Client[CancelGoalRequest, CancelGoalResponse],
-        on_feedback: _OnFeedback[FeedbackT],
+        self, client: ActionClient[Any, ResultT, FeedbackT], goal_id: UUID, on_feedback: _OnFeedback[FeedbackT]
     ) -> None:
         """Use :meth:`homebot.graph.actions.ActionClient.send_goal` instead."""
-        self.goal_id: UUID = result_request.goal_id
+        self.goal_id = goal_id
         self.status = GoalState.UNKNOWN
         self.stamp = _NO_TIME
         self.on_feedback = on_feedback
-        self._result_request: Message = result_request
-        self._results = results
-        self._cancels = cancels
-        self._cancel_request = CancelGoalRequest(goal_info=GoalInfo(goal_id=self.goal_id, stamp=_NO_TIME))
+        self._client = client
+        self._cancel_request = CancelGoalRequest(goal_info=GoalInfo(goal_id=goal_id, stamp=_NO_TIME))
         self._outcome: tuple[GoalState, ResultT] | None = None
 
     async def result(self) -> tuple[GoalState, ResultT]:
@@ -60,7 +52,8 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
             ClosedError: The client was closed.
         """
         if self._outcome is None:
-            response = await self._results.call(self._result_request, math.inf)
+            request = self._client.action_type.GetResult.Request(goal_id=self.goal_id)
+            response = await self._client.results.call(request, math.inf)
             self.status = GoalState(response.status)
             self._outcome = (self.status, response.result)
         return self._outcome
@@ -71,11 +64,11 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
         Raises:
             ServiceError: The server did not answer.
         """
-        return await self._cancels.call(self._cancel_request)
+        return await self._client.canceling.call(self._cancel_request)
 
     def request_cancel(self) -> None:
         """Ask the server to cancel the goal, without waiting for its answer."""
-        self._cancels.send(self._cancel_request)
+        self._client.canceling.send(self._cancel_request)
 
 
 class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
@@ -93,15 +86,15 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
 
     def __init__(self, node: Node, action_type: ActionType[GoalT, ResultT, FeedbackT], name: str) -> None:
         self._node = node
-        self._type = action_type
+        self.action_type = action_type
         self._goals: dict[bytes, ClientGoal[ResultT, FeedbackT]] = {}
         name = node.resolve_name(name, "action name")
         info = EndpointInfo(EntityKind.ACTION_CLIENT, node.full_name, name, action_type.ros_type)
         super().__init__(info, node.remove_entity)
         self._endpoint = partial(endpoint_name, name)
         self._sending = node.create_client(action_type.SendGoal, self._endpoint("send_goal"))
-        self._canceling = node.create_client(CancelGoal, self._endpoint("cancel_goal"))
-        self._results = node.create_client(action_type.GetResult, self._endpoint("get_result"))
+        self.canceling = node.create_client(CancelGoal, self._endpoint("cancel_goal"))
+        self.results = node.create_client(action_type.GetResult, self._endpoint("get_result"))
         self._subscriptions: tuple[Subscription[Any], ...] = ()
         node.add_entity(self)
 
@@ -164,9 +157,8 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
             raise ClosedError(f"the action client of {self.info.node} for {self.action_name} is closed")
         self._subscribe()
         goal_id = goal_id or UUID(uuid=uuid.uuid4().bytes)
-        result_request = self._type.GetResult.Request(goal_id=goal_id)
-        sent = ClientGoal[ResultT, FeedbackT](result_request, self._results, self._canceling, on_feedback)
-        request = self._type.SendGoal.Request(goal_id=goal_id, goal=goal)
+        sent = ClientGoal[ResultT, FeedbackT](self, goal_id, on_feedback)
+        request = self.action_type.SendGoal.Request(goal_id=goal_id, goal=goal)
         self._goals[goal_id.uuid] = sent
         try:
             response = await self._sending.call(request)
@@ -190,7 +182,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
             if not goal.status.is_terminal:
                 goal.request_cancel()
         self._goals = {}
-        ends: tuple[GraphEntity, ...] = (self._sending, self._canceling, self._results, *self._subscriptions)
+        ends: tuple[GraphEntity, ...] = (self._sending, self.canceling, self.results, *self._subscriptions)
         for end in ends:
             end.close()
         super().close()
@@ -200,7 +192,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
             return
         create, endpoint = self._node.create_subscription, self._endpoint
         self._subscriptions = (
-            create(self._type.FeedbackMessage, endpoint("feedback"), self._on_feedback),
+            create(self.action_type.FeedbackMessage, endpoint("feedback"), self._on_feedback),
             create(GoalStatusArray, endpoint("status"), self._on_states, qos_profile_latched),
         )
 
