@@ -176,6 +176,26 @@ def test_a_replay_goes_on_when_its_client_comes_back(state: BrokerState, join: J
     assert len([topic for topic in received if int(topic[2:]) % 2]) == 1500
 
 
+def test_messages_of_members_that_leave_together_are_handed_on_a_few_at_a_time(
+    state: BrokerState, join: Join, clock: WorkClock
+) -> None:
+    members = [join(f"m{number}", to=f"$share/{number}/t") for number in range(5)]
+    publisher = join("publisher")
+    count = 7000
+    for number in range(count):
+        publisher.publish("t", b"%d" % number, qos=1, packet_id=number + 1)
+        clock.advance(0.01)
+        state.deadlines.run(clock.monotonic())
+    others = [join(f"o{number}", to=f"$share/{number}/t") for number in range(5)]
+
+    def leave() -> None:
+        for each in members:
+            each.lose()
+
+    assert max(calls_of(leave), *served(others[0], clock)) < CALLS
+    assert state.sessions.queued + sum(len(each.messages()) for each in others) == 5 * count
+
+
 def test_a_client_that_goes_in_the_middle_of_its_subscribe_leaves_nothing(
     state: BrokerState, join: Join, clock: WorkClock
 ) -> None:

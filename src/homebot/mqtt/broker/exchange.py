@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, final
 
 from homebot.clock import Clock
@@ -63,6 +63,7 @@ class MessageRouter:
         self._on_message = on_message
         self._turn = turn
         self._ended: deque[BrokerSession] = deque()
+        self._unsent: deque[Iterator[QueuedMessage]] = deque()  # of ended sessions
         self.subscriptions = SubscriptionTree()
         self.crowded: dict[BrokerSession, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
@@ -148,7 +149,7 @@ class MessageRouter:
     def forget(self, session: BrokerSession) -> None:
         """Remove all of a session that has ended; shared messages it did not finish go to others of the group.
 
-        It gets nothing more; of many subscriptions most are removed later, a few at a time.
+        It gets nothing more; of many subscriptions and messages most are removed later, a few at a time.
         """
         self.crowded.pop(session, None)
         session.has_ended = True
@@ -157,10 +158,20 @@ class MessageRouter:
             self.unsubscribe(session, name)
         self._ended.append(session)
         self._remove_some()
-        for queued in session.unsent_shares():
-            group = None if queued.share is None else self.subscriptions.group(queued.share)
-            if group is not None:
-                _deliver_to_one(group, queued.message, queued.message.size >= BULKY)
+        self._unsent.append(session.unsent())
+        self._hand_on()
+
+    def _hand_on(self) -> None:
+        """Deliver as many shared messages of ended sessions to others as may be delivered now."""
+        while self._unsent:
+            for message, qos, _, _, share in self._unsent[0]:
+                group = None if share is None or not qos else self.subscriptions.group(share)
+                if group is not None:
+                    _deliver_to_one(group, message, message.size >= BULKY)
+                if not self._turn.has_time():
+                    self._turn.defer(self._hand_on)
+                    return
+            self._unsent.popleft()
 
     def _remove_some(self) -> None:
         """Remove as many subscriptions of ended sessions as may be removed now."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from enum import IntEnum
 from typing import Final, NamedTuple, final
 
@@ -163,14 +163,12 @@ class MessageQueue:
                 elif first.qos:
                     self.append(first)
 
-    def clear(self) -> list[QueuedMessage]:
-        """Remove all but unfinished replays."""
-        messages = []
+    def clear(self) -> Iterator[QueuedMessage]:
+        """Remove all, one after the other; yield the messages that are no unfinished replays."""
         while self.messages:
             first = self.popleft()
             if not isinstance(first, Replay):
-                messages.append(first)
-        return messages
+                yield first
 
 
 def _three_quarters(bound: int) -> int:

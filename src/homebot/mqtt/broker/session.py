@@ -226,10 +226,10 @@ class BrokerSession:
         self.in_flight.completed(packet_id)
         self.pump()
 
-    def unsent_shares(self) -> Iterator[QueuedMessage]:
-        """Take all messages of shared subscriptions that this client has not acknowledged, for the others."""
-        messages = self.in_flight.clear() + self._queue.clear()
-        return (each for each in messages if each.share is not None and each.qos)
+    def unsent(self) -> Iterator[QueuedMessage]:
+        """Take all messages that this client has not acknowledged, one after the other."""
+        yield from self.in_flight.clear()
+        yield from self._queue.clear()
 
     def shrink(self) -> None:
         """Drop the oldest quarter of the queue of an absent client."""
