@@ -11,8 +11,10 @@ import shutil
 import signal
 import sys
 from collections.abc import AsyncIterator, Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from subprocess import DEVNULL
+from tempfile import TemporaryDirectory
 
 import anyio
 import pytest
@@ -52,6 +54,8 @@ def _is_slow(path: Path) -> bool:
 def pytest_itemcollected(item: pytest.Item) -> None:
     if _is_slow(item.path):
         item.add_marker(pytest.mark.slow)
+    if pytest_asyncio.is_async_test(item) and "_watch_tasks" not in item.fixturenames:
+        item.fixturenames.insert(0, "_watch_tasks")
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -102,8 +106,22 @@ def pass_time(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
     return move
 
 
-@pytest.fixture(autouse=True, scope="session")
-def _nothing_blocks_the_loop() -> Iterator[None]:
+@pytest.hookimpl(wrapper=True)
+def pytest_runtestloop() -> Generator[None, object, object]:
+    """Run the tests where code of homebot that blocks the loop is an error, and the user's data is out of reach.
+
+    These are no fixtures, and neither is what goes before each test: each costs time with every one of thousands.
+    """
+    with blocking_is_an_error(), pytest.MonkeyPatch.context() as patch, TemporaryDirectory() as data:
+        patch.setenv("HOMEBOT_DATA", data)  # also where a test starts homebot as a program
+        # bumble writes each packet with all fields in colours for its log, which is off: a sixth of a radio's time.
+        if hci := sys.modules.get("bumble.hci"):
+            patch.setattr(hci.HCI_Object, "format_fields", lambda *_, **__: "")
+        return (yield)
+
+
+@contextmanager
+def blocking_is_an_error() -> Iterator[None]:
     with blockbuster_ctx("homebot", excluded_modules=["homebot.testing.gateway_contract"]) as blockbuster:
         for function in blockbuster.functions.values():
             # Start-up: plug-ins and passwords are read before anything is served.
@@ -128,38 +146,14 @@ def _nothing_blocks_the_loop() -> Iterator[None]:
         yield
 
 
-@pytest.fixture(autouse=True, scope="session")
-def _the_users_data_is_not_touched(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Also where a test starts homebot as a program."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("HOMEBOT_DATA", str(tmp_path_factory.mktemp("data")))
-        yield
-
-
-@pytest.fixture(autouse=True, scope="session")
-def _bumble_draws_no_packets() -> Iterator[None]:
-    """It writes every packet with all fields in colours for its log, which is off: a sixth of the time of a radio."""
-    with pytest.MonkeyPatch.context() as patch:
-        if hci := sys.modules.get("bumble.hci"):
-            patch.setattr(hci.HCI_Object, "format_fields", lambda *_, **__: "")
-        yield
-
-
 _PLAIN = structlog.dev.ConsoleRenderer(colors=False, exception_formatter=structlog.dev.plain_traceback)
 
 
-@pytest.fixture(autouse=True)
-def _logs_are_plain() -> None:
-    """As in production: structlog's default draws tracebacks with rich, which reads files while the loop waits."""
+def pytest_runtest_setup() -> None:
+    """Let logs be plain, as in production: structlog's default draws tracebacks with rich, which reads files."""
     structlog.reset_defaults()  # a command that ran in the process may have chosen a level
     logging.captureWarnings(capture=False)  # and have taken warnings, which pytest takes back
     structlog.configure(processors=[structlog.processors.add_log_level, _PLAIN])
-
-
-@pytest.fixture(autouse=True)
-def _no_task_is_left_behind(request: pytest.FixtureRequest) -> None:
-    if pytest_asyncio.is_async_test(request.node):
-        request.getfixturevalue("_watch_tasks")
 
 
 @pytest.fixture

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-import shlex
 import shutil
-import signal
 import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
-from tests.ports import reserve_door
+from tests.patience import PATIENCE
+from tests.shell import Homebot, homebot_in, run
+from tests.system.attack_probe import until
 from websockets.sync.client import connect
 
 from homebot.bridges.rosbridge.types import OWN_MODULES
@@ -75,65 +73,42 @@ def test_every_field_of_a_message_about_a_robot_is_named_after_its_type(name: st
     assert [field.name for field in fields if f"`{field.name}`" not in after] == []
 
 
-class Run(NamedTuple):
-    """A running homebot with a robot of the guide: its door, its folder and its environment."""
-
-    door: str
-    folder: Path
-    environment: dict[str, str]
-
-    def run(self, *command: str) -> subprocess.CompletedProcess[str]:
-        return subprocess.run(
-            command, capture_output=True, text=True, timeout=120, check=False, env=self.environment, cwd=self.folder
-        )
-
-
 @contextmanager
-def house(given: Run, *arguments: str) -> Iterator[Run]:
+def house(folder: Path, *arguments: str) -> Iterator[Homebot]:
     """Run a homebot until its robot is known."""
-    started = ["homebot", "run", *arguments]
-    with subprocess.Popen(
-        started, stderr=subprocess.DEVNULL, env=given.environment, cwd=given.folder, text=True
-    ) as process:
-        while given.run("homebot", "find", "light near robot").returncode:
-            assert process.poll() is None
-        yield given
-        process.send_signal(signal.SIGINT)
-    assert process.returncode == 0
+    with homebot_in(folder, *arguments, until=("is running",)) as homebot:
+        until(lambda: homebot.run("homebot find 'light near robot'").returncode == 0 or None, PATIENCE)
+        yield homebot
 
 
 @pytest.fixture(scope="module")
-def given(tmp_path_factory: pytest.TempPathFactory) -> Run:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of the guide's robot, after the commands that change its configuration."""
-    folder, door = tmp_path_factory.mktemp("robot"), reserve_door()
+    folder = tmp_path_factory.mktemp("robot")
     for name in ("homebot.toml", "house.toml"):
         shutil.copy(ROOT / "examples" / "08_robot" / name, folder)
     (folder / "ros2_ws/src/lab/msg").mkdir(parents=True)
     (folder / "ros2_ws/src/lab/msg/Arm.msg").write_text("float64[] joints\n")
-    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
-    made = Run(door, folder, {**os.environ, "HOMEBOT_DOOR": door, "PATH": path})
     for command in COMMANDS:
         if command.startswith(BEFORE_IT_RUNS):
-            done = made.run(*shlex.split(command))
+            done = run(command, cwd=folder)
             assert done.returncode == 0, done.stderr
-    return made
+    return folder
 
 
 @pytest.fixture(scope="module")
-def running(given: Run) -> Iterator[Run]:
-    with house(given, "--config", "homebot.toml", "--house", "house.toml") as run:
-        yield run
+def running(folder: Path) -> Iterator[Homebot]:
+    with house(folder, "--config", "homebot.toml", "--house", "house.toml") as homebot:
+        yield homebot
 
 
 @pytest.mark.slow
-def test_the_commands_of_the_guide_run_in_the_house_of_make_run(tmp_path: Path, given: Run) -> None:
-    door = reserve_door()
-    plain = Run(door, tmp_path, {**given.environment, "HOMEBOT_DOOR": door})
+def test_the_commands_of_the_guide_run_in_the_house_of_make_run(tmp_path: Path, folder: Path) -> None:
     assert COMMANDS[0] == 'make run ARGS="--house thesis"'
-    with house(plain, "--house", "thesis"):
+    with house(tmp_path, "--house", "thesis") as homebot:
         for command in COMMANDS[1:]:
             if not command.startswith(BEFORE_IT_RUNS):
-                done = plain.run(*shlex.split(command))
+                done = homebot.run(command)
                 assert done.returncode == 0, f"{command}: {done.stdout}{done.stderr}"
 
 
@@ -144,11 +119,13 @@ def test_the_lamp_of_the_guide_is_in_the_house_of_make_run() -> None:
 
 
 @pytest.mark.slow
-def test_the_programs_of_the_guide_run_with_its_token(running: Run) -> None:
+def test_the_programs_of_the_guide_run_with_its_token(running: Homebot) -> None:
     host, _, port = running.door.rpartition(":")
     token = (running.folder / "rosie.token").read_text().split()[0]
     program = PROGRAM.replace('"127.0.0.1", 9090', f'"{host}", {port}').replace("TOKEN", token)
-    done = running.run(sys.executable, "-c", f"{program}\nros.terminate()")
+    done = subprocess.run(
+        [sys.executable, "-c", f"{program}\nros.terminate()"], capture_output=True, text=True, timeout=120, check=False
+    )
     assert done.returncode == 0, done.stderr
     outcome, type_hash = done.stdout.splitlines()
     assert outcome == "confirmed"
@@ -156,7 +133,7 @@ def test_the_programs_of_the_guide_run_with_its_token(running: Run) -> None:
 
 
 @pytest.mark.slow
-def test_a_token_may_come_in_the_address(running: Run) -> None:
+def test_a_token_may_come_in_the_address(running: Homebot) -> None:
     token = (running.folder / "rosie.token").read_text().split()[0]
     with connect(f"ws://{running.door}/?token={token}") as client:
         client.send(json.dumps({"op": "call_service", "service": "/robots/where", "args": {"robot": "rosie"}}))
