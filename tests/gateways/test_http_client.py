@@ -423,7 +423,7 @@ class TestWebSockets:
                 ):
                     tasks.start_soon(receive, socket)
                     tasks.start_soon(turns.take_all)
-                    await anyio.sleep(0.3)
+                    await anyio.sleep(0.1)
                     tasks.cancel_scope.cancel()
 
         assert 0 < await longest_turn(flood, limit=0.005) < 0.005

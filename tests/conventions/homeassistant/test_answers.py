@@ -36,7 +36,6 @@ ANSWERS: list[Answer] = [
     for name, tolerance in (("parts", 0.06), ("controls", 0.5))  # it shows tenths of degrees, and whole percents
     for number, line in enumerate(Path(__file__).with_name(f"{name}.jsonl").read_text().splitlines(), 1)
 ]
-TAKEN = [one for one in ANSWERS if "refused" not in one]
 KINDS: dict[str, type] = {"bool": bool, "number": float, "text": str, "numbers": tuple}
 
 
@@ -54,18 +53,19 @@ def same(ours: PlainValue, theirs: PlainValue | list[float], tolerance: float) -
     return ours == pytest.approx(tuple(theirs) if isinstance(theirs, list) else theirs, abs=tolerance)
 
 
-@pytest.mark.parametrize("answer", TAKEN, ids=name)
-def test_a_part_is_described_in_words_of_the_vocabulary(answer: Answer) -> None:
-    part = described(answer).part
+@pytest.mark.parametrize("answer", [one for one in ANSWERS if "refused" not in one], ids=name)
+def test_a_part_is_described_read_and_commanded_as_by_home_assistant(answer: Answer) -> None:
+    described_part = described(answer)
+    part = described_part.part
     assert part.service_type == answer.get("service_type", part.service_type)
     assert part.service_type in DEVICE_TYPES
     assert part.capabilities
     assert {one.name for one in part.capabilities} <= CAPABILITIES.keys()
+    check_messages(described_part, answer)
+    check_commands(described_part, answer)
 
 
-@pytest.mark.parametrize("answer", [one for one in TAKEN if one["says"]], ids=name)
-def test_messages_are_read_as_by_home_assistant(answer: Answer) -> None:
-    part = described(answer)
+def check_messages(part: DescribedPart, answer: Answer) -> None:
     known: dict[str, PlainValue] = {}
     for topic, payload, expected in answer["says"]:
         found = part.codec.read(topic, payload.encode(), retained=False)
@@ -78,20 +78,17 @@ def test_messages_are_read_as_by_home_assistant(answer: Answer) -> None:
         )
 
 
-@pytest.mark.parametrize("answer", [one for one in TAKEN if one["told"]], ids=name)
-def test_commands_are_those_of_home_assistant(answer: Answer) -> None:
-    codec = described(answer).codec
-    for topic, payload, _ in answer["says"]:
-        codec.read(topic, payload.encode(), retained=False)
+def check_commands(part: DescribedPart, answer: Answer) -> None:
+    """Those after the messages."""
     for capability, value, *transition, published in answer["told"]:
         wanted = tuple(value) if isinstance(value, list) else value
         seconds = transition[0] if transition else 0.0
         if published is None:
             with pytest.raises(RefusedError):
-                codec.write(capability, wanted, transition=seconds)
+                part.codec.write(capability, wanted, transition=seconds)
             continue
         expected = tuple(Publication(topic, text.encode(), qos, retain) for topic, text, qos, retain in published)
-        assert codec.write(capability, wanted, transition=seconds) == expected
+        assert part.codec.write(capability, wanted, transition=seconds) == expected
 
 
 @pytest.mark.parametrize("answer", [one for one in ANSWERS if "refused" in one], ids=name)

@@ -9,9 +9,9 @@
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import pytest
 
@@ -70,20 +70,16 @@ def shape(described: DescribedPart) -> dict[str, Any]:
 
 
 OPTIONAL = {"tag", "category", "pictures", "expiries"}
-DESCRIBED = [line for line in LINES if "part" in line]
-Build: TypeAlias = Callable[[Mapping[str, Any]], DescribedPart]
-STEPS = [
-    pytest.param(line, steps, id=f"{name(line)} {sentence}")
-    for line in DESCRIBED
-    for sentence, steps in line["tests"].items()
-    if steps
-]
 
 
-@pytest.mark.parametrize("build", [build, build_second])
-@pytest.mark.parametrize("line", DESCRIBED, ids=name)
-def test_a_config_is_described(line: Mapping[str, Any], build: Build) -> None:
-    assert json.loads(json.dumps(shape(build(line)))) == line["part"]
+@pytest.mark.parametrize("line", [line for line in LINES if "part" in line], ids=name)
+def test_a_config_is_described_and_its_states_are_read_and_commands_are_written(line: Mapping[str, Any]) -> None:
+    for made in (build, build_second):
+        assert json.loads(json.dumps(shape(made(line)))) == line["part"]
+        for sentence, steps in line["tests"].items():
+            part = made(line)
+            for step in steps:
+                check_step(part, step, f"{sentence}: {step}")
 
 
 @pytest.mark.parametrize("line", [line for line in LINES if "refused" in line], ids=name)
@@ -102,27 +98,19 @@ def write(part: DescribedPart, step: Mapping[str, Any]) -> tuple[Publication, ..
     return part.codec.write_with_code(capability, wanted, step["code"])
 
 
-@pytest.mark.parametrize("build", [build, build_second])
-@pytest.mark.parametrize(("line", "steps"), STEPS)
-def test_states_are_read_and_commands_are_written(
-    line: Mapping[str, Any], steps: list[Mapping[str, Any]], build: Build
-) -> None:
-    part = build(line)
-    for step in steps:
-        if "read" in step:
-            topic, payload = step["read"]
-            found = part.codec.read(topic, payload.encode("latin-1"), retained=step.get("retained", False))
-            assert json.loads(json.dumps(dict(found))) == step["is"], step
-        elif "refused" in step:
-            with pytest.raises(RefusedError) as refused:
-                write(part, step)
-            assert str(refused.value) == step["refused"]
-            assert not step.get("code") or step["code"] not in str(refused.value)
-        else:
-            published = tuple(
-                Publication(topic, text.encode("latin-1"), *how) for topic, text, *how in step["publishes"]
-            )
-            assert write(part, step) == published, step
+def check_step(part: DescribedPart, step: Mapping[str, Any], told: str) -> None:
+    if "read" in step:
+        topic, payload = step["read"]
+        found = part.codec.read(topic, payload.encode("latin-1"), retained=step.get("retained", False))
+        assert json.loads(json.dumps(dict(found))) == step["is"], told
+    elif "refused" in step:
+        with pytest.raises(RefusedError) as refused:
+            write(part, step)
+        assert str(refused.value) == step["refused"], told
+        assert not step.get("code") or step["code"] not in str(refused.value), told
+    else:
+        published = tuple(Publication(topic, text.encode("latin-1"), *how) for topic, text, *how in step["publishes"])
+        assert write(part, step) == published, told
 
 
 def test_a_part_is_built_once_for_all_devices_that_have_it() -> None:

@@ -157,8 +157,7 @@ STEPS = (
 )
 
 
-@pytest.mark.parametrize("path", ["".join(steps) for steps in product(STEPS, repeat=2)])
-def test_a_path_in_json_is_as_jinja_parses_it(path: str) -> None:
+def test_a_path_in_json_is_as_jinja_parses_it() -> None:
     """In parentheses it is no mere path, and left to Jinja's parser."""
 
     def rendered(template: str, content: object) -> str:
@@ -169,8 +168,10 @@ def test_a_path_in_json_is_as_jinja_parses_it(path: str) -> None:
             return f"{type(error).__name__}: {error}"
 
     inner = {"a": "A", "if": 1, "_b": True, "b c": [], "": "none", "A1": None, "a-b": 2, "items": 3}
-    for content in ({**inner, "a": inner, "b c": inner, "items": inner}, [inner], None, "text"):
-        assert rendered(f"{{{{ value_json{path} }}}}", content) == rendered(f"{{{{ (value_json{path}) }}}}", content)
+    contents = ({**inner, "a": inner, "b c": inner, "items": inner}, [inner], None, "text")
+    for first, second, content in product(STEPS, STEPS, contents):
+        path = f"value_json{first}{second}"
+        assert rendered(f"{{{{ {path} }}}}", content) == rendered(f"{{{{ ({path}) }}}}", content), path
 
 
 @pytest.mark.parametrize(

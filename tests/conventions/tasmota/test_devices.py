@@ -54,16 +54,17 @@ def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
 
 
 @pytest.mark.parametrize("device", DEVICES, ids=name)
-def test_a_device_has_the_types_of_home_assistant(device: Device) -> None:
-    found = {one.part.service_type for one in described(device).parts if not one.part.category}
+def test_a_device_is_described_read_and_commanded_as_by_home_assistant(device: Device) -> None:
+    parts = described(device).parts
+    found = {one.part.service_type for one in parts if not one.part.category}
     found = {one for one in found if not one.startswith("x_")} - UNTOLD_BY_HOME_ASSISTANT
     relays_of_fan = {"switch"} if device["config"]["if"] and device["config"]["rl"][1:] else set()
     assert found | relays_of_fan == set(device["types"])
+    check_messages({one.part.id: one for one in parts}, device)
+    check_commands({one.part.id: one for one in described(device).parts}, device)
 
 
-@pytest.mark.parametrize("device", [one for one in DEVICES if one["says"]], ids=name)
-def test_messages_are_read_as_by_home_assistant(device: Device) -> None:
-    parts = {one.part.id: one for one in described(device).parts}
+def check_messages(parts: dict[str, DescribedPart], device: Device) -> None:
     known: dict[str, dict[str, PlainValue]] = {part_id: {} for part_id in parts}
     for topic, payload, expected in device["says"]:
         for part_id, values in hear(parts, topic, payload).items():
@@ -77,9 +78,7 @@ def test_messages_are_read_as_by_home_assistant(device: Device) -> None:
         assert wrong == []
 
 
-@pytest.mark.parametrize("device", [one for one in DEVICES if one["told"]], ids=name)
-def test_commands_are_those_of_home_assistant(device: Device) -> None:
-    parts = {one.part.id: one for one in described(device).parts}
+def check_commands(parts: dict[str, DescribedPart], device: Device) -> None:
     for topic, payload in device["before"]:
         hear(parts, topic, payload)
     for part_id, capability, value, transition, topic, payload in device["told"]:

@@ -10,6 +10,7 @@
 """
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -37,10 +38,6 @@ def described(model: Model) -> DeviceAnnounced:
     return device
 
 
-def parts(model: Model) -> dict[str, DescribedPart]:
-    return {one.part.id: one for one in described(model).parts}
-
-
 def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
     """Home Assistant shows whole percents, 255 steps and rounded hues."""
     if isinstance(ours, tuple) and isinstance(theirs, list):
@@ -48,22 +45,28 @@ def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
     return ours == (theirs if isinstance(theirs, bool | str | None) else pytest.approx(theirs, abs=0.6, rel=0.01))
 
 
-@pytest.mark.parametrize("model", [one for one in MODELS if one["types"]], ids=name)
-def test_a_device_has_the_types_of_home_assistant(model: Model) -> None:
-    found = {one.part.service_type for one in described(model).parts if not one.part.category} & MAIN_TYPES
-    settings = {one.part.id for one in described(model).parts if one.part.service_type == "x_setting"}
-    missing = set(model["types"]) - found
-    assert found <= set(model["types"])
+@pytest.mark.parametrize("model", MODELS, ids=name)
+def test_a_device_is_described_read_and_commanded_as_by_home_assistant(model: Model) -> None:
+    parts = described(model).parts
+    if model["types"]:
+        check_types(parts, set(model["types"]))
+    check_messages(parts, model)
+    check_commands({one.part.id: one for one in described(model).parts}, model)
+
+
+def check_types(parts: Sequence[DescribedPart], types: set[str]) -> None:
+    found = {one.part.service_type for one in parts if not one.part.category} & MAIN_TYPES
+    settings = {one.part.id for one in parts if one.part.service_type == "x_setting"}
+    assert found <= types
+    missing = types - found
     assert not missing or (missing == {"switch"} and settings)  # a binary that can be set is a setting to us
 
 
-@pytest.mark.parametrize("model", [one for one in MODELS if one["says"]], ids=name)
-def test_messages_are_read_as_by_home_assistant(model: Model) -> None:
-    device = described(model)
+def check_messages(parts: Sequence[DescribedPart], model: Model) -> None:
     topic = f"zigbee2mqtt/{model['entry']['friendly_name']}"
-    known: dict[str, dict[str, PlainValue]] = {one.part.id: {} for one in device.parts}
+    known: dict[str, dict[str, PlainValue]] = {one.part.id: {} for one in parts}
     for payload, expected in model["says"]:
-        for one in device.parts:
+        for one in parts:
             known[one.part.id].update(one.codec.read(topic, payload.encode(), retained=False))
         wrong = [
             (part, capability, known[part].get(capability), value)
@@ -74,12 +77,10 @@ def test_messages_are_read_as_by_home_assistant(model: Model) -> None:
         assert wrong == []
 
 
-@pytest.mark.parametrize("model", [one for one in MODELS if one["told"]], ids=name)
-def test_commands_are_those_of_home_assistant(model: Model) -> None:
-    by_id = parts(model)
+def check_commands(parts: dict[str, DescribedPart], model: Model) -> None:
     for part, capability, value, transition, expected in model["told"]:
         plain = tuple(value) if isinstance(value, list) else value
-        (publication,) = by_id[part].codec.write(capability, plain, transition=transition)
+        (publication,) = parts[part].codec.write(capability, plain, transition=transition)
         assert publication.topic == f"zigbee2mqtt/{model['entry']['friendly_name']}/set"
         assert json.loads(publication.payload) == expected
         assert not publication.retain

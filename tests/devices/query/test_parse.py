@@ -158,9 +158,8 @@ def test_a_quoted_text_is_one_value(text: str) -> None:
     assert parse_query(f"id={quoted(text)} fresh") == And((FactIs("id", text.casefold()), FreshnessIs("fresh")))
 
 
-@pytest.mark.parametrize("name", CAPABILITIES)
-def test_every_capability_can_be_asked_for_by_its_name(name: str) -> None:
-    assert parse_query(f"with {name}") == CanDo(name)
+def test_every_capability_can_be_asked_for_by_its_name() -> None:
+    assert [parse_query(f"with {name}") for name in CAPABILITIES] == [CanDo(name) for name in CAPABILITIES]
 
 
 @pytest.mark.parametrize(
