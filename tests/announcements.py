@@ -1,7 +1,5 @@
 """Announcements of devices: what a test does not name is that of a lamp on MQTT."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from homebot.devices import Sighting

@@ -1,7 +1,5 @@
 """What holds for every test: no task is left behind, and no code of homebot blocks the event loop."""
 
-from __future__ import annotations
-
 import asyncio
 import functools
 import gc

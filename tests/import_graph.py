@@ -1,7 +1,5 @@
 """The imports between the modules of homebot: also those inside functions and for type checkers."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import grimp

@@ -1,7 +1,5 @@
 """One test at a time on loopback's multicast, where devices of the real service types hear all tests of the machine."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """Fixtures that hold a node or a task group."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager

@@ -1,7 +1,5 @@
 """How long tests wait for sockets, threads and other programs."""
 
-from __future__ import annotations
-
 from typing import Final
 
 __all__ = ["PATIENCE"]

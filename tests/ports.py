@@ -1,7 +1,5 @@
 """Ports of this machine that a test gives to a program which it starts."""
 
-from __future__ import annotations
-
 import atexit
 import socket
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """A wall clock that somebody sets, of a computer that sleeps."""
 
-from __future__ import annotations
-
 import asyncio
 
 __all__ = ["SetClock"]

@@ -1,7 +1,5 @@
 """Commands as a user gives them in a shell with the project's .venv, and a homebot that runs beside."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import signal

@@ -1,7 +1,5 @@
 """Numbers of examples, rounds and devices: small and fixed in ``make test``, large in ``make nightly``."""
 
-from __future__ import annotations
-
 import os
 from typing import Final
 

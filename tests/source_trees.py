@@ -1,7 +1,5 @@
 """The code of homebot as text and as trees of its syntax, each read once."""
 
-from __future__ import annotations
-
 import ast
 import gc
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """The benchmarks still run; how fast is no test's business."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

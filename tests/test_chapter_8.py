@@ -1,7 +1,5 @@
 """The experiment of the thesis, chapter 8, on the embedded broker and on Mosquitto, in both ways of delivery."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """The clocks, and the zone of the computer."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from datetime import UTC, datetime, timedelta

@@ -1,7 +1,5 @@
 """The configuration file: what is refused, and how the error reads."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path

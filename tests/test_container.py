@@ -1,7 +1,5 @@
 """The container: its commands exist, and it is built where there is a tool and the image that it begins with."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

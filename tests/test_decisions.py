@@ -1,7 +1,5 @@
 """Every decision is written in one form, so that a reader finds what holds."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

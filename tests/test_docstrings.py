@@ -1,7 +1,5 @@
 """A docstring begins with what something is or does, not with a question."""
 
-from __future__ import annotations
-
 import ast
 import re
 

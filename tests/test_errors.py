@@ -1,7 +1,5 @@
 """The error tree: what messages say, and what facts errors keep."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot import errors

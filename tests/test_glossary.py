@@ -1,7 +1,5 @@
 """The glossary names existing classes, each term once."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """The guards that every test stands under: homebot must not block the event loop, and is tested as it is."""
 
-from __future__ import annotations
-
 import ast
 import gc
 import time

@@ -1,7 +1,5 @@
 """Modules import each other one way, inside their packages, inside functions and for type checkers too."""
 
-from __future__ import annotations
-
 import pytest
 from tests.import_graph import import_graph
 

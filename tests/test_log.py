@@ -1,7 +1,5 @@
 """Log lines: how they look, and the limit for lines that outsiders can cause."""
 
-from __future__ import annotations
-
 import io
 import json
 import logging

@@ -1,7 +1,5 @@
 """``make help`` lists what can be made, and its packages can be installed."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from importlib.metadata import distributions

@@ -1,7 +1,5 @@
 """The page that shows newcomers the way through the code names files that are there."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

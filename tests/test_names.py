@@ -1,7 +1,5 @@
 """Names: rules, expansion and the escape."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st

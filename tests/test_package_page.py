@@ -1,7 +1,5 @@
 """The page of homebot on a package index: links lead somewhere, or there are none."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -3,8 +3,6 @@
 To draw it anew, run with ``HOMEBOT_WRITE_GOLDEN=1``.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Mapping
 from graphlib import TopologicalSorter

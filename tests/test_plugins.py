@@ -1,7 +1,5 @@
 """Plug-ins: found by name or by path, and a clear word when they are not."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

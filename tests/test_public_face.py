@@ -1,7 +1,5 @@
 """What ``import homebot`` gives: names that an app may rely on, each imported when it is first asked for."""
 
-from __future__ import annotations
-
 import importlib
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Every command that the README shows is run here, and every program in it is the one in ``examples``."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -3,8 +3,6 @@
 ``make docs`` checks headings and cross references as well.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The guide for robots says what is there: every field of every service, and commands and programs that run."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil

@@ -1,7 +1,5 @@
 """The light service on raw messages, which is an example, for tests and as an app ``thesis_light_service:…``."""
 
-from __future__ import annotations
-
 import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path

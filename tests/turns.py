@@ -6,8 +6,6 @@ best counts, as work that takes long does so in each; and the garbage collector 
 process hold, so it rests meanwhile. Mark such a test ``no_cover`` too: to measure coverage takes several times as long.
 """
 
-from __future__ import annotations
-
 import gc
 import math
 import time

@@ -1,7 +1,5 @@
 """A flat in which somebody comes and goes, for the tests of the apps; its devices announce their rooms."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, MutableMapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The base of apps: ready at once, over when run() is; settings are the app's own."""
 
-from __future__ import annotations
-
 import anyio
 import anyio.lowlevel
 import pytest

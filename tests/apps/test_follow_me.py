@@ -1,7 +1,5 @@
 """Follow me in a simulated flat in virtual time: light where somebody comes in, if it is dark there."""
 
-from __future__ import annotations
-
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, hall, is_on, lamp, motion, warnings

@@ -1,7 +1,5 @@
 """The light service in simulated houses, in virtual time: it turns off what is on, and tells what became of it."""
 
-from __future__ import annotations
-
 import re
 
 import anyio

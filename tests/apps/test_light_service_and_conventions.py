@@ -1,7 +1,5 @@
 """The light service with lamps that announce themselves, through the real gateway and directory at a broker."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

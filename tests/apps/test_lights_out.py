@@ -1,7 +1,5 @@
 """Lights out in a simulated flat in virtual time: never over somebody, never where nobody can know."""
 
-from __future__ import annotations
-
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, hall, is_on, lamp, motion, warnings

@@ -1,7 +1,5 @@
 """Notifications of apps to people, by MQTT and by apprise."""
 
-from __future__ import annotations
-
 import json
 import threading
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Reactions of apps: conditions that last, runs by key, and the person behind a command; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import anyio

@@ -1,7 +1,5 @@
 """Open-RMF's doors: states, and holds by requester."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The modes of a handler: each call ends in a run, a wait or a counted drop, and a failure costs only its run."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager

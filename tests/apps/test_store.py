@@ -1,7 +1,5 @@
 """Values of apps: JSON by key, over a restart, a crash and a damaged file; bounded."""
 
-from __future__ import annotations
-
 import json
 import random
 import shutil

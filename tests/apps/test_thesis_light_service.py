@@ -1,7 +1,5 @@
 """The light service: it answers on with off, notes off once, and nothing a lamp says ends it; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """Window and heating in a simulated flat in virtual time: no heating out of the window, and warm again afterwards."""
 
-from __future__ import annotations
-
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import Table, flat

@@ -1,7 +1,5 @@
 """A graph with an open door, and clients that come through it by a real WebSocket."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager

@@ -1,7 +1,5 @@
 """A server of the action of ROS's tutorials."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any

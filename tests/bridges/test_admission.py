@@ -1,7 +1,5 @@
 """Who may connect."""
 
-from __future__ import annotations
-
 import pytest
 from pydantic import SecretStr
 

@@ -1,7 +1,5 @@
 """Guessing tokens becomes slow, and stays bearable for whoever knows the right one."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from pydantic import SecretStr

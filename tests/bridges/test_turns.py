@@ -1,7 +1,5 @@
 """The door's share of the event loop: everybody's turn comes, and everything else runs in between."""
 
-from __future__ import annotations
-
 import anyio
 import anyio.lowlevel
 import pytest

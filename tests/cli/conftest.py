@@ -1,7 +1,5 @@
 """A homebot to talk to: a graph with a door, on an event loop of its own in a thread."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """``homebot approve``, and what the other commands tell of devices that wait, against a real directory and control."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Backup and restore of a house that runs, and of one that does not; archives of strangers are refused."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import json

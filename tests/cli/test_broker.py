@@ -1,7 +1,5 @@
 """``homebot broker``: what it makes of its options, and the process from its first line to its end."""
 
-from __future__ import annotations
-
 import json
 import signal
 import socket

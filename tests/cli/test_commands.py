@@ -1,7 +1,5 @@
 """The commands, in this process, against a running homebot."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """What the shell completes, as the shell itself finds it."""
 
-from __future__ import annotations
-
 import json
 import os
 import pty

@@ -1,7 +1,5 @@
 """``homebot config check``: what it prints of a good file, and what it finds in a bad one before anything runs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """``homebot do``: the request that it makes of its arguments, and what it prints of the answer."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Findings of the doctor: of a gateway, of a node, and before the start."""
 
-from __future__ import annotations
-
 import json
 import re
 import socket

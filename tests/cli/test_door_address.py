@@ -1,7 +1,5 @@
 """Where client commands connect to: the homebot of the configuration beside them, and no other."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

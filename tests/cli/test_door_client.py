@@ -1,7 +1,5 @@
 """The command line's client, against peers that are no homebot."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress

@@ -4,8 +4,6 @@ The house: a lamp that a client commanded and the owner placed, a sensor with a 
 keeps values.
 """
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

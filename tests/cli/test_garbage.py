@@ -1,7 +1,5 @@
 """What Python's search for circular garbage costs what serves: counted in objects, for a machine may be busy."""
 
-from __future__ import annotations
-
 import gc
 from collections.abc import Iterator
 

@@ -1,7 +1,5 @@
 """``homebot action`` and ``homebot param``, and the types of topics and services: what they print, letter by letter."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

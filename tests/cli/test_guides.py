@@ -1,7 +1,5 @@
 """Every command of the guides to agents, control and the journal is run here; what they print has homebot's words."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import shutil

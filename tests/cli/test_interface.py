@@ -1,7 +1,5 @@
 """``homebot interface``: types of ROS by name, and those of a workspace."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """``homebot leases`` and ``homebot release``, against a real directory and control layer."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Callable, Iterator

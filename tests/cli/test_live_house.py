@@ -1,7 +1,5 @@
 """The live view of the simulated family house: in virtual time what is told, in a real terminal that it is shown."""
 
-from __future__ import annotations
-
 import asyncio
 import fcntl
 import os

@@ -1,7 +1,5 @@
 """Rows of ``homebot top`` from two answers."""
 
-from __future__ import annotations
-
 from homebot.cli.commands.top import Load, samples
 
 

@@ -1,7 +1,5 @@
 """``homebot places import`` with a map: of a file, and of the topic ``/map``."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Callable

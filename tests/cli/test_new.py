@@ -1,7 +1,5 @@
 """A new app passes its own test; the guide to a first app checks its configuration and runs it."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

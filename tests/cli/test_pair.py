@@ -1,7 +1,5 @@
 """``homebot pair`` finds the gateway of a device, and shows what it answers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """What the command line says of options and commands that do not exist."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.cli import main

@@ -1,7 +1,5 @@
 """``homebot place``, ``alias``, ``tag add`` and ``places``, against the services of a real directory."""
 
-from __future__ import annotations
-
 import io
 import json
 from collections.abc import Callable, Sequence

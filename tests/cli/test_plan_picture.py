@@ -1,7 +1,5 @@
 """The plan of a house in a terminal."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.cli.house_picture import PlanPicture

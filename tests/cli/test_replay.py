@@ -1,7 +1,5 @@
 """What `homebot replay` says of a file that it cannot use: one sentence, and the exit code 2."""
 
-from __future__ import annotations
-
 import gzip
 from pathlib import Path
 

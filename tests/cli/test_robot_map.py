@@ -1,7 +1,5 @@
 """Maps of robots: golden cells of each grey, images, mistakes, and the rooms around points."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

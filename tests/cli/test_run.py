@@ -1,7 +1,5 @@
 """What ``homebot run`` makes of its options and of the configuration, without running it."""
 
-from __future__ import annotations
-
 import logging
 import signal
 import subprocess

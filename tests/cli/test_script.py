@@ -1,7 +1,5 @@
 """``homebot.run``: a homebot that a script starts."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

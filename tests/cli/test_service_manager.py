@@ -1,7 +1,5 @@
 """A service that reaches nothing ends with an error; one that reached something goes on."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import anyio

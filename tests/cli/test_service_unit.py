@@ -1,7 +1,5 @@
 """``homebot service install``: the unit of systemd."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """A start loads what it needs, and nothing for what may come."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``homebot tag`` with a gateway whose reader a simulated tag is at, or is not."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from threading import Event
 

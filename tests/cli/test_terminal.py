@@ -1,7 +1,5 @@
 """What is printed on a terminal fits it, and nothing from outside steers it; elsewhere it is plain text."""
 
-from __future__ import annotations
-
 import fcntl
 import io
 import os

@@ -1,7 +1,5 @@
 """``homebot token new``: the file, its mode, and a table that counts."""
 
-from __future__ import annotations
-
 import stat
 from pathlib import Path
 

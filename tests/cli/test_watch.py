@@ -1,7 +1,5 @@
 """``homebot watch`` against a running homebot, and its lines."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """YAML: values as people type them, and as messages are printed."""
 
-from __future__ import annotations
-
 import json
 import math
 

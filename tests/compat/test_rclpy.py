@@ -1,7 +1,5 @@
 """rclpy's calls one by one, with the graph in the test's own process."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Iterator

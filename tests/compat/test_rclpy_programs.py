@@ -1,7 +1,5 @@
 """Programs in rclpy's idioms, run unchanged: six of its tutorials, and the listings of the thesis."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

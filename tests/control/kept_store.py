@@ -1,7 +1,5 @@
 """A store for tests of what is known after a restart."""
 
-from __future__ import annotations
-
 from homebot.control.journal.store import JournalStore, LearntRow
 
 __all__ = ["KeptStore"]

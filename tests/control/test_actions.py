@@ -1,7 +1,5 @@
 """Actions of the control layer: commands with progress, and values that are held until the goal is cancelled."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, obey_after, refusal

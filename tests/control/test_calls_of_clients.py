@@ -1,7 +1,5 @@
 """What a person does through an app: a client of the door calls its service."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Awaitable, Callable
 

@@ -1,7 +1,5 @@
 """Random commands to devices that behave at random: every command has a complete chain in the journal."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 from itertools import groupby

@@ -1,7 +1,5 @@
 """Commands of programs outside: what the rights of each allow, whoever it says it is; in virtual time."""
 
-from __future__ import annotations
-
 import pytest
 from tests.control.conftest import Home, OpenHome, hold_request, refusal
 

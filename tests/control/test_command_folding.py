@@ -1,7 +1,5 @@
 """Folding of equal commands in the journal."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

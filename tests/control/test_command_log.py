@@ -1,7 +1,5 @@
 """Lines of the log for commands and for changes that no command explains, in virtual time."""
 
-from __future__ import annotations
-
 import re
 
 import anyio

@@ -1,7 +1,5 @@
 """Commands in words: which devices and parts they reach, and what they answer; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import anyio

@@ -1,7 +1,5 @@
 """What the journal has of requests that the door refused, and how many of them; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import anyio

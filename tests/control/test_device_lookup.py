@@ -1,7 +1,5 @@
 """The devices behind the addresses of raw commands, in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home

@@ -1,7 +1,5 @@
 """What is written to the disk, which may be an SD card: counted over half a simulated hour, for all files together."""
 
-from __future__ import annotations
-
 import itertools
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Commands to bridges that report what was commanded before the device obeyed; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, report

@@ -1,7 +1,5 @@
 """Explanations of a device: its last change, late answers, and the states that it can have."""
 
-from __future__ import annotations
-
 import json
 import sys
 

@@ -1,7 +1,5 @@
 """Outcomes of dimmers with a ramp of their own, of which the command says nothing; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeAlias
 

@@ -1,7 +1,5 @@
 """Fights of two apps over one part."""
 
-from __future__ import annotations
-
 from typing import TypeAlias
 
 import anyio

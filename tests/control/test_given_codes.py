@@ -1,7 +1,5 @@
 """The journal has that a code was given, and not which; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from structlog.testing import capture_logs

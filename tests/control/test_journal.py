@@ -1,7 +1,5 @@
 """What the journal has of commands, in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, ignore, obey_after, report

@@ -1,7 +1,5 @@
 """The journal in a file: over a restart, bounded, and without a disk."""
 
-from __future__ import annotations
-
 import shutil
 import sqlite3
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """Devices that answer after the time limit of a command; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, end_of_ramp, ignore, obey_after

@@ -1,7 +1,5 @@
 """What commands taught is known after a restart; in virtual time, with a store that outlives the control layer."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import anyio

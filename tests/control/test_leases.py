@@ -1,7 +1,5 @@
 """Leases: a part stays as somebody holds it; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """Outcomes of what has a motor: how it tells that it is on its way, and how long it takes; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import TypeAlias
 

@@ -1,7 +1,5 @@
 """What a command returns, for everything that a device may do with it; in virtual time."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import TypeAlias
 

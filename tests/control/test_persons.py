@@ -1,7 +1,5 @@
 """Persons at switches, within seconds of commands and after lost connections: neither overridden nor blamed."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, obey, report

@@ -1,7 +1,5 @@
 """Lamps that publish and take plain text, as in the thesis, in a simulated house; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

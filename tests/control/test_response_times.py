@@ -1,7 +1,5 @@
 """How long each device usually takes, which bounds the wait for its answer."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.control.timeline.profile import DeviceProfile

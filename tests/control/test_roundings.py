@@ -1,7 +1,5 @@
 """Dimmers that round what they are told; in virtual time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import TypeAlias

@@ -1,7 +1,5 @@
 """When a command is sent again, and when it is not, as it may have been obeyed; in virtual time."""
 
-from __future__ import annotations
-
 import itertools
 
 import anyio

@@ -1,7 +1,5 @@
 """Changes that no command explains, and raw commands, in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, obey_after, report

@@ -1,7 +1,5 @@
 """Values in the words of outcomes and notes."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.control.values import value_text

@@ -1,7 +1,5 @@
 """Parts that a convention describes, of devices that are announced with a few fields."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping
 

@@ -1,7 +1,5 @@
 """CBOR: the examples of RFC 8949, another implementation, and bytes that mean harm."""
 
-from __future__ import annotations
-
 import math
 from contextlib import suppress
 from typing import Any

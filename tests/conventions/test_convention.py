@@ -1,7 +1,5 @@
 """Conventions subscribe before their reader is imported."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """JSON of many megabytes: the same values as in one go, in slices that are short."""
 
-from __future__ import annotations
-
 import json
 from itertools import pairwise
 from random import Random

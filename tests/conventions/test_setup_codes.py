@@ -1,7 +1,5 @@
 """Setup codes of HomeKit in each of their spellings."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.setup_codes import read_homekit_digits

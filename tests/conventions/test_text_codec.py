@@ -1,7 +1,5 @@
 """Codec of text devices: states, commands, and answers to commands."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.description import Publication

@@ -1,7 +1,5 @@
 """The thesis layout: HOME/SERVICE_TYPE/DEVICE_ID/CHANNEL."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Types and capabilities of the thesis's layout, by the level of the topic."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.thesis import thesis_part

@@ -1,7 +1,5 @@
 """Maps of robot vacuums, in real samples and in hostile ones."""
 
-from __future__ import annotations
-
 import json
 import math
 import zlib

@@ -1,7 +1,5 @@
 """The refusals of the presence guard that rest on closed doors alone, held against the truth."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final

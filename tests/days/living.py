@@ -1,7 +1,5 @@
 """A random day, lived in virtual time, with the truth of the house and all that the journal says."""
 
-from __future__ import annotations
-
 import asyncio
 from dataclasses import dataclass, field
 from datetime import timedelta

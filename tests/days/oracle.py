@@ -1,7 +1,5 @@
 """What must hold of a day, by the truth of the house; written anew, without the functions of the policies."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """An app that gives random commands at random times; all that it does is in its settings."""
 
-from __future__ import annotations
-
 import anyio
 from pydantic import BaseModel, ConfigDict
 

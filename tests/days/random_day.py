@@ -1,7 +1,5 @@
 """Random days of random houses with random apps and policies. The simplest is an hour in which nothing happens."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Final

@@ -1,7 +1,5 @@
 """Random doors of a house: their contacts, what the owner states of them, and hands that open and close them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final

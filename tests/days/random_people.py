@@ -1,7 +1,5 @@
 """Random people of a house: where they go in the day, and whether they sit still there."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, Final
 

@@ -4,8 +4,6 @@ First one day of the family home, then random days. Each random day is lived twi
 and without policies, and with random apps and policies, where it must hold what the oracle says.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import tomllib

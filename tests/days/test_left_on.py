@@ -1,7 +1,5 @@
 """The defaults of the app that turns lamps off and of the presence guard: they do turn off, and not over people."""
 
-from __future__ import annotations
-
 from tests.days.left_on import DEFAULTS, LONG, Score, Trial, scored
 from tests.sizes import nightly
 

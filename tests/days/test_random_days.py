@@ -3,8 +3,6 @@
 ``DAYS`` in the environment is their number; ``make days`` lives 1,000 whole ones and prints a table.
 """
 
-from __future__ import annotations
-
 import os
 from dataclasses import replace
 

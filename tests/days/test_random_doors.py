@@ -1,7 +1,5 @@
 """Doors of random days: the oracle judges what the presence guard and interlocks make of contacts, faulty ones too."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

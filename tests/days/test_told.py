@@ -1,7 +1,5 @@
 """What the oracle takes for known, from what motion sensors and contacts said."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

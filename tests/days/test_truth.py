@@ -1,7 +1,5 @@
 """What the judge of random days takes for a hand at a device, and for somebody who stayed in a closed room."""
 
-from __future__ import annotations
-
 import pytest
 from tests.days.random_day import RandomDay
 from tests.days.truth import GroundTruth

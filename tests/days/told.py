@@ -1,7 +1,5 @@
 """What the sensors of a house said, and for how long it counts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

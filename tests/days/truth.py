@@ -4,8 +4,6 @@ Beside it stands what the motion sensors and contacts said: where all seem to wo
 a window is closed, nobody knows better.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """A gateway, a directory and an app on one graph, in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 

@@ -1,7 +1,5 @@
 """What a program outside may command, by the scope that the owner wrote."""
 
-from __future__ import annotations
-
 import pytest
 from tests.devices.handles.conftest import device, part
 

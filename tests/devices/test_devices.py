@@ -1,7 +1,5 @@
 """What an app does with devices: listen and tell, in both ways of delivery, over restarts; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 
 import anyio

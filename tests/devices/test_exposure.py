@@ -1,7 +1,5 @@
 """What an app offers to the other systems of the house."""
 
-from __future__ import annotations
-
 import json
 import re
 import sys

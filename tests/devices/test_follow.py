@@ -1,7 +1,5 @@
 """The live query: a snapshot and then what happens, without a gap and nothing twice; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from structlog.testing import capture_logs

@@ -1,7 +1,5 @@
 """What docs/devices.md says is so."""
 
-from __future__ import annotations
-
 import re
 import runpy
 import shlex

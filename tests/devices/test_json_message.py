@@ -1,7 +1,5 @@
 """Answers of homebot, read by attribute."""
 
-from __future__ import annotations
-
 from typing import cast
 
 import pytest

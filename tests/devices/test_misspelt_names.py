@@ -1,7 +1,5 @@
 """Misspelt rooms, devices and queries in the configuration: told once devices had time to come; in virtual time."""
 
-from __future__ import annotations
-
 import pytest
 from structlog.testing import capture_logs
 from tests.apps.houses import flat, lamp, motion

@@ -1,7 +1,5 @@
 """Each outcome of a command on its way: over the wire, into the journal, and out of it again, for clients."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, cast

@@ -1,7 +1,5 @@
 """Names for people of devices and of their parts."""
 
-from __future__ import annotations
-
 from homebot.control.command import label_of
 from homebot.control.command_targets import part_name
 from homebot.devices import Device, DevicePart

@@ -1,7 +1,5 @@
 """What is a robot's, and what a client may state."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.bridges.rosbridge.access import ClientAccess, MissingRightError

@@ -1,7 +1,5 @@
 """A setting as a message."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.devices.command_messages import Setting

@@ -1,7 +1,5 @@
 """A value of a capability as a message."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Announcements of described devices, their parts and their reports."""
 
-from __future__ import annotations
-
 from itertools import islice
 from typing import Literal
 

@@ -1,7 +1,5 @@
 """An index for described devices."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.discovery import DeviceIndex

@@ -1,7 +1,5 @@
 """A directory, the gateway whose sightings and reports it hears, and a node that asks; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

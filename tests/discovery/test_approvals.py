@@ -1,7 +1,5 @@
 """An approval belongs to an announced part as it was approved: what changes, and what joins, waits."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The end of a burst of announcements."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import partial
 from itertools import count

@@ -1,7 +1,5 @@
 """How many changes are kept for late askers, and of how long devices."""
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 

@@ -5,8 +5,6 @@ names, and take the place of others; the broker starts anew, with what it kept a
 environment is the number of seeds.
 """
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import AsyncIterator, Callable

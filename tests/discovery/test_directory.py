@@ -1,7 +1,5 @@
 """The directory on the graph: what it announces, what it answers, and how it comes back; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

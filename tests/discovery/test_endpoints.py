@@ -1,7 +1,5 @@
 """One device over several gateways: each way to reach it has its own freshness, and the best is used first."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

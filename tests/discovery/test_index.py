@@ -1,7 +1,5 @@
 """The index is pure: sightings and readings of a clock go in, changes come out."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import pytest

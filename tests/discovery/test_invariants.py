@@ -1,7 +1,5 @@
 """Whatever is announced, taken back, said and awaited: what must always hold of the index."""
 
-from __future__ import annotations
-
 from itertools import count
 from typing import Literal, TypeAlias
 

@@ -1,7 +1,5 @@
 """Signs of life: what they are, how long silence is none, and what becomes of those who went."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Which announcements are one device, and what that device then is."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import pytest

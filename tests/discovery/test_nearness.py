@@ -1,7 +1,5 @@
 """What is near a robot: by ways through doors, with each term explained; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

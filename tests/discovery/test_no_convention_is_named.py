@@ -1,7 +1,5 @@
 """Discovery knows no convention and no protocol: what it needs of them stands in the sightings."""
 
-from __future__ import annotations
-
 import ast
 from collections.abc import Iterator
 from importlib.metadata import entry_points

@@ -1,7 +1,5 @@
 """The owner states rooms, aliases and tags of devices: that outranks what they announce, and stays theirs."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from itertools import permutations

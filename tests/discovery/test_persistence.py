@@ -1,7 +1,5 @@
 """The directory and its file, over restarts; with a real file, so in real time."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """Places files: what one directory exports another one imports, and nothing that is there is lost."""
 
-from __future__ import annotations
-
 import json
 import string
 from collections.abc import Generator, Mapping

@@ -1,7 +1,5 @@
 """The owner's services of the directory, over the graph and over a restart with an index file; in virtual time."""
 
-from __future__ import annotations
-
 from contextlib import AbstractAsyncContextManager
 from pathlib import Path
 

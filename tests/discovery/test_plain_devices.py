@@ -1,7 +1,5 @@
 """Devices that a topic alone tells of: one part by guess, words on an address of their own."""
 
-from __future__ import annotations
-
 from tests.announcements import sighting_of
 from tests.discovery.announcements import part_of, tell
 

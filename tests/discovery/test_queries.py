@@ -1,7 +1,5 @@
 """Queries: the directory's sets and a look at each device say the same; the best comes first and says why."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

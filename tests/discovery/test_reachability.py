@@ -1,7 +1,5 @@
 """Whether a device can be reached: what its parts are together, and each part by itself."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """What the directory answers, and what it tells those who follow; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import anyio.lowlevel
 import pytest

@@ -1,7 +1,5 @@
 """A computer's clock that is set, forward, back, or from 1970 to now: deadlines do not go by it."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Literal
 

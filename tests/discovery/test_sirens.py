@@ -1,7 +1,5 @@
 """Relays that are sirens by their names, which nobody who turns on all switches wants to hear."""
 
-from __future__ import annotations
-
 import pytest
 from tests.discovery.announcements import announce, part_of
 

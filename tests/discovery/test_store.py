@@ -1,7 +1,5 @@
 """The index file: what is in it comes back, and nothing that is wrong with it is fatal."""
 
-from __future__ import annotations
-
 import sqlite3
 import sys
 from pathlib import Path

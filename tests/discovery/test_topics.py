@@ -1,7 +1,5 @@
 """Who may be told something on a topic that several announcements name, whatever the order in which they come."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from itertools import permutations
 from typing import Any

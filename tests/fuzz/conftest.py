@@ -4,8 +4,6 @@ A case is made from the seed, its target and its number alone, so ``make fuzz SE
 function's contract names may come out of it.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import os

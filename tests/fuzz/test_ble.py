@@ -1,7 +1,5 @@
 """Damaged Bluetooth advertisements and notified values: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import pytest
 from tests.fuzz.conftest import Fuzz
 

@@ -1,7 +1,5 @@
 """Damaged link format, CBOR, SenML and Thing Descriptions of CoAP: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """Damaged announcements and messages of each convention of MQTT: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Any frames at the door: an operation, or a FrameError."""
 
-from __future__ import annotations
-
 import json
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """Entities and states as no device would send them: described and read, or unknown; commands made, or refused."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """Damaged accessories of HomeKit and resources of Hue bridges: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 from contextlib import suppress
 

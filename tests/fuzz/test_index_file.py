@@ -1,7 +1,5 @@
 """A damaged index file costs what was damaged: its records are refused one by one, the file is set aside as a whole."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Damaged messages of a Matter server: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 import random
 from collections.abc import Mapping

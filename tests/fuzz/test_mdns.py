@@ -1,7 +1,5 @@
 """Packets of multicast DNS, with services, damaged: what the gateway makes of them raises nothing."""
 
-from __future__ import annotations
-
 from tests.fuzz.conftest import Fuzz, Mutator
 from tests.gateways.mdns.packets import AAAA, address, answer, pointer, record, service, text
 from zeroconf._protocol.incoming import DNSIncoming

@@ -1,7 +1,5 @@
 """Damaged NDEF messages, codes and tags: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 from contextlib import suppress
 

@@ -1,7 +1,5 @@
 """What comes on the topics of offers: commands to what was offered, of its kind and in its bounds, or nothing."""
 
-from __future__ import annotations
-
 import json
 
 from tests.fuzz.conftest import Fuzz, check_value

@@ -1,7 +1,5 @@
 """Any text as a query: it is understood, or a UsageError says what of it is not."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz

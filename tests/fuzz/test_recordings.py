@@ -1,7 +1,5 @@
 """Recordings: whatever a file holds, it is read, or refused with a message; and no payload stops a recording."""
 
-from __future__ import annotations
-
 from tests.fuzz.conftest import Fuzz
 
 from homebot.devices import RawMessage, Sighting

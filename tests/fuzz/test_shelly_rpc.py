@@ -1,7 +1,5 @@
 """Damaged answers and notifications of a Shelly on its own WebSocket: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 import math
 

@@ -1,7 +1,5 @@
 """Any templates with any values: a text, or a TemplateError."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, rows_of

@@ -1,7 +1,5 @@
 """Any topics and words in the thesis's layout: refused in our words, or understood."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 from tests.fuzz.conftest import Fuzz, Mutator, check_value

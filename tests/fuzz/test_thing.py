@@ -1,7 +1,5 @@
 """Damaged Thing Descriptions: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Damaged documents of a directory of things: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 from contextlib import suppress
 from typing import Any

@@ -1,7 +1,5 @@
 """Damaged requests to homebot's directory of things: each is answered, or its connection closed."""
 
-from __future__ import annotations
-
 import asyncio
 import random
 import re

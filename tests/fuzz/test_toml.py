@@ -1,7 +1,5 @@
 """Any configuration file: it is one, or a ConfigError names what is wrong."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Damaged documents of WLED: refused in our words, or understood."""
 
-from __future__ import annotations
-
 import json
 
 from tests.conventions.wled.wled_documents import BEFORE_0_13, RGB_0_15, RGBW_0_14, TWO_SEGMENTS_0_15, WHITES_0_13

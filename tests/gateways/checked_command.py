@@ -1,7 +1,5 @@
 """Commands as a gateway gets them: checked against the part."""
 
-from __future__ import annotations
-
 from homebot.devices.gateway_messages import Command
 from homebot.devices.part import Part
 from homebot.devices.value import PlainValue, Value

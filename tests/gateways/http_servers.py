@@ -1,7 +1,5 @@
 """A server of HTTP on loopback, whose answers a test chooses."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 

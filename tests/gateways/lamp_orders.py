@@ -1,7 +1,5 @@
 """The orders that a simulated lamp was given: ``on``, ``off``, ``0.4`` for a brightness, and ``2700 K``."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 

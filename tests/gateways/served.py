@@ -1,7 +1,5 @@
 """Simulated devices that are servers, and serve for as long as a test needs them."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Protocol

@@ -1,7 +1,5 @@
 """No spelling of this computer's addresses is connected to by a client that strangers lead."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import AsyncIterator, Iterator
 from contextlib import aclosing, asynccontextmanager

@@ -1,7 +1,5 @@
 """A stranger on the network claims to be a lamp of another gateway, whose link then fails; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """The Bluetooth gateway keeps the contract: bleak on a virtual radio, in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from random import Random

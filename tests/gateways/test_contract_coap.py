@@ -1,7 +1,5 @@
 """The gateway for CoAP keeps the contract: a lamp in a resource directory, both on aiocoap and loopback."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager

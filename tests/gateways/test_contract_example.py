@@ -1,7 +1,5 @@
 """The gateway of the examples keeps the contract, and its lamp is found, switched and shown."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The Home Assistant gateway keeps the contract, on the WebSocket of a simulated Home Assistant."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager

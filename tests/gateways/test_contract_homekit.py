@@ -1,7 +1,5 @@
 """The HomeKit gateway keeps the contract, with a paired accessory behind its port."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The gateway to Hue bridges keeps the contract, with a simulated bridge over HTTPS."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

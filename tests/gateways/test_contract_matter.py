@@ -1,7 +1,5 @@
 """The Matter gateway keeps the contract, on the WebSocket of a simulated Matter server."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager

@@ -1,7 +1,5 @@
 """The mDNS gateway keeps the contract, with a lamp that zeroconf announces on loopback, and a driver of the test's."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The gateway in memory keeps the contract; in virtual time."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

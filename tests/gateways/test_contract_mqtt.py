@@ -1,7 +1,5 @@
 """The MQTT gateway keeps the contract, with a lamp of Home Assistant discovery on a broker in memory."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

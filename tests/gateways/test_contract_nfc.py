@@ -1,7 +1,5 @@
 """The gateway of tags keeps the contract: a tag is on while it is at the reader, which nfcpy drives over UDP."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """The mDNS gateway keeps the contract with the driver for things: a simulated thing that zeroconf announces."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """The gateway to a directory of things keeps the contract: a simulated directory, and a thing that it lists."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

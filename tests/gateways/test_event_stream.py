@@ -1,7 +1,5 @@
 """Server-sent events, as section 9.2 of the HTML Living Standard has them."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

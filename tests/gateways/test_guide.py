@@ -1,7 +1,5 @@
 """The tables in the guide to the protocols pass their check, and it names what the gateways understand and announce."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Long JSON: other tasks run while it is parsed."""
 
-from __future__ import annotations
-
 import json
 
 import anyio

@@ -1,7 +1,5 @@
 """Devices are paired and unpaired through a gateway, and no code is kept or shown."""
 
-from __future__ import annotations
-
 import stat
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Calls over one link get the answers that are meant for them; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

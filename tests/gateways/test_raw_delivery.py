@@ -1,7 +1,5 @@
 """Who gets raw messages: full inboxes, nodes that come and go, and what is forgotten; in virtual time."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import anyio

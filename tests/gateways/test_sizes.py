@@ -1,7 +1,5 @@
 """Each gateway and each driver can be read in an afternoon; decision 28 says what is counted."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

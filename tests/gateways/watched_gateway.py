@@ -1,7 +1,5 @@
 """A gateway on a graph, and another node that follows and commands it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """A graph, and nodes on it that run while the test does."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 

@@ -1,7 +1,5 @@
 """The index of the graph's entities against a plain list of them."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """The look-up directory and its stream of changes."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 
 import pytest

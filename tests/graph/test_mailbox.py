@@ -1,7 +1,5 @@
 """The bounded queue with one reader."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """The mailbox and its keyed queue against a list."""
 
-from __future__ import annotations
-
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule

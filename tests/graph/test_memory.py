@@ -1,7 +1,5 @@
 """Whatever is closed and let go of is gone at once, with all that it held: nothing waits for the garbage collector."""
 
-from __future__ import annotations
-
 import gc
 import weakref
 from collections.abc import Callable, Iterator

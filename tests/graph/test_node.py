@@ -1,7 +1,5 @@
 """Nodes: names, both spellings, life and death."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 

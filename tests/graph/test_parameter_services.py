@@ -1,7 +1,5 @@
 """ROS's services for the parameters of a node."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """Parameters: declared, typed, checked, announced."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Quality of service: profiles, and which offer fits which request."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

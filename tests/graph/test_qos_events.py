@@ -1,7 +1,5 @@
 """Events of quality of service: a robot that falls silent is noticed, in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """/rosout: log lines as messages."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import AsyncIterator
 

@@ -1,7 +1,5 @@
 """``await publisher.send()``: what must not be dropped waits for room."""
 
-from __future__ import annotations
-
 import asyncio
 
 import anyio

@@ -1,7 +1,5 @@
 """Services: what each kind of server does to its callers, and that nobody ever hangs."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 

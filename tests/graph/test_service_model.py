@@ -1,7 +1,5 @@
 """Services under random time limits and cancellations: nothing is lost or done twice, and the counts add up."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import Counter
 from dataclasses import dataclass

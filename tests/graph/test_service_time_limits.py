@@ -1,7 +1,5 @@
 """Callers that leave before the answer comes: the handler goes on, and what it ends with is dropped and counted."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from contextvars import ContextVar

@@ -1,7 +1,5 @@
 """Reading a topic: iteration, callbacks and batches."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Iterator
 from itertools import islice

@@ -1,7 +1,5 @@
 """Timers: a steady rate, skipping what was missed."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 

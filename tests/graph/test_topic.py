@@ -1,7 +1,5 @@
 """Topics: publishing, queues, late joiners, keys, lifespans and mismatches."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from typing import ClassVar
 

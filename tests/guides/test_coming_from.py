@@ -1,7 +1,5 @@
 """The guide for users of other programs: its rules of homebot do in virtual time as it says."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Awaitable, Callable

@@ -1,7 +1,5 @@
 """Every command of the guides for the first day runs, in the house of a new app."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import sys

@@ -1,7 +1,5 @@
 """An app looks back."""
 
-from __future__ import annotations
-
 from typing import cast
 
 import anyio

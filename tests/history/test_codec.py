@@ -1,7 +1,5 @@
 """The forms in which numbers are stored, and their summaries."""
 
-from __future__ import annotations
-
 from array import array
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """What a disk has to bear: bytes written, the size of a year, and a kill at any moment."""
 
-from __future__ import annotations
-
 import os
 import random
 import signal

@@ -1,7 +1,5 @@
 """Every command of the guide runs, against a washer on a broker."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Values of devices over days, restarts, and clocks that are set."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from zoneinfo import ZoneInfo
 

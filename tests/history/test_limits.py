@@ -1,7 +1,5 @@
 """Limits of the history: a full disk, too many values, years that pass, and an event loop that goes on."""
 
-from __future__ import annotations
-
 import random
 import sqlite3
 import time

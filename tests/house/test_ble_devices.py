@@ -1,7 +1,5 @@
 """Simulated Bluetooth devices as other people's libraries see them: bleak, and the parser of Home Assistant."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from random import Random

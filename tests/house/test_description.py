@@ -1,7 +1,5 @@
 """A house is described in one file, and what is wrong in it is told with its place."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import tomllib

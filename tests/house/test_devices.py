@@ -1,7 +1,5 @@
 """Simulated lamps, locks, motors, thermostats, sensors, tags and robots."""
 
-from __future__ import annotations
-
 import math
 import random
 

@@ -1,7 +1,5 @@
 """What a device's words and its state look like on MQTT."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.errors import UsageError

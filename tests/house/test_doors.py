@@ -1,7 +1,5 @@
 """Doors and windows are open or closed, whatever their contacts report."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

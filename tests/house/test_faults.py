@@ -1,7 +1,5 @@
 """Each fault does what it is called, to any device, and faults combine."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

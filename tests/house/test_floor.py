@@ -1,7 +1,5 @@
 """The floor of a simulated house, as places and as a map."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

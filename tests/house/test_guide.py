@@ -1,7 +1,5 @@
 """What docs/house.md shows is so."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from pathlib import Path

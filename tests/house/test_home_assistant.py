@@ -1,7 +1,5 @@
 """A house that Home Assistant knows as well, or alone."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager

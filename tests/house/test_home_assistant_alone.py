@@ -1,7 +1,5 @@
 """A family house that Home Assistant alone knows: apps, policies, leases, ``homebot do`` and replay as in any."""
 
-from __future__ import annotations
-
 import asyncio
 import tomllib
 from collections.abc import AsyncIterator, Mapping

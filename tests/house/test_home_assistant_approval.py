@@ -1,7 +1,5 @@
 """Devices of a Home Assistant that can hurt or annoy: rights, approval, quiet hours and leases, as for any gateway."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

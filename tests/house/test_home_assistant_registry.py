@@ -5,8 +5,6 @@ write them into its registries. Source: Home Assistant core 2025.5, ``homeassist
 functions of :data:`CASES` name, and Zigbee2MQTT 2.3, ``lib/extension/homeassistant.ts``.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """HomeKit accessories of a simulated house, as homebot finds them: by other people's code at both ends."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 

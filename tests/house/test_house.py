@@ -3,8 +3,6 @@
 In virtual time, but for the last tests; who listens is a client like any other.
 """
 
-from __future__ import annotations
-
 import asyncio
 import tomllib
 from collections.abc import AsyncIterator, Mapping

@@ -1,7 +1,5 @@
 """People have habits and walk from room to room, and whoever watches is told."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """A lamp that MQTT and Home Assistant both reach, one of which it stops to obey."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from collections.abc import AsyncIterator

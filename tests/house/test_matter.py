@@ -1,7 +1,5 @@
 """Matter devices and tags of a simulated house, as homebot finds them."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """The light service of the thesis, unchanged, in a house of every family of devices."""
 
-from __future__ import annotations
-
 import tomllib
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A simulated device on a broker: how it ends."""
 
-from __future__ import annotations
-
 import asyncio
 
 import anyio

@@ -1,7 +1,5 @@
 """A house whose devices speak other protocols than MQTT: servers on loopback, found by gateways of their own."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The ways through a house, and the sun and the weather around it."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.errors import UsageError

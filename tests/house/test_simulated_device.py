@@ -1,7 +1,5 @@
 """Every device is a state machine that is told the time."""
 
-from __future__ import annotations
-
 import copy
 import random
 

@@ -1,7 +1,5 @@
 """Somebody who reads is awake, and no motion sensor sees it."""
 
-from __future__ import annotations
-
 from homebot.house.devices import SimulatedLamp
 from homebot.house.household import Habit, Person
 from homebot.house.rooms import DAY, OUTSIDE, Room, Rooms

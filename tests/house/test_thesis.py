@@ -1,7 +1,5 @@
 """The house of the thesis."""
 
-from __future__ import annotations
-
 from homebot.house import thesis_world
 
 

@@ -1,7 +1,5 @@
 """A house lives: its people, its devices and the sun share one time line."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

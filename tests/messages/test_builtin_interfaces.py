@@ -1,7 +1,5 @@
 """Points and spans of time."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Messages in CDR, as ROS 2 writes them."""
 
-from __future__ import annotations
-
 import math
 import struct
 from typing import Annotated

@@ -1,7 +1,5 @@
 """Messages that are made unchecked are given all their fields: one that is left out has no default, it is missing."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """What a message type looks like to ROS."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from typing import Annotated, Literal
 

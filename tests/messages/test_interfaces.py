@@ -1,7 +1,5 @@
 """Interfaces by name: of the text of their files, of folders, and of clients."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Messages as JSON in the form of rosbridge."""
 
-from __future__ import annotations
-
 import json
 import math
 from enum import StrEnum

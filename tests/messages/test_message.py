@@ -1,7 +1,5 @@
 """What a message accepts, and what it refuses."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 from typing import ClassVar

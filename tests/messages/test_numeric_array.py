@@ -1,7 +1,5 @@
 """Arrays of numbers are held as machine numbers, and read as the tuples that they were."""
 
-from __future__ import annotations
-
 import json
 import sys
 from array import array

@@ -1,7 +1,5 @@
 """The messages of ROS 2's packages, against what rosbags 0.11.9 says of ROS 2 Jazzy and writes in CDR."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from importlib import import_module

@@ -3,8 +3,6 @@
 rosbags has the messages of ROS 2 Jazzy, and a codec; ros2_pyterfaces has messages and services, checked against ROS.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from functools import cache

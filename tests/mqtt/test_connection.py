@@ -1,7 +1,5 @@
 """The supervisor over a client that does as it is told, in virtual time."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

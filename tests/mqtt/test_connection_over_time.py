@@ -1,7 +1,5 @@
 """Hours of a connection's life on a real broker in memory, in milliseconds."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import replace

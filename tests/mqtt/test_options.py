@@ -1,7 +1,5 @@
 """Addresses and limits of an MQTT connection."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

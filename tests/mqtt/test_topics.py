@@ -1,7 +1,5 @@
 """Topic names and filters, and the tree of filters."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

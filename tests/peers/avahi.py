@@ -1,7 +1,5 @@
 """Avahi, the mDNS of most Linux systems, on a machine of a test's network."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """Debian's Chromium, driven by selenium, with the page of a running homebot in it."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

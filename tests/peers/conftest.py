@@ -1,7 +1,5 @@
 """What tests against other people's programs share; see ``network.py`` for their networks."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

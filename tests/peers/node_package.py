@@ -1,7 +1,5 @@
 """Other people's Node packages, each installed in a folder of its own below ``.venv-peers``."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from pathlib import Path

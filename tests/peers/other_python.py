@@ -1,7 +1,5 @@
 """Other people's Python packages, each installed in an environment of its own below ``.venv-peers``."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,7 +1,5 @@
 """Simulated devices of all drivers, as a program that a test stops or takes off the network; it prints their ports."""
 
-from __future__ import annotations
-
 import json
 import sys
 

@@ -1,7 +1,5 @@
 """Agents: the client of the MCP SDK, raw JSON-RPC, and a validator of OpenAPI, each against a running homebot."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

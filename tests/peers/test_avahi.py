@@ -1,7 +1,5 @@
 """The mDNS gateway and Avahi see each other, on a network of their own."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The gateway for CoAP, and the simulated devices, against libcoap: another implementation on another machine."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -6,8 +6,6 @@ ESPHome is installed into an environment of its own, with Python 3.12, unless it
 names it.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

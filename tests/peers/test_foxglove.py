@@ -1,7 +1,5 @@
 """The rosbridge player of Foxglove and Lichtblick at the door: types as texts, messages as ROS 2 writes them."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

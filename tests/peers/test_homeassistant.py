@@ -1,7 +1,5 @@
 """The Home Assistant gateway with Home Assistant itself, and all entities of its integration ``demo``."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

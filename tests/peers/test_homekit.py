@@ -1,7 +1,5 @@
 """homebot finds, pairs, reads and commands an accessory by HAP-python, an implementation that others wrote."""
 
-from __future__ import annotations
-
 import signal
 import sys
 from collections.abc import AsyncIterator

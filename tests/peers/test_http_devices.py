@@ -1,7 +1,5 @@
 """The makers' own clients take the simulated devices for real ones."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

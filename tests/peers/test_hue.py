@@ -1,7 +1,5 @@
 """aiohue, the client that Home Assistant uses, takes the simulated Hue bridge for a real one."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from dataclasses import replace

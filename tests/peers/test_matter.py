@@ -1,7 +1,5 @@
 """The Matter gateway with python-matter-server, the server of Home Assistant, and a light on matter.js."""
 
-from __future__ import annotations
-
 import ctypes.util
 import signal
 import subprocess

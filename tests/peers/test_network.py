@@ -1,7 +1,5 @@
 """The network of the tests carries multicast between its machines, and to nobody else."""
 
-from __future__ import annotations
-
 import socket
 
 import anyio

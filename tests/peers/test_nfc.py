@@ -4,8 +4,6 @@ vpcd (vsmartcard) listens for cards on TCP: each message has two bytes of length
 1 power on, 2 reset, 4 the answer to reset is asked for; all else are APDUs.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Eclipse Thingweb node-wot reads homebot's directory of things, and commands a lamp in it."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

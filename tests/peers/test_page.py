@@ -1,7 +1,5 @@
 """The page in Chromium: every view, its accessibility, hostile names, and the build that is committed."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import AsyncIterator, Callable, Iterator

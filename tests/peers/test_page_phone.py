@@ -1,7 +1,5 @@
 """The page on a phone in the house: touched, over TLS by a proxy under a name of the owner's, with a token."""
 
-from __future__ import annotations
-
 import ssl
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager

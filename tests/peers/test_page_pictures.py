@@ -3,8 +3,6 @@
 With ``HOMEBOT_WRITE_GOLDEN=1`` the pictures of README and documentation are written to ``docs/images``.
 """
 
-from __future__ import annotations
-
 import os
 import tomllib
 from collections.abc import Iterator

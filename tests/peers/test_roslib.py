@@ -1,7 +1,5 @@
 """roslib, the library of web pages, at the door: topics in every form it reads, and services both ways."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from pathlib import Path

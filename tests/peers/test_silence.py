@@ -3,8 +3,6 @@
 ``pytest tests/peers/test_silence.py -s`` prints how long it took; the README has the figures.
 """
 
-from __future__ import annotations
-
 import json
 import signal
 import sys

@@ -1,7 +1,5 @@
 """The floor plan of a house: rooms at points, uncertain positions, doors, and ways."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

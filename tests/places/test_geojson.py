@@ -1,7 +1,5 @@
 """GeoJSON files: rooms, doors and devices of a drawing in metres, of one in degrees, and of IMDF."""
 
-from __future__ import annotations
-
 import json
 import math
 

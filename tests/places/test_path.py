@@ -1,7 +1,5 @@
 """Ways through doors: golden distances, closed and locked doors, and the same as by brute force."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """The areas of a house are nested, and its doors have two ends."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

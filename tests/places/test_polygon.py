@@ -1,7 +1,5 @@
 """Polygons: points on shared walls, holes, and shapes that are refused."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The table ``[places]``, and the text of a places file."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.errors import ConfigError

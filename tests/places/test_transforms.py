@@ -1,7 +1,5 @@
 """Transforms between frames, against vectors of scipy and pytransform3d, and with tf2's rules and texts."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The format of recordings: what is written is read again, and a wrong line is named."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import re

@@ -1,7 +1,5 @@
 """The file of a recording: for its owner alone, never overwritten unasked, bounded, and honest about what it lacks."""
 
-from __future__ import annotations
-
 import stat
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a device says again takes little room in a recording, and is read as it was said."""
 
-from __future__ import annotations
-
 import pytest
 from tests.announcements import sighting_of
 

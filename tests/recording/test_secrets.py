@@ -1,7 +1,5 @@
 """Secrets are no part of a recording."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

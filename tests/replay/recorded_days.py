@@ -1,7 +1,5 @@
 """Days that are recorded in virtual time, and their replays."""
 
-from __future__ import annotations
-
 import asyncio
 import tomllib
 from collections.abc import AsyncIterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Which commands are the same, which are added, and which are gone."""
 
-from __future__ import annotations
-
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.value import Value
 from homebot.recording.lines import RecordedCommand

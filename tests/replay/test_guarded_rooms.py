@@ -1,7 +1,5 @@
 """The presence guard knows in a replay what it knew when the recording began."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 

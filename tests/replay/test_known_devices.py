@@ -1,7 +1,5 @@
 """Devices that the directory knows at the start of a replay; those that appear then get the ids that they had."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.devices import Device

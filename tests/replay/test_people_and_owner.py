@@ -1,7 +1,5 @@
 """People, and what the owner stated, are in a replay as they were on the day."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 

@@ -1,7 +1,5 @@
 """A recorded time again: the same with the same apps, and what a changed app, setting or policy changes."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Recordings of houses with several gateways and protocols, and their replays; the radio and the broker are virtual."""
 
-from __future__ import annotations
-
 import asyncio
 import tomllib
 from pathlib import Path

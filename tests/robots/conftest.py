@@ -1,7 +1,5 @@
 """The home of the tests of control, whose devices report what a test says."""
 
-from __future__ import annotations
-
 from tests.control.conftest import open_home
 
 __all__ = ["open_home"]

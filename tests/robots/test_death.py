@@ -1,7 +1,5 @@
 """A robot's client that dies: its goals, its pose and its leases end, each within its limit; in virtual time."""
 
-from __future__ import annotations
-
 import json
 
 import anyio

@@ -1,7 +1,5 @@
 """Rooms of robots by motion sensors, in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import OpenHome

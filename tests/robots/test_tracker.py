@@ -1,7 +1,5 @@
 """Where robots are, by all that is heard of them, in virtual time."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from collections.abc import AsyncIterator, Iterator

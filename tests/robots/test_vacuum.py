@@ -1,7 +1,5 @@
 """A robot vacuum at a broker: its map, and its place in the house, in virtual time."""
 
-from __future__ import annotations
-
 import json
 import zlib
 from collections.abc import AsyncIterator

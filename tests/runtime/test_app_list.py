@@ -1,7 +1,5 @@
 """``homebot app list``: apps with their jobs, when these are called next, and why one is not."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 

@@ -1,7 +1,5 @@
 """Apps that are loaded, unloaded and reloaded while homebot runs."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import os

@@ -1,7 +1,5 @@
 """Apps that are reloaded when their files change."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Where a device that can hurt waits for approval: wherever a real one may be found."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.config import parse_config

@@ -1,7 +1,5 @@
 """A dry run: apps and people command as ever, and nothing reaches a device."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """``/homebot/health`` counts what the graph counts."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

@@ -1,7 +1,5 @@
 """What gateways need in this process: started once for all, found by its class, stopped after them."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -3,8 +3,6 @@
 Every place where a runtime runs the code of an app, against every kind of thing that may come out of it.
 """
 
-from __future__ import annotations
-
 import asyncio
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Copies of the files of a run: they have what was only in memory."""
 
-from __future__ import annotations
-
 import sqlite3
 from pathlib import Path
 from typing import Any

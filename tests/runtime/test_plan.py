@@ -1,7 +1,5 @@
 """What the configuration makes of doors, tokens and the place of the index."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The recorder for a client: one at a time, and free again when the client is gone."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

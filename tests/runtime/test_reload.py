@@ -1,7 +1,5 @@
 """A reload: all of the configuration is checked, then rights, policies and places are swapped, or nothing is."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

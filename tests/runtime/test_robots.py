@@ -1,7 +1,5 @@
 """The tracker of robots in a running homebot: when it starts, and what its tables may say."""
 
-from __future__ import annotations
-
 import json
 import math
 import zlib

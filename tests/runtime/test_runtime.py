@@ -1,7 +1,5 @@
 """The whole of homebot in one process: its order, its failures and its end."""
 
-from __future__ import annotations
-
 import socket
 import sys
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """Settings of gateways and apps as parameters."""
 
-from __future__ import annotations
-
 import pytest
 from pydantic import BaseModel, Field, SecretStr
 

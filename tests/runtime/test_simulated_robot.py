@@ -1,7 +1,5 @@
 """The robot of the simulated house, in a running homebot in virtual time."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import AsyncIterator

@@ -1,7 +1,5 @@
 """A component that crashes is started anew and disturbs nobody."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import anyio

@@ -1,7 +1,5 @@
 """Which addresses are this computer's own, and which belong to one owner."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.support.addresses import ip_version, is_loopback, network_of

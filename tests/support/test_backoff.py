@@ -2,8 +2,6 @@
 
 # ruff: noqa: S311 - jitter is no secret
 
-from __future__ import annotations
-
 from random import Random
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Bounded map."""
 
-from __future__ import annotations
-
 from homebot.support.bounded_map import BoundedMap
 
 

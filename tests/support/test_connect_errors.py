@@ -1,7 +1,5 @@
 """Why a connection could not be made, as people read it."""
 
-from __future__ import annotations
-
 import errno
 import socket
 

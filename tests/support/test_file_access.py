@@ -1,7 +1,5 @@
 """Who else may read or write a file."""
 
-from __future__ import annotations
-
 import os
 import stat
 from pathlib import Path

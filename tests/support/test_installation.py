@@ -1,7 +1,5 @@
 """The identity of a homebot: the same after a restart, another for a second homebot, and never in the way."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What comes out of task groups."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

@@ -1,7 +1,5 @@
 """A kept file goes on after each trouble, and tells of it."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing

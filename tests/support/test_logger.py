@@ -1,7 +1,5 @@
 """Lines of a homebot that is a library in somebody's program, who has not configured any logging."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

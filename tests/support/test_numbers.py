@@ -1,7 +1,5 @@
 """Numbers in what outsiders say."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Output that nobody has to wait for: order, losses, the end; and that no stranger steers a terminal through."""
 
-from __future__ import annotations
-
 import io
 import itertools
 import json

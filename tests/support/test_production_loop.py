@@ -1,7 +1,5 @@
 """A blocked event loop is told, with what blocks it; a stray exit ends its task alone."""
 
-from __future__ import annotations
-
 import asyncio
 import difflib
 import sys

@@ -1,7 +1,5 @@
 """How often something may happen."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """Names that somebody may have meant."""
 
-from __future__ import annotations
-
 from homebot.support.similar import did_you_mean, similar_to
 
 

@@ -1,7 +1,5 @@
 """Upgrade of a file: a copy first, then one transaction a step; a file that cannot be upgraded stays as it was."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Mapping, Sequence
 from pathlib import Path

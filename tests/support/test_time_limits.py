@@ -1,7 +1,5 @@
 """The time limits of waits that share one timer of the event loop."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import math

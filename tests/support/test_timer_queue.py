@@ -1,7 +1,5 @@
 """The queue of everything that waits for a time, held to a plain list of what is due."""
 
-from __future__ import annotations
-
 import math
 
 from hypothesis import given

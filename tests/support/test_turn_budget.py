@@ -1,7 +1,5 @@
 """Turn budget: whatever is asked of a server, its share of one turn is bounded, and each client has its part of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """The event loop whose time jumps."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import socket

@@ -3,8 +3,6 @@
 ``python holding_robot.py URL TOKEN DEVICE PART NAME TTL`` prints ``held`` once it holds the device.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

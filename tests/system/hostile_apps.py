@@ -1,7 +1,5 @@
 """Apps that misbehave, each in one way; see test_hostile_apps.py."""
 
-from __future__ import annotations
-
 import asyncio
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Hosts on a network of a test: one that lies about the addresses of others, and one that is lied about."""
 
-from __future__ import annotations
-
 import sys
 from urllib.parse import quote
 

@@ -1,7 +1,5 @@
 """How long a program takes by itself, on however busy a machine: what it waits for a processor is left out."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import threading

@@ -1,7 +1,5 @@
 """Commands by a Mosquitto to devices that are away, and by one that is frozen; over MQTT 3.1.1, nothing expires."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from collections.abc import AsyncIterator

@@ -3,8 +3,6 @@
 What each flood cost is printed (``-s``).
 """
 
-from __future__ import annotations
-
 import json
 import socket
 import sys

@@ -1,7 +1,5 @@
 """Hostile clients against the embedded broker, over real sockets; what each attack cost is printed (``-s``)."""
 
-from __future__ import annotations
-
 import resource
 import socket
 import sys

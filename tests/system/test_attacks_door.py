@@ -4,8 +4,6 @@ What an attack costs is printed (``pytest -s``). Asserted are limits that hold o
 and memory, exact ones for what stays open.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 import threading

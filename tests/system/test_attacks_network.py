@@ -1,7 +1,5 @@
 """A host lists addresses of this computer and of others, over HTTP and CoAP, from a machine of its own."""
 
-from __future__ import annotations
-
 import json
 import socket
 import subprocess

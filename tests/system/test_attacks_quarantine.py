@@ -1,7 +1,5 @@
 """A stranger floods the topics on which devices announce themselves, over a socket; those of the house are heard."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """Clients of the door that take more than their share, for real over sockets: the others have theirs."""
 
-from __future__ import annotations
-
 import json
 import socket
 import threading

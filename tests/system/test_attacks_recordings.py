@@ -3,8 +3,6 @@
 Asserted is the processor time beyond that of refusing a file that is no recording.
 """
 
-from __future__ import annotations
-
 import gzip
 import json
 import resource

@@ -1,7 +1,5 @@
 """A plug that may write its own topics only, on a Mosquitto with access rights, wants homebot to open a door."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

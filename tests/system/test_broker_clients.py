@@ -1,7 +1,5 @@
 """Mosquitto's command line clients against the embedded broker."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 from collections.abc import AsyncIterator

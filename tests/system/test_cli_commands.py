@@ -1,7 +1,5 @@
 """What the command line says of commands, against homebots that run: a no is told, and the exit code is one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

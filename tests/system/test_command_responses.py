@@ -1,7 +1,5 @@
 """Responses of MQTT 5 to commands: a device that answers them, over the embedded broker and over Mosquitto."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

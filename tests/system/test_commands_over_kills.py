@@ -1,7 +1,5 @@
 """Commands to a lamp whose broker is killed again and again: what is confirmed has happened, nothing happens late."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """A ``homebot run`` with an app of every misbehaviour: the house goes on, and the doctor names each."""
 
-from __future__ import annotations
-
 import re
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """Robots that hold a door through a real WebSocket and are killed: it is not closed on them, nor stays blocked."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import socket

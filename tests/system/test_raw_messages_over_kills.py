@@ -1,7 +1,5 @@
 """Raw messages that an app hears while Mosquitto is killed again and again, beside those that plain paho hears."""
 
-from __future__ import annotations
-
 import json
 import threading
 from collections import Counter

@@ -1,7 +1,5 @@
 """A recording of a running homebot, its replay, and a dry run; the commands are those of docs/replay.md."""
 
-from __future__ import annotations
-
 import json
 import re
 import shlex

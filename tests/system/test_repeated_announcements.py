@@ -1,7 +1,5 @@
 """A lamp that is announced twice on a Mosquitto, as after a rename: one device, and one command each time."""
 
-from __future__ import annotations
-
 import json
 from typing import Any, Final
 

@@ -1,7 +1,5 @@
 """Robots as clients of a running homebot: roslibpy with and without the right, and one that dies."""
 
-from __future__ import annotations
-
 import json
 import sys
 import textwrap

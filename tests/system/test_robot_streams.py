@@ -1,7 +1,5 @@
 """What a robot that streams costs while nobody reads."""
 
-from __future__ import annotations
-
 import json
 import os
 import time

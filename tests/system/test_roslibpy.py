@@ -1,7 +1,5 @@
 """roslibpy, an independent client, through the door."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

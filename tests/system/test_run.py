@@ -1,7 +1,5 @@
 """``homebot run`` as a process of its own: how it starts, what it says, and how it stops."""
 
-from __future__ import annotations
-
 import contextlib
 import json
 import os

@@ -1,7 +1,5 @@
 """Passwords and tokens of a running homebot: in no log line, no error, no traceback and no answer of a command."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Prints all that happens in a day of a house; run as a program by tests, as ``a_day.py thesis|family SEED``."""
 
-from __future__ import annotations
-
 import asyncio
 import sys
 import tomllib

@@ -1,7 +1,5 @@
 """Test runs inside of tests."""
 
-from __future__ import annotations
-
 import gc
 import shlex
 import warnings

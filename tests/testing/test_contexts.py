@@ -1,7 +1,5 @@
 """Contexts that go on beside a test, and plain logs in it."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """A day is plain data: it goes into a file and comes back the same, and is the same each time it is lived."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What docs/days.md shows is so."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A day on the wire goes as the day that is played, but for what happens to the wire."""
 
-from __future__ import annotations
-
 from datetime import timedelta
 
 import pytest

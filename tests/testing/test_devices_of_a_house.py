@@ -1,7 +1,5 @@
 """Tests that speak of devices: what a sensor senses, and what a device becomes, in every dialect."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.errors import UsageError

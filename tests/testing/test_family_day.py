@@ -4,8 +4,6 @@
 ``make houses`` takes 100.
 """
 
-from __future__ import annotations
-
 import os
 import tomllib
 from collections import Counter

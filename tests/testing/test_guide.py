@@ -1,7 +1,5 @@
 """The guide docs/testing.md: everything that it shows works as it stands there."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from pathlib import Path

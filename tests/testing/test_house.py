@@ -1,7 +1,5 @@
 """A house in a test: what it says and hears, a clear word when nothing comes, and what suits it for the rest."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.config import parse_config

@@ -1,7 +1,5 @@
 """The plug-in in other people's test runs: every way to run async tests, and no configuration at all."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

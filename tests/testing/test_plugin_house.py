@@ -1,7 +1,5 @@
 """The fixtures ``house`` and ``homebot`` in other people's test runs, whoever runs their async tests."""
 
-from __future__ import annotations
-
 import re
 from importlib import import_module
 from importlib.metadata import entry_points

@@ -1,7 +1,5 @@
 """Random houses and days: they cover what there is, and a failing day shrinks to the few things that make it fail."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Points in time as people write them."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime, timedelta, timezone
 
 import pytest

@@ -1,7 +1,5 @@
 """A house where time is virtual: it moves when told, a day is short, and the same seed is the same day."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 import os

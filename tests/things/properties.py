@@ -3,8 +3,6 @@
 Source of the semantic types: WebThings, https://webthings.io/schemas.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

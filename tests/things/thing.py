@@ -3,8 +3,6 @@
 Source: W3C Recommendations "Web of Things (WoT) Thing Description 1.1" and "Web of Things (WoT) Discovery".
 """
 
-from __future__ import annotations
-
 import json
 from base64 import b64encode
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 An expected error is marked ``type: ignore``, and mypy complains about each mark that is not needed.
 """
 
-from __future__ import annotations
-
 from typing import assert_type
 
 from homebot.devices import Device, Devices, Follow

@@ -1,7 +1,5 @@
 """What messages that are made of text promise to a type checker; read by mypy, never run."""
 
-from __future__ import annotations
-
 from homebot.messages import Time
 from homebot.messages.sensor_msgs import BatteryState, Imu
 from homebot.messages.std_msgs import Header

@@ -1,7 +1,5 @@
 """The files of the page: complete, loaded from nowhere else, and asked for again only when they changed."""
 
-from __future__ import annotations
-
 import json
 import re
 from http import HTTPStatus

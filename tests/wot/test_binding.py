@@ -1,7 +1,5 @@
 """Forms of protocols with requests: which can be used, and their addresses."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """What descriptions of real things hold beside one value a property: objects, units, two setpoints."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

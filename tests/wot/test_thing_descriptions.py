@@ -1,7 +1,5 @@
 """Thing Descriptions: what is read of them, what is refused, and that devices survive the way out and back."""
 
-from __future__ import annotations
-
 import copy
 import json
 from typing import Any

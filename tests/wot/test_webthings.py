@@ -1,7 +1,5 @@
 """Descriptions of the Web Thing API, as its libraries serve them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """A running homebot with a simulated house, and an independent client of its HTTP API."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The device that a text means, by its id, its part or its name."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

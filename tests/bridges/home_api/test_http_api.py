@@ -1,7 +1,5 @@
 """The HTTP API, asked by an independent client over real sockets."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests.bridges.home_api.api import bearer, running_api

@@ -1,7 +1,5 @@
 """Attacks on the HTTP API: none gets in, each is bounded, and an honest client is answered all the while."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager

@@ -1,7 +1,5 @@
 """The load of the graph, measured while somebody asks."""
 
-from __future__ import annotations
-
 import time
 
 import anyio

@@ -1,7 +1,5 @@
 """What /rosapi answers, as clients on the graph and through the door see it."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

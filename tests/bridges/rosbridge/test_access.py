@@ -1,7 +1,5 @@
 """What clients of the door may do, by their token: over a real WebSocket."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from typing import Any

@@ -1,7 +1,5 @@
 """Actions at the door, in both directions: the frames that roslib and roslibpy exchange."""
 
-from __future__ import annotations
-
 import asyncio
 import json
 from typing import Any

@@ -1,7 +1,5 @@
 """What waits for clients of the door: never more than may, and what is lost is what the rule says."""
 
-from __future__ import annotations
-
 import gc
 import weakref
 from collections.abc import Callable

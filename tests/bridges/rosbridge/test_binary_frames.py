@@ -1,7 +1,5 @@
 """Messages for clients that want them in CBOR: roslibjs for speed, Foxglove always."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import anyio

@@ -1,7 +1,5 @@
 """The door: who is let in, what bad clients get, and that everything goes with its client."""
 
-from __future__ import annotations
-
 import json
 import socket
 from contextlib import suppress

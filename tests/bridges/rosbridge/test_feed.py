@@ -1,7 +1,5 @@
 """How fast a topic goes to a client, in virtual time."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """Pings to clients that own goals or leases, in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

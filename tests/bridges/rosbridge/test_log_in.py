@@ -1,7 +1,5 @@
 """homebot's own page shows its token in its first frame; pages of other origins need one in any case."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What goes out to one client of the door: by turns, complete, and no more than may wait."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """Frames as PNG images and in fragments, both ways: whoever puts them together has what was sent."""
 
-from __future__ import annotations
-
 import base64
 import json
 import struct

@@ -1,7 +1,5 @@
 """What a message lacks: zero, false or empty, at any depth."""
 
-from __future__ import annotations
-
 from enum import StrEnum
 from typing import Annotated, Any
 

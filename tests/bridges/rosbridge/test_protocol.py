@@ -1,7 +1,5 @@
 """Frames of rosbridge v2, in and out."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

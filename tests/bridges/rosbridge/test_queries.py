@@ -1,7 +1,5 @@
 """Queries through the door: clients may write them as text, the graph carries terms."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The frames that roslibpy 2.1 and roslib 2.1 were recorded to exchange about actions, replayed at the door."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

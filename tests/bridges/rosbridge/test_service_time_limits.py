@@ -1,7 +1,5 @@
 """For how long a client of the door waits that does not say it; in virtual time."""
 
-from __future__ import annotations
-
 import json
 
 import anyio

@@ -1,7 +1,5 @@
 """Services through the door, in both directions."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 from typing import Any

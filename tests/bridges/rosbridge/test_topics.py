@@ -1,7 +1,5 @@
 """Topics through the door, over a real WebSocket."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import anyio

@@ -1,7 +1,5 @@
 """A house with a lamp and a sensor, and its directory of things."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from typing import Any, Protocol

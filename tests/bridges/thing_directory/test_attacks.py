@@ -1,7 +1,5 @@
 """Clients that break the rules of HTTP, or ask too much: they are refused, and the others are served."""
 
-from __future__ import annotations
-
 from contextlib import AsyncExitStack, suppress
 
 import anyio

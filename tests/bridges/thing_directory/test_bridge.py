@@ -1,7 +1,5 @@
 """homebot's directory over HTTP: the list, descriptions, values, commands, events, and who is let in."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 from collections.abc import AsyncIterator, Mapping

@@ -1,7 +1,5 @@
 """The list of descriptions and its changes."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

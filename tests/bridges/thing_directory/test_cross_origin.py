@@ -1,7 +1,5 @@
 """Pages of other origins in a browser, which lets them do as the answers of the directory say."""
 
-from __future__ import annotations
-
 import pytest
 from tests.bridges.thing_directory.conftest import OpenHouse, ServedHouse
 

@@ -1,7 +1,5 @@
 """Events of the list: a client that is behind too far is cut off, and silence is broken."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

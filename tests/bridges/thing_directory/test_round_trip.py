@@ -1,7 +1,5 @@
 """Another homebot follows the directory of this one, and uses its devices."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

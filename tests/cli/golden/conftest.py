@@ -1,7 +1,5 @@
 """A house whose devices, gateways and clock stand still, so that every command prints the same each time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

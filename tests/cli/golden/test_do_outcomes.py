@@ -1,7 +1,5 @@
 """What ``homebot do`` prints of each outcome, letter by letter, and its exit code; see test_golden.py."""
 
-from __future__ import annotations
-
 import pytest
 from tests.cli.conftest import Homebot
 from tests.cli.golden.test_golden import check

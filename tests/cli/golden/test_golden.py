@@ -3,8 +3,6 @@
 The expected texts lie beside this file; to write them anew, run with ``HOMEBOT_WRITE_GOLDEN=1`` and read what changed.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

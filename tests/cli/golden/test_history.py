@@ -1,7 +1,5 @@
 """What ``homebot why``, ``why-not`` and ``journal`` print, letter by letter; see test_golden.py."""
 
-from __future__ import annotations
-
 import re
 import time
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Devices, commands and facts for tests of policies, without a graph."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from datetime import UTC, tzinfo
 

@@ -1,7 +1,5 @@
 """A device that can hurt is listed and not driven until the owner approved it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Who moved in a room after its doors were closed is there until one opens."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome

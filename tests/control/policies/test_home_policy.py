@@ -1,7 +1,5 @@
 """Policies of other packages: the name of their table, what they need, and what happens if one fails."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

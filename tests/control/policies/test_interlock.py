@@ -1,7 +1,5 @@
 """Interlocks: no heating while a window is open, or while nobody knows."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

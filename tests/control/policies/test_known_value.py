@@ -1,7 +1,5 @@
 """What a part is known to be at, and whether a position opens or closes; pure."""
 
-from __future__ import annotations
-
 from tests.control.policies.houses import START, make_command, make_device, make_facts, new_timeline
 
 from homebot.control.command import IssuedCommand, order_of

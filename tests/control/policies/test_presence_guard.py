@@ -1,7 +1,5 @@
 """The presence guard: what apps may not do where somebody is, or where that is unknown; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, ignore, refusal

@@ -1,7 +1,5 @@
 """No policy is ever violated by a command that was sent: random houses, people, times and commands."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import anyio

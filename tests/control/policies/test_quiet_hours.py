@@ -1,7 +1,5 @@
 """Quiet hours, in the local time of the home."""
 
-from __future__ import annotations
-
 from datetime import datetime, time
 from zoneinfo import ZoneInfo
 

@@ -1,7 +1,5 @@
 """The rate limit: a strobe is stopped, and whoever dims or repeats a command never meets it; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome, obey

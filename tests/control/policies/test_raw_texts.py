@@ -1,7 +1,5 @@
 """Raw texts are no way around policies, leases and the journal."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Home, OpenHome

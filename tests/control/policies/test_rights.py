@@ -1,7 +1,5 @@
 """Who may command what: grants of apps, scopes of clients, and what always takes an explicit right."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import replace
 

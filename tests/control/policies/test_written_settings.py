@@ -1,7 +1,5 @@
 """Settings of policies are written as they are read, for a recording."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

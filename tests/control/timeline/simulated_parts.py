@@ -3,8 +3,6 @@
 Everything is a function of a seed; a timeline sees the reports alone.
 """
 
-from __future__ import annotations
-
 import heapq
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping

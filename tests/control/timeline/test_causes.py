@@ -3,8 +3,6 @@
 The floors are the figures that a rule may not fall below; the tables are printed with ``pytest -s``.
 """
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -1,7 +1,5 @@
 """What a profile knows of the routes to a device."""
 
-from __future__ import annotations
-
 from homebot.control.learnt import Profiles
 from homebot.control.timeline.profile import KEPT, DeviceProfile
 

@@ -1,7 +1,5 @@
 """Sensors that observe what commands do: named by the owner, or a meter of the same device; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.control.conftest import Behaviour, Home, OpenHome, obey, obey_after

@@ -1,7 +1,5 @@
 """Declared profiles of devices that are connected to."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.bluetooth.gatt_profile import BUILT_IN, GattProfile

@@ -1,7 +1,5 @@
 """The parsers of broadcasts."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.bluetooth.beacons import EDDYSTONE, BeaconParser

@@ -5,8 +5,6 @@ govee-ble and inkbird-ble ``tests/test_parser.py``, Home Assistant's ``tests/com
 0.4.0 ``tests/test_v5.py``; the one of Qingping's door sensor follows qingping-ble 1.3.0.
 """
 
-from __future__ import annotations
-
 from importlib.util import find_spec
 
 import pytest

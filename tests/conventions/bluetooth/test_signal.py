@@ -1,7 +1,5 @@
 """Distance by the strength of a signal, and how long a device may be silent."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

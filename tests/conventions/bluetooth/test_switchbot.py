@@ -1,7 +1,5 @@
 """SwitchBot's broadcasts, in the bytes that pySwitchbot 3.1 describes."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

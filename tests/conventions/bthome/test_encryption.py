@@ -1,7 +1,5 @@
 """Encrypted packets, by the example of https://bthome.io/encryption."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

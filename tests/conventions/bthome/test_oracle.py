@@ -1,7 +1,5 @@
 """Packets mean here what they mean to ``bthome-ble``, the parser of Home Assistant."""
 
-from __future__ import annotations
-
 import logging
 from importlib.metadata import version
 

@@ -1,7 +1,5 @@
 """Packets of BTHome v2 as the specification shows them, and as they come broken."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.bthome.objects import BTHOME_OBJECTS

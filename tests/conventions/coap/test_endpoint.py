@@ -1,7 +1,5 @@
 """Endpoints: from configurations, answers and registrations."""
 
-from __future__ import annotations
-
 import pytest
 from pydantic import ValidationError
 

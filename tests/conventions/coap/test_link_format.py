@@ -1,7 +1,5 @@
 """Lists of links: what is read of them, what is refused."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """The registrations of a resource directory: what is taken, renewed, found and ended, and how many."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 
 import pytest

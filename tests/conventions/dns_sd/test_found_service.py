@@ -1,7 +1,5 @@
 """What DNS-SD tells of real devices becomes facts and identifiers; records as their firmware sends them."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.dns_sd.found_service import facts_of, identifiers_of, name_of, usable_addresses

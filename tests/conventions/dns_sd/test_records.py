@@ -1,7 +1,5 @@
 """TXT records are read as RFC 6763, section 6, says."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

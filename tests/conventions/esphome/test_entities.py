@@ -1,7 +1,5 @@
 """Entities of every component: their parts, what their states report, and their commands."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -3,8 +3,6 @@
 Reads lines of JSON, ``[component, config]``, and prints one line for each that is refused.
 """
 
-from __future__ import annotations
-
 import importlib
 import json
 import sys

@@ -1,7 +1,5 @@
 """Any published part is read back with its capabilities, states and commands."""
 
-from __future__ import annotations
-
 import json
 import math
 import os

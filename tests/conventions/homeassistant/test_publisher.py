@@ -1,7 +1,5 @@
 """Configs and states published for a Home Assistant, read back by the convention."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

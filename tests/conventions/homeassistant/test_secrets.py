@@ -1,7 +1,5 @@
 """Codes and passwords that Home Assistant discovery announces: they may be set, and are never read."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

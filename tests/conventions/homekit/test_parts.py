@@ -1,7 +1,5 @@
 """Each service is a part with the capabilities of the vocabulary, read and written as the specification has them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

@@ -3,8 +3,6 @@
 The messages follow Valetudo 2026.02.0 (``backend/lib/mqtt``).
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping
 from random import Random

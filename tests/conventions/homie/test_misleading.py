@@ -1,7 +1,5 @@
 """Names mislead: the forms of its properties must prove the kind of a Homie node."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any

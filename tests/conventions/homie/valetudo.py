@@ -1,7 +1,5 @@
 """A robot with Valetudo 2026.02.0 (``backend/lib/mqtt``), by Homie 4: of its 13 nodes those that may mislead."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from homebot.conventions.description import DeviceAnnounced

@@ -1,7 +1,5 @@
 """Resources of a Hue bridge become devices, values and requests."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 import pytest

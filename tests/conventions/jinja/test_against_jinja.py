@@ -1,7 +1,5 @@
 """Random templates of Jinja's own features give the text of Jinja's sandbox."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -3,8 +3,6 @@
 The answers were recorded by running its template environment; null is an error of its own.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Templates that would take for ever, or all memory, in Jinja's sandbox. The bound is on counted work, not on time."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

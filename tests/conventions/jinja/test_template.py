@@ -1,7 +1,5 @@
 """Compiled templates, paths, and the problems of unsupported templates."""
 
-from __future__ import annotations
-
 import json
 from datetime import UTC, datetime
 from itertools import product

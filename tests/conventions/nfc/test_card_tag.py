@@ -1,7 +1,5 @@
 """Tags behind a PC/SC reader: Type 4 by its files, Type 2 by the storage card commands of the reader."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

@@ -1,7 +1,5 @@
 """Tags of others: records that homebot does not read, damaged ones, and Smart Posters."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -3,8 +3,6 @@
 Source: Shelly Gen2+ API, pages of the devices and components; values are made up, and what no part needs is shortened.
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from pathlib import Path

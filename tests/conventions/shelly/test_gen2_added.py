@@ -1,7 +1,5 @@
 """Components that people and gateways added to a device, which it tells page by page when it is asked for them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 

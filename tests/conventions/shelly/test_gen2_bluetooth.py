@@ -4,8 +4,6 @@ The components are those of real gateways with BLU TRV, BLU Door/Window and BLU 
 ``Shelly.GetComponents`` in prometheus exporters and ShellyScanner; events of Shelly Gen2+ API, BTHomeDevice).
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 

@@ -1,7 +1,5 @@
 """Shelly's devices on a channel of their own, by the answers of real models."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

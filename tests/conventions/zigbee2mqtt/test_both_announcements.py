@@ -7,8 +7,6 @@
 - ``discovery``: the rest of each, by component and object id.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

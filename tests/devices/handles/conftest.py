@@ -1,7 +1,5 @@
 """A house in which devices, directory and gateways do exactly what a test says; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """What is asked of handles: what nobody knows is an error, never the whole house."""
 
-from __future__ import annotations
-
 import inspect
 import string
 from typing import Any

@@ -1,7 +1,5 @@
 """Which way commands go; in virtual time."""
 
-from __future__ import annotations
-
 import pytest
 from tests.devices.handles.conftest import House
 

@@ -1,7 +1,5 @@
 """What a reader hears who follows handles; in virtual time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import anyio

@@ -1,7 +1,5 @@
 """The text that narrows a search down loses nothing that is wanted."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """What handles find, tell and are told; in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from typing import Any
 

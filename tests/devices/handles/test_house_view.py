@@ -1,7 +1,5 @@
 """The node's view of the house, as its live queries report it; in virtual time."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any, Literal, TypeAlias
 

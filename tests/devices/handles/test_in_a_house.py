@@ -1,7 +1,5 @@
 """Handles in a simulated house: what an app does reaches devices that speak on MQTT, and what they say comes back."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import anyio

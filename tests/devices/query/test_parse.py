@@ -1,7 +1,5 @@
 """Text queries: what each form means, and what is said where it means nothing."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

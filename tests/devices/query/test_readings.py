@@ -1,7 +1,5 @@
 """Readings of queries with ``or``, and of lists."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.devices.query.readings import readings_of

@@ -1,7 +1,5 @@
 """Queries as messages: what is sent is what arrives, and what is no query is an error that names the term."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Where a device is told a word."""
 
-from __future__ import annotations
-
 from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part

@@ -1,7 +1,5 @@
 """Plain words: what parts say, and what they are told."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

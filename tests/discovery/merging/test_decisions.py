@@ -1,7 +1,5 @@
 """The owner says which announcements are one device: that outranks the evidence, and is remembered."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import pytest

@@ -1,7 +1,5 @@
 """What a bridge announces of a device that it lists is left out since, and forgotten after a restart."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

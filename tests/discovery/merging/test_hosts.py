@@ -1,7 +1,5 @@
 """The services of one host are one device, unless the host runs the programs of several devices."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from itertools import permutations
 

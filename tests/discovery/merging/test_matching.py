@@ -1,7 +1,5 @@
 """Which parts of different sources are one, whoever comes first."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from itertools import permutations

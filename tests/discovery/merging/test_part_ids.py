@@ -1,7 +1,5 @@
 """The ids of parts last, whoever tells of them later."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

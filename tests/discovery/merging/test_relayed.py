@@ -1,7 +1,5 @@
 """A Bluetooth device that several gateways receive is one device, with each part once."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Announcements of one part, such as one that is left over from a rename: the same commands on the same topics."""
 
-from __future__ import annotations
-
 from itertools import permutations
 
 import pytest

@@ -1,7 +1,5 @@
 """A stranger who announces a known identifier is listed with the device, and does not get its commands."""
 
-from __future__ import annotations
-
 from typing import Literal
 
 import pytest

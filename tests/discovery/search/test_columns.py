@@ -1,7 +1,5 @@
 """Columns, against a table of the same values."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -1,7 +1,5 @@
 """The best of what is near are those that a look at every device finds, and few devices are looked at for them."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 

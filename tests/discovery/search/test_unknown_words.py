@@ -1,7 +1,5 @@
 """A query with a misspelt word is refused with what was meant: it would find nothing, or, negated, everything."""
 
-from __future__ import annotations
-
 import pytest
 from tests.discovery.announcements import announce, part_of
 

@@ -1,7 +1,5 @@
 """Commands and raw commands of one gateway keep their order; in virtual time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """The work with one device: tried again, listed in time, reported as lost, and over when it is stopped."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The engine for gateways of any protocol, beyond the contract: what it refuses, counts and keeps."""
 
-from __future__ import annotations
-
 import gc
 import tracemalloc
 from collections.abc import AsyncIterator, Iterator

@@ -1,7 +1,5 @@
 """Callbacks are called at their time, and there is room for so many only."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import partial

@@ -1,7 +1,5 @@
 """What the owner is shown of the commands of a part, and which changes of an announcement make it another one."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A virtual radio with the Bluetooth gateway on it, in virtual time."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from random import Random

@@ -1,7 +1,5 @@
 """The queue for the few connections of an adapter."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from anyio.abc import TaskGroup

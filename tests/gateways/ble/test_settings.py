@@ -1,7 +1,5 @@
 """The table of a Bluetooth gateway."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

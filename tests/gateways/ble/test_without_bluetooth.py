@@ -1,7 +1,5 @@
 """The gateway on a computer without Bluetooth, with bleak's own backend."""
 
-from __future__ import annotations
-
 import shutil
 import subprocess
 import sys

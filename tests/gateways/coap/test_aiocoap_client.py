@@ -1,7 +1,5 @@
 """The adapter for aiocoap against servers on loopback: blocks, observations, secured requests, and their ends."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import AsyncIterator, Callable

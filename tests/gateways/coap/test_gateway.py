@@ -1,7 +1,5 @@
 """The gateway beyond the contract, on aiocoap and loopback: its own directory, fixed addresses, devices that leave."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from urllib.parse import quote

@@ -1,7 +1,5 @@
 """What the session with an endpoint takes of a description."""
 
-from __future__ import annotations
-
 from homebot.gateways.coap.session import with_own_forms
 from homebot.wot.parse import CONTEXT, read_thing
 

@@ -1,7 +1,5 @@
 """A gateway for CoAP, and what it publishes."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 

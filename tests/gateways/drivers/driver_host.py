@@ -1,7 +1,5 @@
 """A gateway as drivers see it, which keeps what they say."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
 from typing import TypeVar

@@ -1,7 +1,5 @@
 """The addresses of a device are asked one after the other."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.errors import LinkError, RefusedError

@@ -1,7 +1,5 @@
 """Devices that announce themselves on loopback are found by the mDNS gateway, listed, and obey."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

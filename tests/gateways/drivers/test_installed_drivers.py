@@ -1,7 +1,5 @@
 """The tables of drivers, as the configuration has them, and what drivers need."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """A device that leaves in the middle of a command: the caller gets an error, and the next run reaches it again."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Entities of Home Assistant as devices."""
 
-from __future__ import annotations
-
 from datetime import UTC, datetime
 
 import pytest

@@ -1,7 +1,5 @@
 """The Home Assistant gateway, where Home Assistant is another than it should be."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from pathlib import Path

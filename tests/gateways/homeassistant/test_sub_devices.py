@@ -4,8 +4,6 @@ The identifiers and unique ids are as the integrations of Home Assistant core 20
 the files of ``homeassistant/components`` that each case names.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """Accessories in memory, behind the port of the HomeKit gateway, and the mDNS gateway that finds them."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager
 from typing import cast

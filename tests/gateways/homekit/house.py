@@ -1,7 +1,5 @@
 """A HomeKit gateway in virtual time, with accessories in memory."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass

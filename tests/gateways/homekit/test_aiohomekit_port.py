@@ -1,7 +1,5 @@
 """The library's errors become homebot's, and none shows a code; other tests pair and talk to HAP-python."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

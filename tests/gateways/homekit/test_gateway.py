@@ -1,7 +1,5 @@
 """Accessories report and obey; bridges, buttons, silence, restarts and writes that come too late."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import anyio

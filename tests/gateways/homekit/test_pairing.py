@@ -1,7 +1,5 @@
 """Accessories are paired by their codes; keys are kept, codes are not, and doctor names the next step."""
 
-from __future__ import annotations
-
 import json
 import logging
 import stat

@@ -1,7 +1,5 @@
 """Accessories over Thread are paired, read, commanded and heard by CoAP, as aiohomekit does it."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -3,8 +3,6 @@
 Nobody else publishes an accessory that speaks HomeKit over CoAP, so this one is as aiohomekit expects it.
 """
 
-from __future__ import annotations
-
 import hashlib
 import socket
 import struct

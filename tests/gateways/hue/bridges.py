@@ -1,7 +1,5 @@
 """Simulated bridges with their certificates, and the file of a pairing with one."""
 
-from __future__ import annotations
-
 import json
 import ssl
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The gateway to Hue bridges with a simulated bridge: pairing, kinds of devices, changes, losses and limits."""
 
-from __future__ import annotations
-
 import json
 import ssl
 import stat

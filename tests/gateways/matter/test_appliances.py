@@ -1,7 +1,5 @@
 """Appliances, closures and meters of a Matter server, in payloads that hold what those of products hold."""
 
-from __future__ import annotations
-
 import pytest
 from tests.gateways.matter.test_node import LOCK, encoded, only_device, orders, readings
 

@@ -1,7 +1,5 @@
 """Devices are commissioned and removed through the gateway, and no setup code is kept, shown or logged."""
 
-from __future__ import annotations
-
 import json
 import logging
 from collections.abc import AsyncIterator, Callable

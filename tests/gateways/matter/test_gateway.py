@@ -1,7 +1,5 @@
 """The Matter gateway with a simulated server: kinds of devices, absence, what goes wrong, and floods."""
 
-from __future__ import annotations
-
 import json
 import logging
 from collections.abc import AsyncIterator

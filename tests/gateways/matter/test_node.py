@@ -1,7 +1,5 @@
 """What nodes of a Matter server become: devices with parts, and readings in the units of the vocabulary."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import pytest

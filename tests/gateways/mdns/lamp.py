@@ -3,8 +3,6 @@
 The protocol is ``on``, ``off`` and ``state`` to the lamp, and ``state on`` and the like from it.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

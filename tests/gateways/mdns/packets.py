@@ -1,7 +1,5 @@
 """Packets of multicast DNS, byte by byte: what no library would send (RFC 1035, section 4.1)."""
 
-from __future__ import annotations
-
 import socket
 import struct
 

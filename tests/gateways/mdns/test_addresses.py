@@ -1,7 +1,5 @@
 """A host that announces more and more addresses: the newest are kept."""
 
-from __future__ import annotations
-
 import ipaddress
 
 from tests.gateways.mdns.lamp import HOST

@@ -1,7 +1,5 @@
 """The mDNS gateway runs drivers, lists what it finds with its facts, and does not mind what breaks."""
 
-from __future__ import annotations
-
 import socket
 from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager

@@ -1,7 +1,5 @@
 """The mDNS gateway names the next step with what only another gateway can use."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.dns_sd.found_service import FoundService

@@ -1,7 +1,5 @@
 """Others see homebot on the network, and what it serves to them; in-process, with zeroconf as the other."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

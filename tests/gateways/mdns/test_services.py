@@ -1,7 +1,5 @@
 """Services are followed for as long as they say they are there, and a flood of them stays bounded; in virtual time."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

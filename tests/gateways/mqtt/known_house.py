@@ -1,7 +1,5 @@
 """A gateway on a broker in memory with a directory and an app, and a client on the devices' side."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, Sequence
 from contextlib import asynccontextmanager

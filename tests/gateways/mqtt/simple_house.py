@@ -1,7 +1,5 @@
 """A house on a broker in memory, in virtual time, whose devices announce themselves by a small convention."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager

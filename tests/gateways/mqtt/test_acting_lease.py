@@ -1,7 +1,5 @@
 """Several homebots of one home at one broker: one acts, and the status topic speaks for whoever is there."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

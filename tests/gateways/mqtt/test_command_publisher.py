@@ -1,7 +1,5 @@
 """Commands on their way to the broker: how long it keeps them, and who is taken to be there; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.gateways.mqtt.simple_house import House, settled, simple_house

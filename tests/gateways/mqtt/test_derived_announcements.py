@@ -1,7 +1,5 @@
 """A device in the list of its bridge needs none of the announcements that the bridge makes for Home Assistant."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """What the gateway makes of devices that announce themselves, from the first word to the last."""
 
-from __future__ import annotations
-
 import asyncio
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Events all the way, from each maker's message to an app: each is told once, and none is told again."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """Strangers who flood the topics of announcements with what breaks the rules: nobody honest loses by it."""
 
-from __future__ import annotations
-
 import json
 from random import Random
 from typing import ClassVar

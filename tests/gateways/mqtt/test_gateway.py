@@ -1,7 +1,5 @@
 """The MQTT gateway against the embedded broker: what it makes of good and bad messages, and of commands."""
 
-from __future__ import annotations
-
 import platform
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

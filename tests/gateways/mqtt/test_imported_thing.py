@@ -1,7 +1,5 @@
 """A Thing Description all the way: onto the broker, through the gateway, and back to the thing; in virtual time."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What a real Mosquitto with its default limits keeps of a large house is taken in whole."""
 
-from __future__ import annotations
-
 import json
 
 import anyio

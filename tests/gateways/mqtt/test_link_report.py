@@ -1,7 +1,5 @@
 """The gateway's reports of its link to the broker; in virtual time."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.gateways.mqtt.simple_house import House, settled, simple_house

@@ -1,7 +1,5 @@
 """What conventions make of a message that only a list of all devices may be as long as."""
 
-from __future__ import annotations
-
 import json
 import time
 from contextlib import suppress

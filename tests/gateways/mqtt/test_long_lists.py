@@ -1,7 +1,5 @@
 """A message that tells of hundreds of devices: taken in slices, bounded, and with the same result."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from itertools import repeat

@@ -1,7 +1,5 @@
 """What a house takes in memory, in bytes that Python counts: the gateway's share and the directory's together."""
 
-from __future__ import annotations
-
 import gc
 import json
 import tracemalloc

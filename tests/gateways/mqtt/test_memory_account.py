@@ -1,7 +1,5 @@
 """The memory and the excess length of announcements, compared with simple accounts."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """What homebot offers to a Home Assistant on the same broker."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Availability of parts, from Home Assistant's announcement of a whole device to a handle."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from tests.gateways.mqtt.known_house import KnownHouse, known_house

@@ -11,8 +11,6 @@
 A part is named by its id, by its service type where ids are the convention's own, or not at all: any part.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path

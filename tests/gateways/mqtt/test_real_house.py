@@ -1,7 +1,5 @@
 """Real products on one broker: all the way through gateway and directory."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any, TypeAlias

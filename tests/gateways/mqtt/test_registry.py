@@ -1,7 +1,5 @@
 """What stands, held to a simple model of who reads what."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Responses of devices to commands: what they mean, and how many are awaited."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.clock import ManualClock

@@ -1,7 +1,5 @@
 """The table of an MQTT gateway: what it accepts, and where the password comes from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Devices of the thesis's layout at the gateway: their words as reports, and commands as words."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar
 
 import anyio

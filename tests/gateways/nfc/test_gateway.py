@@ -1,7 +1,5 @@
 """A tag that is held to a reader says which device is meant; nfcpy reads a simulated tag over UDP."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Readers that are not there, and readers that say too much."""
 
-from __future__ import annotations
-
 import importlib.util
 
 import anyio

@@ -1,7 +1,5 @@
 """Tags in the field of a simulated reader, which nfcpy's own UDP driver reads."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import TypeVar

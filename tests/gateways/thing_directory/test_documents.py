@@ -1,7 +1,5 @@
 """Documents of a directory of things: pages of the list, links to the next one, and events."""
 
-from __future__ import annotations
-
 import json
 from datetime import UTC, datetime
 

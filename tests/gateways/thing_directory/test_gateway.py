@@ -1,7 +1,5 @@
 """The gateway to a directory of things: pages, events, floods, passwords, and things that vanish."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any

@@ -1,7 +1,5 @@
 """A described thing: what it pushes, what it is asked for, and what it is told; over a protocol of this file."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field

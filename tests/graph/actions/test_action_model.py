@@ -1,7 +1,5 @@
 """Goals under random cancellations, preemptions and ends: each ends once, in states that follow each other."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass

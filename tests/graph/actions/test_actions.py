@@ -1,7 +1,5 @@
 """Actions from end to end: states, results, cancellation, preemption and ends, as ROS 2 has them."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 

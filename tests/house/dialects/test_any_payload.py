@@ -1,7 +1,5 @@
 """Dialects take whatever comes over a wire, and any word that a broken device may say."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

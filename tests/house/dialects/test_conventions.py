@@ -1,7 +1,5 @@
 """Devices of simulated houses, understood by the conventions that real devices are understood by."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

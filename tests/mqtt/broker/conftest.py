@@ -1,7 +1,5 @@
 """A broker without sockets on a clock that is moved by hand, with clients in memory; and clients on real sockets."""
 
-from __future__ import annotations
-
 import asyncio
 import ssl
 import time

@@ -1,7 +1,5 @@
 """Publishers wait for slow subscribers instead of losing messages."""
 
-from __future__ import annotations
-
 import pytest
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewState, PassTime
 

@@ -1,7 +1,5 @@
 """What the broker asks of TCP."""
 
-from __future__ import annotations
-
 import asyncio
 import socket
 

@@ -1,7 +1,5 @@
 """Things to do later."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.mqtt.broker.deadlines import BrokerTimers

@@ -1,7 +1,5 @@
 """Messages meet subscriptions: retained messages, options, overlaps, shares."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

@@ -1,7 +1,5 @@
 """What all clients together may have the broker keep, and who loses when it is more."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -3,8 +3,6 @@
 A case is made from the seed and its number alone, so a failure is repeated with ``make fuzz SEED=…``.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import re

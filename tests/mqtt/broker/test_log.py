@@ -1,7 +1,5 @@
 """What the broker's log says of clients that do wrong, and of lost messages."""
 
-from __future__ import annotations
-
 from structlog.testing import capture_logs
 from tests.mqtt.broker.conftest import Dial, Join, NewState, Stranger
 

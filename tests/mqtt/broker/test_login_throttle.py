@@ -1,7 +1,5 @@
 """Passwords cannot be guessed quickly, and who knows the password does not wait for those who guess."""
 
-from __future__ import annotations
-
 import pytest
 from tests.mqtt.broker.conftest import MemoryClient, NewState
 

@@ -3,8 +3,6 @@
 Work is counted in calls of Python functions, which no other load of the machine changes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from cProfile import Profile
 from itertools import product

@@ -1,7 +1,5 @@
 """A message that is encoded once for all receivers alike."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import pytest

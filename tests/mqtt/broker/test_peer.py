@@ -1,7 +1,5 @@
 """One connection from CONNECT to its end."""
 
-from __future__ import annotations
-
 import pytest
 from tests.mqtt.broker.conftest import Join, NewState, PassTime, Stranger
 

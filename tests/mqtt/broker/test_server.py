@@ -1,7 +1,5 @@
 """The broker on real sockets: listening, stopping, restarting, closing with a reason."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import ssl

@@ -1,7 +1,5 @@
 """Messages from and to one client: QoS, acknowledgement, redelivery, flow control, aliases, bounds."""
 
-from __future__ import annotations
-
 import pytest
 from structlog.testing import capture_logs
 from tests.mqtt.broker.conftest import Join, MemoryClient, NewState

@@ -1,7 +1,5 @@
 """Sessions: found again, ended, taken over, pushed out; and wills."""
 
-from __future__ import annotations
-
 import pytest
 from tests.mqtt.broker.conftest import Join, NewState, PassTime
 

@@ -1,7 +1,5 @@
 """A subscriber stalls with 2,000 QoS 1 messages outstanding: none that was acknowledged is lost, memory is bounded."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import pytest

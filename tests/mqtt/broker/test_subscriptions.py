@@ -1,7 +1,5 @@
 """The tree of filters against the plain rule."""
 
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 from tests.mqtt.broker.conftest import owed

@@ -1,7 +1,5 @@
 """TLS at the broker, over real sockets."""
 
-from __future__ import annotations
-
 import asyncio
 import ssl
 from collections.abc import AsyncIterator

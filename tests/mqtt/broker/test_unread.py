@@ -1,7 +1,5 @@
 """Packets that never come to their end, and connections that never log in."""
 
-from __future__ import annotations
-
 import tracemalloc
 
 import pytest

@@ -1,7 +1,5 @@
 """The embedded broker in a process of its own, so that it can be killed; with the face of `MosquittoBroker`."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Mapping

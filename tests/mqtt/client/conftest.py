@@ -1,7 +1,5 @@
 """Both clients that reach a broker by TCP, one after the other."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

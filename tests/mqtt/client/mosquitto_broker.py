@@ -1,7 +1,5 @@
 """A Mosquitto with the face that the contract suite of clients wants of a broker, and a wait for one that starts."""
 
-from __future__ import annotations
-
 import shutil
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """A broker that plays a script: one coroutine for each connection, seen from the broker's side."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from typing import Any, Protocol, TypeVar

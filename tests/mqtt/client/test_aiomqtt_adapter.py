@@ -1,7 +1,5 @@
 """The promise of the port that the adapter of aiomqtt does not keep, and what is its own: paho and its thread."""
 
-from __future__ import annotations
-
 from random import Random
 
 import anyio

@@ -3,8 +3,6 @@
 The brokers are the embedded one, on TCP and in memory, and Mosquitto. A new link joins by one more line in `LINKS`.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import AsyncIterator, Callable
 from dataclasses import dataclass, replace

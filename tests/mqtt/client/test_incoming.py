@@ -1,7 +1,5 @@
 """A byte stream becomes frames."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -1,7 +1,5 @@
 """How soon a link is found out that carries nothing any more."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import anyio

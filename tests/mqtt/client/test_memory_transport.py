@@ -1,7 +1,5 @@
 """What a link in memory can do beside the contract: be cut, frozen and slow, and run where time is virtual."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import replace

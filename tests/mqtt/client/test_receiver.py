@@ -1,7 +1,5 @@
 """The receiving half that all adapters share."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import anyio

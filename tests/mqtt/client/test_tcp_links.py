@@ -1,7 +1,5 @@
 """What a client by TCP does with the link, against a broker that plays a script."""
 
-from __future__ import annotations
-
 import asyncio
 import gc
 import logging

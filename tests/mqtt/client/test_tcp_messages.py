@@ -1,7 +1,5 @@
 """What a client by TCP does with messages, against a broker that plays a script."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from typing import Any

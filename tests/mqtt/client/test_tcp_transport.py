@@ -1,7 +1,5 @@
 """Connections by TCP and TLS, and what can be wrong with them."""
 
-from __future__ import annotations
-
 import asyncio
 import concurrent.futures
 import contextlib

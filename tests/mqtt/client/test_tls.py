@@ -1,7 +1,5 @@
 """Certificate files, and what can be wrong with them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Damaged messages against the mqtt5 package (Rust): where our codec accepts one, both read the same."""
 
-from __future__ import annotations
-
 import mqtt5
 import pytest
 from hypothesis import given

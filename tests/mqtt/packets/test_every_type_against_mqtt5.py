@@ -1,7 +1,5 @@
 """Every type of packet against the mqtt5 package: it reads what we write, and we read what it writes as the same."""
 
-from __future__ import annotations
-
 import mqtt5
 import pytest
 from hypothesis import given

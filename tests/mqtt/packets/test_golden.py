@@ -1,7 +1,5 @@
 """Packets whose bytes were worked out by hand from the standards, both ways; and a round trip in older versions."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 
 import pytest

@@ -1,7 +1,5 @@
 """Bytes that are no packet, and the reason code each is refused with."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

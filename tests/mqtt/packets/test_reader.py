@@ -1,7 +1,5 @@
 """The incremental reader."""
 
-from __future__ import annotations
-
 from random import Random
 
 import pytest

@@ -3,8 +3,6 @@
 Arguments: its address, its port, the file that it keeps its pairings in, and the seconds that its description takes.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from functools import partial

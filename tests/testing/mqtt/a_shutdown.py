@@ -3,8 +3,6 @@
 Run as a program by a test, as ``a_shutdown.py SEED BALLAST``.
 """
 
-from __future__ import annotations
-
 import asyncio
 import sys
 import tomllib

@@ -1,7 +1,5 @@
 """A client that shows every packet."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable
 from functools import partial
 

@@ -1,7 +1,5 @@
 """What a test does with its broker."""
 
-from __future__ import annotations
-
 import threading
 
 import anyio

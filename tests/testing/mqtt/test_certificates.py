@@ -1,7 +1,5 @@
 """The certificates of tests, judged by OpenSSL as Python has it."""
 
-from __future__ import annotations
-
 import ssl
 import sys
 from datetime import UTC, datetime, timedelta

@@ -1,7 +1,5 @@
 """What a test can let go wrong."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import anyio

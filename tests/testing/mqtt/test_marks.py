@@ -1,7 +1,5 @@
 """The mark that says what a broker is to be like, and clients that break the protocol."""
 
-from __future__ import annotations
-
 import ssl
 
 import aiomqtt

@@ -1,7 +1,5 @@
 """The log of packets and the journal of messages, and their words."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

@@ -1,7 +1,5 @@
 """The end of a virtual house, in which many tasks are cancelled at once, is the same for the same seed too."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

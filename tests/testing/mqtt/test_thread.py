@@ -1,7 +1,5 @@
 """The way to the brokers' thread."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Devices without a description: what their links say."""
 
-from __future__ import annotations
-
 import pytest
 
 from homebot.conventions.coap.link_format import parse_links

@@ -1,7 +1,5 @@
 """Thing Descriptions as a convention: what is heard of them, and how their parts speak and listen."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

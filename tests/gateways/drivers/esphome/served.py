@@ -1,7 +1,5 @@
 """Simulated ESPHome devices for tests, and drivers of them."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 

@@ -1,7 +1,5 @@
 """The driver against simulated devices, which are real servers of the native API on loopback."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

@@ -1,7 +1,5 @@
 """A device that sends tiny frames without end: how much of that is handled before other tasks have their turn."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager

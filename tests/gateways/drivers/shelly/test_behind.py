@@ -1,7 +1,5 @@
 """Bluetooth devices behind a Shelly that is found by mDNS: each is listed, commanded and missed with it."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager

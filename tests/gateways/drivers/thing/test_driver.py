@@ -1,7 +1,5 @@
 """The driver for things over HTTP, with a simulated thing and with servers of the test's."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

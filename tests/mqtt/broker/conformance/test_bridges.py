@@ -1,7 +1,5 @@
 """Other brokers that connect as bridges and say so, as Mosquitto does where it is not told otherwise."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import pytest

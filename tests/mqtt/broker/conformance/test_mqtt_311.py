@@ -1,7 +1,5 @@
 """The Paho suite's tests of MQTT 3.1.1, for MQTT 3.1 as well, and for MQTT 5 if it behaves alike."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import pytest

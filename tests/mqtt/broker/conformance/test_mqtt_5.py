@@ -1,7 +1,5 @@
 """What the Paho suite's 27 tests of MQTT 5 ask for beyond the tests of sessions, exchange and packets."""
 
-from __future__ import annotations
-
 import pytest
 from tests.mqtt.broker.conformance.conftest import Meet
 from tests.mqtt.broker.conftest import Dial, PassTime

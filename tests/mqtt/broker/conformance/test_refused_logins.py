@@ -1,7 +1,5 @@
 """CONNECTs that MQTT 5 asks a server to refuse, beyond those of the Paho suite."""
 
-from __future__ import annotations
-
 import pytest
 from tests.mqtt.broker.conformance.conftest import Meet
 

@@ -1,7 +1,5 @@
 """Sessions taken over on real sockets: whatever the old connection is up to, the new one is let in."""
 
-from __future__ import annotations
-
 import socket
 import struct
 from contextlib import ExitStack
