@@ -16,9 +16,10 @@ from tests.cli.golden.conftest import StillHouse, ago, attic, told
 from homebot.cli import main
 from homebot.cli.commands.doctor import gateway_finding, health_findings
 from homebot.cli.findings import FindingKind, print_finding
-from homebot.devices import Fact, GatewayState
+from homebot.devices import QUERY_DEVICES, Fact, GatewayState, QueryDevices
 from homebot.devices.health import Count, HealthResponse, PartFailure
 from homebot.discovery.store import index_path
+from homebot.graph import Graph, Node
 from homebot.messages import Time
 
 Text = pytest.CaptureFixture[str]
@@ -130,12 +131,15 @@ def test_what_mdns_found_and_no_gateway_uses_is_no_problem_and_has_its_next_step
     assert finding["rows"] == [{"what": "bridge", "why": "press its button"}, {"what": "hall", "why": "pair it"}]
 
 
-def test_a_homebot_without_a_gateway_is_told_how_to_get_one(
-    homebot_with: Callable[..., Homebot], capsys: Text, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_homebot_without_a_gateway_is_told_how_to_get_one(homebot_with: Callable[..., Homebot], capsys: Text) -> None:
     """A configuration of tokens alone found no device, and all was well."""
-    homebot = homebot_with(StillHouse().node, None)
-    monkeypatch.setattr("homebot.cli.commands.doctor._gateways", lambda _: {})
+
+    def devices_alone(graph: Graph) -> Node:
+        node = Node(graph, "still")
+        node.create_service(QueryDevices, QUERY_DEVICES, StillHouse()._query)
+        return node
+
+    homebot = homebot_with(devices_alone, None)
     assert main(["--door", homebot.door, "doctor", "--gateways"]) == 0
     second = capsys.readouterr().out.splitlines()[1]
     assert second == "no gateway runs: no device is found without a table such as [gateways.mqtt]"

@@ -12,7 +12,6 @@ from tests.patience import PATIENCE
 from homebot.bridges.rosapi import RosApi
 from homebot.bridges.rosbridge import Door, DoorSettings
 from homebot.control.explanations import Explanations
-from homebot.control.timeline import evidence
 from homebot.devices import Device
 from homebot.devices.handles import Light
 from homebot.devices.journal_messages import (
@@ -26,7 +25,7 @@ from homebot.devices.journal_messages import (
     ReadJournalResponse,
 )
 from homebot.devices.names import EXPLAIN_DEVICE
-from homebot.devices.outcomes import Contradicted, Gone, NoAnswer
+from homebot.devices.outcomes import Contradicted, NoAnswer
 from homebot.graph import Node
 
 virtual_time = pytest.mark.virtual_time
@@ -95,24 +94,6 @@ async def test_a_late_answer_that_is_the_first_live_report_is_explained_by_the_c
     lamp = await home.handle(Light)
     home.behaviours["lamp"] = ignore
     assert isinstance(await lamp.turn_on(), NoAnswer)
-    await home.report("lamp", "on_off", True)
-    found = await explain(home, lamp.device.id)
-    assert (found.finding, changes(found.entries)) == ("command", [("reported", "command")])
-
-
-@virtual_time
-async def test_an_answer_after_any_outcome_that_leaves_room_for_one_is_explained(
-    home: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The class of the outcome says so: a new one needs no further place."""
-
-    class Postponed(Gone):
-        may_obey_later = True
-
-    monkeypatch.setattr(evidence, "_no_answer", lambda progress, _: Postponed(command_id=progress.order.id))
-    lamp = await lamp_in(home)
-    home.behaviours["lamp"] = ignore
-    await lamp.turn_on()
     await home.report("lamp", "on_off", True)
     found = await explain(home, lamp.device.id)
     assert (found.finding, changes(found.entries)) == ("command", [("reported", "command")])

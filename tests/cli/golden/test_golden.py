@@ -11,9 +11,11 @@ from pathlib import Path
 import pytest
 from tests.cli.conftest import NOW, Homebot
 from tests.cli.golden.conftest import Run, StillHouse
+from tests.devices.handles.conftest import device, part
 
 from homebot.cli import main
 from homebot.cli.commands.import_thing import topic_level
+from homebot.cli.commands.why import _print_state
 from homebot.devices.health import PartFailure
 from homebot.errors import UsageError
 from homebot.messages import Time
@@ -31,13 +33,12 @@ def check(name: str, printed: str) -> None:
     assert printed == file.read_text()
 
 
-@pytest.mark.parametrize(("state", "said"), [("on", "Attic is on.\n"), ("on, 40 %, …", "Attic is on, 40 %, …\n")])
-def test_a_state_that_is_cut_ends_once(
-    run: Run, capsys: Text, monkeypatch: pytest.MonkeyPatch, state: str, said: str
-) -> None:
-    monkeypatch.setattr("homebot.cli.commands.why.state_text", lambda _device: state)
-    assert run("why", "ATTIC") == 0
-    assert capsys.readouterr().out.startswith(said)
+def test_a_state_that_is_cut_ends_once(capsys: Text) -> None:
+    values = {"temperature": 20.0, "humidity": 50.0, "pressure": 1000.0, "illuminance": 5.0, "carbon_dioxide": 400.0}
+    for count, end in ((4, " lx."), (5, " lx, …")):
+        states = dict(list(values.items())[:count])
+        _print_state(device("attic", part("x_sensor", reads=states), states=states))
+        assert capsys.readouterr().out.removesuffix("\n").endswith(end)
 
 
 @pytest.mark.parametrize(
