@@ -169,6 +169,10 @@ class DeviceRunner(PublishedDevice, ABC):
         self._is_listed = True
         self.problem, self.needs_help = "", False
 
+    def not_connected(self) -> LinkError:
+        """Return the error of a command that comes while there is no connection."""
+        return LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
+
     def on_end(self) -> None:
         """Publish that the connection ended."""
         self._list()

@@ -10,7 +10,6 @@ import anyio
 
 from homebot.conventions.dns_sd.found_service import FoundService
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError
 from homebot.gateways.announced.device_runner import DeviceRunner
 from homebot.gateways.announced.gateway_device import GatewayDevice
 from homebot.gateways.announced.published_devices import PublishedDevices
@@ -74,7 +73,7 @@ class DriverRunner(DeviceRunner):
             with anyio.move_on_after(CONNECTED_WITHIN):
                 await self._connected.wait()
         if self._driver is None or not self.is_connected:
-            raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
+            raise self.not_connected()
         await self._driver.perform(command)
 
     def describe(self, device: GatewayDevice) -> None:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator, Callable, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 
 import anyio
 import anyio.lowlevel
-import anyio.to_thread
 from pydantic import BaseModel
 
 from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
@@ -73,14 +71,17 @@ class HomeAssistantGateway(LinkedGateway):
     async def reach(cls, settings: BaseModel) -> None:
         """Show Home Assistant the token."""
         if isinstance(settings, HomeAssistantGatewaySettings):
-            async with _greeted(settings, lambda _payload, _why: None):
+            from homebot.gateways.homeassistant.link import connected  # noqa: PLC0415 - only where it runs
+
+            async with connected(settings, lambda _payload, _why: None):
                 pass
 
     async def connect(self) -> None:
         """Connect, and follow Home Assistant until the link is lost."""
-        from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415 - only where it runs
+        from homebot.gateways.homeassistant.link import connected  # noqa: PLC0415 - only where it runs
+        from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415
 
-        async with _greeted(self._settings, self.on_invalid) as link:
+        async with connected(self._settings, self.on_invalid) as link:
             try:
                 with ungrouped():
                     async with anyio.create_task_group() as tasks:
@@ -252,19 +253,3 @@ class HomeAssistantGateway(LinkedGateway):
             if command.code:  # the reason may repeat it
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None
-
-
-@asynccontextmanager
-async def _greeted(
-    settings: HomeAssistantGatewaySettings, on_invalid: Callable[[bytes, str], None]
-) -> AsyncIterator[HomeAssistantLink]:
-    from homebot.gateways.homeassistant.link import HomeAssistantLink, opened  # noqa: PLC0415 - only where it runs
-
-    token = await anyio.to_thread.run_sync(settings.read_token)
-    async with opened(settings.websocket) as connection:
-        link = HomeAssistantLink(connection, on_invalid)
-        try:
-            await link.greet(token)
-        except RefusedError as exc:
-            raise RefusedError(exc.what, f"{exc.reason}; {settings.remedy}") from exc
-        yield link

@@ -13,16 +13,18 @@ from typing import Final, TypeAlias
 
 import anyio
 import anyio.lowlevel
+import anyio.to_thread
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidHandshake, WebSocketException
 
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.errors import LinkError, RefusedError, WireError
+from homebot.gateways.homeassistant.settings import HomeAssistantGatewaySettings
 from homebot.gateways.long_json import parse_long_json
 from homebot.gateways.pending_calls import PendingCalls
 from homebot.support.connect_errors import connect_problem
 
-__all__ = ["HomeAssistantLink", "OnEvent", "opened"]
+__all__ = ["HomeAssistantLink", "OnEvent", "connected"]
 
 MAX_FRAME_BYTES = 64 * 1024 * 1024
 """Longest frame: all states of 10,000 entities, some 1 kB each, and much more for those with long attributes."""
@@ -51,12 +53,7 @@ _Frame: TypeAlias = Mapping[str, object]
 
 
 class HomeAssistantLink:
-    """A connection to Home Assistant.
-
-    Args:
-        connection: An open WebSocket.
-        on_invalid: Takes each invalid frame, and the reason.
-    """
+    """A connection to Home Assistant, by an open WebSocket; :func:`connected` makes it."""
 
     def __init__(self, connection: ClientConnection, on_invalid: Callable[[bytes, str], None]) -> None:
         self._connection = connection
@@ -65,13 +62,7 @@ class HomeAssistantLink:
         self._listeners: dict[str, OnEvent] = {}
 
     async def greet(self, token: str) -> None:
-        """Show the token.
-
-        Raises:
-            LinkError: The link is lost, or there is no answer in time.
-            RefusedError: Home Assistant refuses the token.
-            WireError: It is not Home Assistant, or too old a version.
-        """
+        """Show the token; errors as those of :func:`connected`."""
         try:
             with anyio.fail_after(GREETS_WITHIN):
                 await self._expect("auth_required")
@@ -178,32 +169,49 @@ class HomeAssistantLink:
 
 
 @asynccontextmanager
-async def opened(url: str) -> AsyncIterator[ClientConnection]:
-    """Open the WebSocket at *url* inside the block.
+async def connected(
+    settings: HomeAssistantGatewaySettings, on_invalid: Callable[[bytes, str], None]
+) -> AsyncIterator[HomeAssistantLink]:
+    """Connect to Home Assistant inside the block, and show it the token.
+
+    Args:
+        on_invalid: Takes each invalid frame, and the reason.
 
     Raises:
-        LinkError: It cannot be opened now.
+        LinkError: It cannot be reached now.
+        RefusedError: It refuses the token; the message gives the remedy.
+        UsageError: The token cannot be read.
+        WireError: It is not Home Assistant, or too old a version.
     """
-    connecting = connect(
-        url,
-        proxy=None,
-        compression=None,
-        open_timeout=OPENS_WITHIN,
-        close_timeout=CLOSES_WITHIN,
-        ping_interval=ALIVE_WITHIN,
-        ping_timeout=ALIVE_WITHIN,
-        max_size=MAX_FRAME_BYTES,
-    )
+    token = await anyio.to_thread.run_sync(settings.read_token)
+    connection = await _opened(settings.websocket)
     try:
-        connection = await connecting
+        link = HomeAssistantLink(connection, on_invalid)
+        try:
+            await link.greet(token)
+        except RefusedError as exc:
+            raise RefusedError(exc.what, f"{exc.reason}; {settings.remedy}") from exc
+        yield link
+    finally:
+        with anyio.move_on_after(CLOSES_WITHIN, shield=True):
+            await connection.close()
+            await anyio.lowlevel.cancel_shielded_checkpoint()  # its own tasks end after it
+
+
+async def _opened(url: str) -> ClientConnection:
+    try:
+        return await connect(
+            url,
+            proxy=None,
+            compression=None,
+            open_timeout=OPENS_WITHIN,
+            close_timeout=CLOSES_WITHIN,
+            ping_interval=ALIVE_WITHIN,
+            ping_timeout=ALIVE_WITHIN,
+            max_size=MAX_FRAME_BYTES,
+        )
     except TimeoutError as exc:
         raise LinkError(f"{url} did not answer within {OPENS_WITHIN:g} s") from exc
     except (OSError, InvalidHandshake, WebSocketException) as exc:
         problem = connect_problem(exc) if isinstance(exc, OSError) else exc
         raise LinkError(f"{url} cannot be opened: {problem}") from exc
-    try:
-        yield connection
-    finally:
-        with anyio.move_on_after(CLOSES_WITHIN, shield=True):
-            await connection.close()
-            await anyio.lowlevel.cancel_shielded_checkpoint()  # its own tasks end after it

@@ -151,7 +151,7 @@ class AccessoryRunner(DeviceRunner):
             part = accessory.parts.get(command.part)
             if accessory.device.key == command.key and part is not None and command.capability in part.rows:
                 return accessory, part
-        raise self._not_connected()
+        raise self.not_connected()
 
     async def _connected(self) -> HomekitLink:
         """Return the connection, once there is one; raise LinkError if there is none in time."""
@@ -162,11 +162,8 @@ class AccessoryRunner(DeviceRunner):
                 while self.sleeps and self.link is None:
                     await self._attempt_ended.wait()
         if self.link is None:
-            raise self._not_connected()
+            raise self.not_connected()
         return self.link
-
-    def _not_connected(self) -> LinkError:
-        return LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
 
     def _describe(self, listed: object) -> None:
         """Publish the accessories, and remove those that are not there any more."""

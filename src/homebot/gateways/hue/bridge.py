@@ -6,8 +6,8 @@ each loss. A bridge sends nothing while nothing changes: it is asked for itself 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator
-from typing import TYPE_CHECKING, Final, NamedTuple
+from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import TYPE_CHECKING, Final
 
 import anyio
 import anyio.lowlevel
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from homebot.gateways.event_stream import ServerEvent
     from homebot.gateways.hue.bridge_link import BridgeLink
 
-__all__ = ["BridgeRunner", "HuePairing"]
+__all__ = ["BridgeRunner"]
 
 WATCH_EVERY: Final = 10.0
 """Seconds between two questions whether the bridge is still there."""
@@ -43,13 +43,6 @@ MAX_ADDRESSES: Final = 3
 _NO_ACCESS: Final = frozenset({401, 403})
 
 
-class HuePairing(NamedTuple):
-    """The pairing with a bridge: the application key that it made, and its certificate in PEM."""
-
-    key: SecretStr
-    certificate: str
-
-
 class BridgeRunner(DeviceRunner):
     """Works with one bridge, which is a device itself; its id is the key.
 
@@ -59,6 +52,7 @@ class BridgeRunner(DeviceRunner):
 
     Attributes:
         origins: The beginnings of its addresses (``https://192.168.1.20``), the first to be tried first.
+        pairing: The application key that it made as ``key``, and its ``certificate`` in PEM; empty without a pairing.
     """
 
     def __init__(
@@ -66,7 +60,7 @@ class BridgeRunner(DeviceRunner):
     ) -> None:
         super().__init__(name, bridge_id, devices, LOST_BACKOFF)
         self.origins: tuple[str, ...] = (origin,)
-        self.pairing: HuePairing | None = None
+        self.pairing: Mapping[str, object] = {}
         self._on_state = on_state
         self._resources = HueResources()
         self._described: dict[str, HueDevice] = {}
@@ -100,14 +94,14 @@ class BridgeRunner(DeviceRunner):
 
     async def work(self) -> None:
         """Connect, and follow the bridge until the connection is lost."""
-        pairing = self.pairing
-        if pairing is None:
+        key, certificate = text_of(self.pairing.get("key")), self.pairing.get("certificate")
+        if not key or not isinstance(certificate, str):
             raise PeerError(f"it is not paired: {self._remedy}")
         failed: LinkError | PeerError = LinkError("it has no address")
         for origin in self.origins:
             self._has_answered = False
             try:
-                await self._follow(origin, pairing)
+                await self._follow(origin, SecretStr(key), certificate)
             except CertificateError:
                 failed = PeerError(f"{origin} has another certificate than at its pairing; if reset, {self._remedy}")
             except LinkError as exc:
@@ -119,7 +113,7 @@ class BridgeRunner(DeviceRunner):
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the bridge has accepted it."""
         if self._link is None:
-            raise LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
+            raise self.not_connected()
         device = self._described[command.key]
         service = next(one for one in device.services if one.part.id == command.part)
         row = next(one for one in service.rows if one.capability == command.capability)
@@ -151,11 +145,11 @@ class BridgeRunner(DeviceRunner):
     def _explained(self, exc: RefusedError) -> PeerError:
         return PeerError(f"the bridge has forgotten homebot: {self._remedy}") if exc.code in _NO_ACCESS else exc
 
-    async def _follow(self, origin: str, pairing: HuePairing) -> None:
+    async def _follow(self, origin: str, key: SecretStr, certificate: str) -> None:
         from homebot.gateways.hue.bridge_link import BridgeLink, bridge_client  # noqa: PLC0415
 
         try:
-            async with bridge_client(origin, only_certificate(pairing.certificate), pairing.key) as client:
+            async with bridge_client(origin, only_certificate(certificate), key) as client:
                 link = BridgeLink(client, origin, self.clock)
                 async with link.events() as events:
                     self._link, self._has_answered = link, True

@@ -27,7 +27,7 @@ from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.base import Gateway, GatewaySettings
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.http_address import http_origin
-from homebot.gateways.hue.bridge import BridgeRunner, HuePairing
+from homebot.gateways.hue.bridge import BridgeRunner
 from homebot.gateways.pairing import PairingFile, PairingServices
 from homebot.gateways.pinned_certificate import fetch_certificate, only_certificate
 from homebot.graph import DurabilityPolicy, Node, QoSProfile
@@ -93,7 +93,7 @@ class HueGateway(Gateway):
         self._pairings = await anyio.to_thread.run_sync(self._file.load)
         async with anyio.create_task_group() as self._tasks:
             for key, bridge in self._bridges.items():  # found before it served
-                bridge.pairing = self._pairing_of(key)
+                bridge.pairing = self._pairings.get(key, {})
                 self._run(bridge.run)
             for key, kept in self._pairings.items():
                 self._found(key, text_of(kept.get("name")), text_of(kept.get("origin")))
@@ -143,13 +143,8 @@ class HueGateway(Gateway):
         """Keep the pairings in the file, and connect to a bridge anew."""
         await self._file.keep(pairings)
         self._pairings = pairings
-        bridge.pairing = self._pairing_of(bridge.key)
+        bridge.pairing = pairings.get(bridge.key, {})
         bridge.restart()
-
-    def _pairing_of(self, key: str) -> HuePairing | None:
-        kept = self._pairings.get(key, {})
-        secret, certificate = text_of(kept.get("key")), kept.get("certificate")
-        return HuePairing(SecretStr(secret), certificate) if secret and isinstance(certificate, str) else None
 
     def _on_sighting(self, sighting: Sighting) -> None:
         facts = {one.key: one.value for one in sighting.metadata}
@@ -175,7 +170,7 @@ class HueGateway(Gateway):
         else:
             name = name or f"Hue bridge {key[-6:]}"
             bridge = self._bridges[key] = BridgeRunner(key, name, origin, self.devices, self._publish_state)
-            bridge.pairing = self._pairing_of(key)
+            bridge.pairing = self._pairings.get(key, {})
             self._run(bridge.run)
 
     def _run(self, work: Callable[[], Awaitable[None]]) -> None:
