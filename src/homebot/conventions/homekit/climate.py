@@ -71,10 +71,6 @@ def _read_heater_mode(service: HapService) -> PlainValue:
     return _HEATER_MODES.get(int(target))
 
 
-def _heater_modes(service: HapService) -> tuple[str, ...]:
-    return ("off", *known_values(service, HEATER_TARGET, _HEATER_MODES).values())
-
-
 def _write_heater_mode(_at: HapService, command: Command) -> Writes:
     number = next((raw for raw, text in _HEATER_MODES.items() if text == command.value.text), None)
     return {ACTIVE: 0} if number is None else {HEATER_TARGET: number, ACTIVE: 1}
@@ -83,11 +79,6 @@ def _write_heater_mode(_at: HapService, command: Command) -> Writes:
 def _humidity_of(service: HapService) -> str:
     dries = service.number(HUMIDIFIER_TARGET) == _DRY and DRY_TO in service.characteristics
     return DRY_TO if dries or WET_TO not in service.characteristics else WET_TO
-
-
-def _humidity_bounds(service: HapService) -> tuple[float, float]:
-    least, most = service.characteristics[_humidity_of(service)].bounds or (0.0, 100.0)
-    return least, most
 
 
 CLIMATE_ROWS: Final = (
@@ -106,7 +97,7 @@ CLIMATE_ROWS: Final = (
         None,
         _read_heater_mode,
         _write_heater_mode,
-        _heater_modes,
+        lambda service: ("off", *known_values(service, HEATER_TARGET, _HEATER_MODES).values()),
     ),
     ServiceRow(HEATER, "thermostat_action", "B1", "", _HEATER_ACTIONS),
     ServiceRow(HEATER, "heating_setpoint", HEAT_TO, HEAT_TO),
@@ -121,7 +112,7 @@ CLIMATE_ROWS: Final = (
         None,
         lambda service: read_number("humidity_setpoint", _humidity_of(service), service),
         lambda service, command: {_humidity_of(service): command.value.number},
-        bounds=_humidity_bounds,
+        bounds=lambda service: service.characteristics[_humidity_of(service)].bounds or (0.0, 100.0),
     ),
     ServiceRow(HUMIDIFIER, "humidity_setpoint", DRY_TO, DRY_TO),  # if it only dries
     ServiceRow(HUMIDIFIER, "number", _VOCOLINC_SPRAY, _VOCOLINC_SPRAY),

@@ -76,10 +76,6 @@ def _read_movement(service: HapService) -> PlainValue:
     return None if position is None else "open" if position else "closed"
 
 
-def _movements(service: HapService) -> tuple[str, ...]:
-    return (*_MOVES, "stopped") if service.can(HOLD, "pw") else _MOVES
-
-
 def _write_movement(_at: HapService, command: Command) -> Writes:
     return _ORDERS[require_option("movement", command.value.text, _ORDERS)]
 
@@ -117,7 +113,7 @@ OPENING_ROWS: Final = (
         None,
         _read_movement,
         _write_movement,
-        _movements,
+        lambda service: (*_MOVES, "stopped") if service.can(HOLD, "pw") else _MOVES,
     ),
     _tilt_row("6C", "7B"),  # horizontal slats
     _tilt_row("6E", "7D"),  # vertical slats

@@ -64,10 +64,6 @@ def _mirek_bounds(light: Fields) -> tuple[float, float]:
     return (least, most) if least is not None and most is not None and 25 <= least < most <= 1000 else _MIREK
 
 
-def _kelvin_bounds(light: Fields) -> tuple[float, float]:
-    return nearest_mired_bounds(*_mirek_bounds(light))
-
-
 def _mirek(light: Fields) -> float | None:
     """Return the colour temperature; None while the light has a colour."""
     mirek = finite_number(at(light, "color_temperature", "mirek"))
@@ -118,7 +114,15 @@ _COLORS: Final = frozenset({"color", "color_temperature"})
 _LIGHT_ROWS: Final = (
     HueRow("light", "on_off", frozenset({"on"}), _read_on, lambda _light, one: _body(one, on=one.value.flag)),
     HueRow("light", "level", frozenset({"dimming"}), _read_level, _write_level, "dimming"),
-    HueRow("light", "color_temperature", _COLORS, _read_kelvin, _write_kelvin, "color_temperature", _kelvin_bounds),
+    HueRow(
+        "light",
+        "color_temperature",
+        _COLORS,
+        _read_kelvin,
+        _write_kelvin,
+        "color_temperature",
+        lambda light: nearest_mired_bounds(*_mirek_bounds(light)),
+    ),
     HueRow("light", "color", _COLORS, _read_color, _write_color, "color"),
     HueRow(
         "light",

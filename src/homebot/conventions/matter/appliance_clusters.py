@@ -80,10 +80,6 @@ def _labels(cluster: int, endpoint: MatterEndpoint) -> dict[int, str]:
     return found
 
 
-def _read_mode(cluster: int, endpoint: MatterEndpoint, raw: object) -> PlainValue:
-    return choice(_labels(cluster, endpoint))(endpoint, raw)
-
-
 def _mode_orders(cluster: int, endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
     return {label: _change_to_mode(cluster, mode) for mode, label in _labels(cluster, endpoint).items()}
 
@@ -97,7 +93,7 @@ def _mode_row(cluster: int) -> ClusterRow:
         cluster,
         _current_attribute(cluster),
         "water_heater_mode" if cluster == HEATER_MODE else "option",
-        partial(_read_mode, cluster),
+        lambda one, raw: choice(_labels(cluster, one))(one, raw),
         when=partial(_labels, cluster),
         orders=partial(_mode_orders, cluster),
         accepts=_CHANGE_TO_MODE,
@@ -110,12 +106,8 @@ def _temperature_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
     return (least / 100, most / 100) if least is not None and most is not None and least < most else _ANY_CELSIUS
 
 
-def _to_temperature(**target: int) -> ClusterInvocation:
-    return ClusterInvocation(TEMPERATURE, "SetTemperature", target)
-
-
-def _to_level(level: int) -> ClusterInvocation:
-    return _to_temperature(targetTemperatureLevel=level)
+def _to_temperature(target: str, value: int) -> ClusterInvocation:
+    return ClusterInvocation(TEMPERATURE, "SetTemperature", {target: value})
 
 
 def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
@@ -125,10 +117,6 @@ def _levels(endpoint: MatterEndpoint) -> tuple[str, ...]:
 
 def _texts(listed: object) -> tuple[str, ...]:
     return tuple(clean_text(one) for one in listed if isinstance(one, str)) if isinstance(listed, list) else ()
-
-
-def _spins(endpoint: MatterEndpoint) -> tuple[str, ...]:
-    return _texts(endpoint.value(WASHER, 0))
 
 
 def _listed_row(
@@ -176,11 +164,6 @@ def _vacuum_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
     return orders
 
 
-def _read_plugged_in(_at: MatterEndpoint, raw: object) -> PlainValue:
-    state = whole_number(raw)
-    return None if state is None or state >= _FAULT else state != 0  # a fault says nothing about the plug
-
-
 def _write_charging(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     """Return the order to charge without an end, at most with the current of the circuit, or not to charge."""
     if not command.value.flag:
@@ -197,13 +180,15 @@ APPLIANCE_ROWS: Final = (
         None,
         "number",
         lambda one, _raw: number(100)(one, one.value(TEMPERATURE, _SETPOINT)),
-        lambda _at, command: (_to_temperature(targetTemperature=round(command.value.number * 100)),),
+        lambda _at, command: (_to_temperature("targetTemperature", round(command.value.number * 100)),),
         _BY_NUMBER,
         bounds=_temperature_bounds,
         unit="°C",
     ),
-    _listed_row(TEMPERATURE, _LEVEL, _levels, _to_level, "temperature"),
-    _listed_row(WASHER, _SPIN, _spins, partial(AttributeWrite, WASHER, _SPIN), "spin_speed"),
+    _listed_row(TEMPERATURE, _LEVEL, _levels, partial(_to_temperature, "targetTemperatureLevel"), "temperature"),
+    _listed_row(
+        WASHER, _SPIN, lambda one: _texts(one.value(WASHER, 0)), partial(AttributeWrite, WASHER, _SPIN), "spin_speed"
+    ),
     ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),
     ClusterRow(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),
@@ -230,7 +215,7 @@ APPLIANCE_ROWS: Final = (
         },
     ),
     ClusterRow(EVSE, _SUPPLY, "on_off", one_of(1, 5), _write_charging, accepts=_ENABLE_CHARGING),
-    ClusterRow(EVSE, 0, "plugged_in", _read_plugged_in),
+    ClusterRow(EVSE, 0, "plugged_in", choice({state: state != 0 for state in range(_FAULT)})),  # a fault says nothing
     ClusterRow(EVSE, 0, "running", one_of(_CHARGES)),
     ClusterRow(EVSE, 0, "problem", one_of(_FAULT)),
     ClusterRow(EVSE, 48, "battery", number(1, 0, 100)),  # of the car

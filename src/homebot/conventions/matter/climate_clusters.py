@@ -65,11 +65,6 @@ _ROCKS, _TURNS_AROUND = 1 << 2, 1 << 5
 _DIRECTIONS: Final = {0: "forward", 1: "reverse"}
 
 
-def _has_setpoint(feature: int, endpoint: MatterEndpoint) -> bool:
-    features = endpoint.features(THERMOSTAT)
-    return not features or bool(features & feature)
-
-
 def _setpoint_bounds(attribute: int, endpoint: MatterEndpoint) -> tuple[float, float]:
     for limits in _LIMITS[attribute]:
         least, most = (endpoint.number(THERMOSTAT, limit, -32_767, 32_767) for limit in limits)
@@ -149,7 +144,7 @@ def _setpoint_row(name: str, attribute: int, feature: int) -> ClusterRow:
         name,
         number(100, -32_767, 32_767),
         lambda _at, command: (AttributeWrite(THERMOSTAT, attribute, round(command.value.number * 100)),),
-        when=partial(_has_setpoint, feature),
+        when=lambda one: not one.features(THERMOSTAT) or one.features(THERMOSTAT) & feature,
         bounds=partial(_setpoint_bounds, attribute),
     )
 

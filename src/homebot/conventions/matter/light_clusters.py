@@ -56,16 +56,8 @@ def _color_features(endpoint: MatterEndpoint) -> int:
     return endpoint.features(COLOR) or endpoint.whole(COLOR, _CAPABILITIES) or 0
 
 
-def _has_whites(endpoint: MatterEndpoint) -> int:
-    return _color_features(endpoint) & _HAS_MIREDS
-
-
 def _has_colors(endpoint: MatterEndpoint) -> int:
     return _color_features(endpoint) & (_HAS_HUE | _HAS_XY)
-
-
-def _is_no_lock(endpoint: MatterEndpoint) -> bool:
-    return not endpoint.has(LOCK)  # On/Off of a lock may move its bolt
 
 
 def _write_on(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
@@ -101,10 +93,6 @@ def _mired_range(endpoint: MatterEndpoint) -> tuple[float, float]:
     if least is None or most is None or not 25 <= least < most <= 1000:
         return MIRED / _WHITES[1], MIRED / _WHITES[0]
     return least, most
-
-
-def _kelvin_bounds(endpoint: MatterEndpoint) -> tuple[float, float]:
-    return nearest_mired_bounds(*_mired_range(endpoint))
 
 
 def _mode(endpoint: MatterEndpoint) -> int | None:
@@ -169,9 +157,18 @@ def _tenths(command: Command) -> int:
 
 
 LIGHT_ROWS: Final = (
-    ClusterRow(ON_OFF, _ON_OFF_VALUE, "on_off", flag(), _write_on, when=_is_no_lock),
+    # On/Off of a lock may move its bolt.
+    ClusterRow(ON_OFF, _ON_OFF_VALUE, "on_off", flag(), _write_on, when=lambda one: not one.has(LOCK)),
     ClusterRow(LEVEL, _CURRENT_LEVEL, "volume", _read_level, _write_level, when=_is_speaker),
     ClusterRow(LEVEL, _CURRENT_LEVEL, "level", _read_level, _write_level, when=_is_dimmed),
-    ClusterRow(COLOR, None, "color_temperature", _read_kelvin, _write_kelvin, when=_has_whites, bounds=_kelvin_bounds),
+    ClusterRow(
+        COLOR,
+        None,
+        "color_temperature",
+        _read_kelvin,
+        _write_kelvin,
+        when=lambda one: _color_features(one) & _HAS_MIREDS,
+        bounds=lambda one: nearest_mired_bounds(*_mired_range(one)),
+    ),
     ClusterRow(COLOR, None, "color", _read_color, _write_color, when=_has_colors),
 )

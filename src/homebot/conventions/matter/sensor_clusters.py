@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Final
 
-from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, flag, number, one_of
+from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, flag, number, one_of
 from homebot.conventions.matter.endpoint import (
     ClusterInvocation,
     MatterEndpoint,
@@ -77,6 +77,7 @@ _CONCENTRATION, _UNIT = 0, 8
 _ORGANIC: Final = 1070
 _SCALED_PRESSURE, _SCALE = 16, 20
 _HAS_BATTERY: Final = 1 << 1
+_CHARGING: Final = {1: True, 2: False, 3: False}
 _FAULT, _END_OF_SERVICE, _EXPIRED = 6, 7, 1
 
 
@@ -95,11 +96,6 @@ def _read_energy(_at: MatterEndpoint, raw: object) -> PlainValue:
 def _read_fault(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     is_faulty = endpoint.flag(ALARM, _FAULT)
     return None if is_faulty is None else is_faulty or endpoint.whole(ALARM, _END_OF_SERVICE) == _EXPIRED
-
-
-def _read_charging(_at: MatterEndpoint, raw: object) -> PlainValue:
-    charge = whole_number(raw)
-    return None if not charge else charge == 1
 
 
 def _read_multiplied(multiplier: int, divisor: int, endpoint: MatterEndpoint, raw: object) -> PlainValue:
@@ -123,19 +119,14 @@ def _unit_of(cluster: int, endpoint: MatterEndpoint) -> int:
     return -1 if unit is None else unit
 
 
-def _has_unit(cluster: int, known: Mapping[int, float] | range, endpoint: MatterEndpoint) -> bool:
-    return _unit_of(cluster, endpoint) in known
+def _concentration(cluster: int, name: str, factors: Mapping[int, float]) -> ClusterRow:
+    """Return the row of a concentration in a unit that one of the *factors* converts."""
 
+    def read(endpoint: MatterEndpoint, raw: object) -> PlainValue:
+        factor = factors.get(_unit_of(cluster, endpoint))
+        return None if factor is None else number(1 / factor, 0)(endpoint, raw)
 
-def _unit_text(cluster: int, endpoint: MatterEndpoint) -> str:
-    return _UNITS[_unit_of(cluster, endpoint)]
-
-
-def _read_concentration(
-    cluster: int, factors: Mapping[int, float], endpoint: MatterEndpoint, raw: object
-) -> PlainValue:
-    factor = factors.get(_unit_of(cluster, endpoint))
-    return None if factor is None else number(1 / factor, 0)(endpoint, raw)
+    return ClusterRow(cluster, _CONCENTRATION, name, read, when=lambda one: _unit_of(cluster, one) in factors)
 
 
 def _is_boolean_state(name: str, endpoint: MatterEndpoint) -> bool:
@@ -150,8 +141,8 @@ def _measurement(cluster: int, units: range, part_suffix: str = "") -> ClusterRo
         _CONCENTRATION,
         "measurement",
         number(1, 0),
-        when=partial(_has_unit, cluster, units),
-        unit=partial(_unit_text, cluster),
+        when=lambda one: _unit_of(cluster, one) in units,
+        unit=lambda one: _UNITS[_unit_of(cluster, one)],
         part_suffix=part_suffix,
     )
 
@@ -223,16 +214,7 @@ SENSOR_ROWS: Final = (
     ClusterRow(ZIGBEE_METER, 0x508, "current", partial(_read_multiplied, 0x602, 0x603)),
     ClusterRow(ZIGBEE_METER, 0x50B, "power", partial(_read_multiplied, 0x604, 0x605)),
     ClusterRow(PRESSURE, 0, "pressure", _read_pressure),
-    *(
-        ClusterRow(
-            cluster,
-            _CONCENTRATION,
-            name,
-            partial(_read_concentration, cluster, factors),
-            when=partial(_has_unit, cluster, factors),
-        )
-        for cluster, (name, factors) in _CONCENTRATIONS.items()
-    ),
+    *(_concentration(cluster, name, factors) for cluster, (name, factors) in _CONCENTRATIONS.items()),
     _measurement(_ORGANIC, range(3)),  # parts of a mixture of gases, which no factor makes micrograms
     *(_measurement(cluster, range(len(_UNITS)), name) for cluster, name in PLAIN.items()),
     ClusterRow(ENERGY, 1, "energy", _read_energy),
@@ -255,7 +237,7 @@ SENSOR_ROWS: Final = (
     ),
     ClusterRow(POWER_SOURCE, 12, "battery", number(2, 0, 200), None, _HAS_BATTERY, part_suffix=BATTERY),
     ClusterRow(POWER_SOURCE, 14, "battery_low", one_of(1, 2), None, _HAS_BATTERY, part_suffix=BATTERY),
-    ClusterRow(POWER_SOURCE, 26, "battery_charging", _read_charging, None, _HAS_BATTERY, part_suffix=BATTERY),
+    ClusterRow(POWER_SOURCE, 26, "battery_charging", choice(_CHARGING), None, _HAS_BATTERY, part_suffix=BATTERY),
     ClusterRow(SWITCH, _POSITIONS, "press", options=_presses),
     ClusterRow(IDENTIFY, 0, "locate", write=_write_locate, when=lambda endpoint: endpoint.whole(IDENTIFY, 1)),
 )

@@ -15,7 +15,6 @@ from homebot.conventions.entity_rows import (
     Fields,
     ReadField,
     options_of,
-    read_flag,
     whole_of,
 )
 from homebot.conventions.homeassistant.states.rows import (
@@ -23,6 +22,7 @@ from homebot.conventions.homeassistant.states.rows import (
     Condition,
     bounds_of,
     choice,
+    flag,
     has,
     percent,
     read_number,
@@ -177,16 +177,12 @@ def _write_direction(_info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"service": "set_direction", "direction": require_option("direction", value, ("forward", "reverse"))}
 
 
-def _write_oscillation(_info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"service": "oscillate", "oscillating": require_bool("oscillation", value)}
-
-
 FAN: Final = EntityComponent(
     "fan",
     (
         SWITCH,
         replace(percent("fan_speed", "percentage", "set_percentage", when=has(1)), read=read_while_on("percentage")),
-        EntityRow("oscillation", read_flag("oscillating"), _write_oscillation, "", has(2)),
+        flag("oscillation", "oscillating", "oscillate", has(2)),
         EntityRow("direction", read_text("direction"), _write_direction, "", has(4)),
         choice("preset_mode", "preset_mode", "preset_modes", "set_preset_mode", when=has(8)),
     ),

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from typing import Final
 
-from homebot.conventions.command_values import moment_text, require_bool, require_moment, require_number, require_option
+from homebot.conventions.command_values import moment_text, require_moment, require_number, require_option
 from homebot.conventions.device_classes import is_quantity
 from homebot.conventions.entity_rows import (
     ALARM_ACTIONS,
@@ -28,7 +28,6 @@ from homebot.conventions.entity_rows import (
     push_row,
     quantity_of_entity,
     quantity_row,
-    read_flag,
     switch_type,
     text_component,
 )
@@ -44,6 +43,7 @@ from homebot.conventions.homeassistant.states.rows import (
     SWITCH,
     bounds_of,
     choice,
+    flag,
     has,
     moves,
     percent,
@@ -183,16 +183,12 @@ _PLAYBACK = {
 _PLAYER_MOVES = {"playing": (16_384, "media_play"), "paused": (1, "media_pause"), "stopped": (4096, "media_stop")}
 
 
-def _write_muted(_info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"service": "volume_mute", "is_volume_muted": require_bool("muted", value)}
-
-
 _MEDIA_PLAYER: Final = EntityComponent(
     lambda info: "video_player" if class_of(info) in {"tv", "projector"} else "speaker",
     (
         EntityRow("on_off", read_state(_PLAYER_ON), SWITCH.write, when=has_feature("supported_features", 128 | 256)),
         *reported(percent("volume", "volume_level", "volume_set", "volume_level", has(4), 100.0), "volume_level"),
-        EntityRow("muted", read_flag("is_volume_muted"), _write_muted, when=has(8)),
+        flag("muted", "is_volume_muted", "volume_mute", has(8)),
         choice("option", "source", "source_list", "select_source", when=has(2048)),
         *moves("playback", _PLAYER_MOVES, read_state(_PLAYBACK)),
     ),

@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TypeAlias
 
 from homebot.conventions.command_values import require_bool, require_number, require_option
-from homebot.conventions.entity_rows import EntityRow, Fields, ReadField, options_of, whole_of
+from homebot.conventions.entity_rows import EntityRow, Fields, ReadField, options_of, read_flag, whole_of
 from homebot.conventions.payload import text_of
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import to_number
@@ -21,6 +21,7 @@ __all__ = [
     "Condition",
     "bounds_of",
     "choice",
+    "flag",
     "has",
     "moves",
     "percent",
@@ -133,6 +134,15 @@ def moves(name: str, services: Mapping[str, tuple[int, str]], read: ReadField) -
         EntityRow(name, read, when=lambda info: not moves_of(info)),
         EntityRow(name, read, write, when=moves_of, options=moves_of),
     )
+
+
+def flag(name: str, field: str, service: str, when: Condition) -> EntityRow:
+    """Return the row of a boolean attribute, which is also the argument of a *service*."""
+
+    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
+        return {"service": service, field: require_bool(name, value)}
+
+    return EntityRow(name, read_flag(field), write, "", when)
 
 
 def sensed(name: str, field: str, read: ReadField, unit: str = "") -> EntityRow:
