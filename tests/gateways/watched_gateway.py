@@ -1,6 +1,7 @@
 """A gateway on a graph, and another node that follows and commands it."""
 
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
 from typing import TypeVar
 
 import anyio
@@ -13,10 +14,12 @@ from homebot.devices.names import PairingNames
 from homebot.devices.pairing_messages import Pair, PairRequest, PairResponse, Unpair, UnpairRequest
 from homebot.devices.value import PlainValue, Value
 from homebot.gateways import Gateway
-from homebot.graph import Node, Subscription
+from homebot.graph import Graph, Node, Subscription
 from homebot.messages.message import Message
+from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
+GatewayT = TypeVar("GatewayT", bound=Gateway)
 MessageT = TypeVar("MessageT", bound=Message)
 
 
@@ -54,6 +57,18 @@ class WatchedGateway:
     async def health(self) -> HealthResponse:
         client = self.watcher.create_client(GetHealth, self.gateway.names.health)
         return await client.call(HealthRequest(), timeout=PATIENCE)
+
+
+@asynccontextmanager
+async def watched(
+    name: str, make: Callable[[Node], GatewayT], graph: Graph | None = None
+) -> AsyncIterator[tuple[GatewayT, Node]]:
+    """Run a gateway inside the block; yield it and its watcher."""
+    graph = graph or Graph()
+    async with Node(graph, name, namespace="/gateway") as node, Node(graph, "watcher") as watcher:
+        gateway = make(node)
+        async with running(gateway):
+            yield gateway, watcher
 
 
 async def receive(messages: Subscription[MessageT], fits: Callable[[MessageT], object]) -> MessageT:

@@ -1,25 +1,21 @@
 """A house that Home Assistant knows as well, or alone."""
 
 import socket
-from collections.abc import AsyncIterator, Iterable, Mapping
+from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
 from pathlib import Path
 
 import anyio
 import pytest
+from tests.house.onlooker import house
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 
-from homebot.config import parse_config
 from homebot.devices import Device, Devices
 from homebot.devices.handles import Light
 from homebot.graph import Node
-from homebot.house.description import parse_world
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
-from homebot.mqtt.clients import HostedBroker
-from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.runtime import Runtime
 
 pytestmark = pytest.mark.slow
 
@@ -39,19 +35,6 @@ async def serving(home: SimulatedHomeAssistant, kinds: Iterable[str]) -> AsyncIt
         tasks.cancel_scope.cancel()
 
 
-@asynccontextmanager
-async def house(tables: Mapping[str, object], gateways: Mapping[str, object]) -> AsyncIterator[Node]:
-    world = parse_world({"rooms": {"hall": {}}, "devices": tables}, "x")
-    async with MemoryBroker() as broker:
-        config = parse_config({"gateways": {"mqtt": {"act": True}, **gateways}}, "test")
-        services = [HostedBroker.in_memory(broker)]
-        async with (
-            Runtime(config, house=world, with_door=False, services=services) as runtime,
-            Node(runtime.graph, "onlooker") as node,
-        ):
-            yield node
-
-
 async def found(node: Node, *gateways: str) -> tuple[Device, ...]:
     """Wait until all devices are found, each by these gateways, the ones that take its commands first."""
     with anyio.fail_after(PATIENCE):
@@ -67,7 +50,7 @@ async def found(node: Node, *gateways: str) -> tuple[Device, ...]:
 async def test_a_house_that_home_assistant_has_too_has_each_device_once_and_its_own_protocol_first(
     dialect: str, tmp_path: Path
 ) -> None:
-    tables = {kind: {"kind": kind, "room": "hall", "dialect": dialect} for kind in KINDS}
+    tables = {kind: {"kind": kind, "dialect": dialect} for kind in KINDS}
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         home = SimulatedHomeAssistant(port=probe.getsockname()[1])
@@ -76,7 +59,7 @@ async def test_a_house_that_home_assistant_has_too_has_each_device_once_and_its_
     token.touch(mode=0o600)
     token.write_text(home.token)
     table = {"url": f"http://127.0.0.1:{home.server.port}", "token_file": str(token)}
-    async with alone_on_loopback(), house(tables, {"homeassistant": table}) as node:
+    async with alone_on_loopback(), house(tables, {"homeassistant": table}) as (node, _):
         await found(node, "mqtt")
         async with serving(home, KINDS):
             devices = await found(node, "mqtt", "homeassistant")

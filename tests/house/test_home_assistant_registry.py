@@ -12,7 +12,7 @@ from pathlib import Path
 
 import anyio
 import pytest
-from tests.house.test_home_assistant import house
+from tests.house.onlooker import house
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 from tests.ports import reserve_port
@@ -151,8 +151,9 @@ async def two_ways(tmp_path: Path, dialect: str, name: str, registered: Mapping[
     token.touch(mode=0o600)
     token.write_text(home.token)
     table = {"url": f"http://127.0.0.1:{home.server.port}", "token_file": str(token)}
-    tables = {name: {"kind": "lamp", "room": "hall", "dialect": dialect}}
-    async with alone_on_loopback(), house(tables, {"homeassistant": table}) as node, anyio.create_task_group() as tasks:
+    tables = {name: {"kind": "lamp", "dialect": dialect}}
+    gateways = {"homeassistant": table}
+    async with alone_on_loopback(), house(tables, gateways) as (node, _), anyio.create_task_group() as tasks:
         await lamps(node, bool)
         await tasks.start(home.serve)
         for own_name, entry in registered.items():

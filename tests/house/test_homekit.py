@@ -1,57 +1,25 @@
 """HomeKit accessories of a simulated house, as homebot finds them: by other people's code at both ends."""
 
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+from collections.abc import Mapping
 
-import anyio
 import pytest
+from tests.house.onlooker import found, house
 from tests.loopback import alone_on_loopback
-from tests.patience import PATIENCE
 
-from homebot.config import parse_config
-from homebot.devices import Device, Devices
+from homebot.devices import Devices
 from homebot.devices.always_ask import always_asks
 from homebot.devices.handles import Light
 from homebot.devices.outcomes import Confirmed
 from homebot.devices.value import PlainValue
-from homebot.graph import Node
-from homebot.house import World
-from homebot.house.description import parse_world
 from homebot.house.dialect import DeviceState
 from homebot.house.homekit.services import SERVICES, VALUES, orders_of
-from homebot.mqtt.clients import HostedBroker
-from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.runtime import Runtime
-
-
-@asynccontextmanager
-async def house(devices: Mapping[str, Mapping[str, object]]) -> AsyncIterator[tuple[Node, World]]:
-    """A house without apps, and a node that looks on."""
-    config = parse_config({"gateways": {"mqtt": {}}}, "test")
-    tables = {name: {"room": "hall", "dialect": "homekit", **one} for name, one in devices.items()}
-    world = parse_world({"rooms": {"hall": {}}, "devices": tables}, "x")
-    async with alone_on_loopback(), MemoryBroker() as broker:
-        host = HostedBroker.in_memory(broker)
-        async with (
-            Runtime(config, house=world, with_door=False, services=[host]) as runtime,
-            Node(runtime.graph, "onlooker") as node,
-        ):
-            yield node, world
-
-
-async def found(node: Node, names: set[str]) -> dict[str, Device]:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            devices = {one.name: one for one in await Devices(node).find()}
-            if devices.keys() >= names:
-                return devices
-            await anyio.sleep(0.05)
 
 
 @pytest.mark.slow
 async def test_each_kind_is_a_device_and_a_lamp_obeys() -> None:
-    async with house({kind: {"kind": kind} for kind in SERVICES}) as (node, world):
-        devices = await found(node, set(SERVICES))
+    tables = {kind: {"kind": kind, "dialect": "homekit"} for kind in SERVICES}
+    async with alone_on_loopback(), house(tables) as (node, world):
+        devices = await found(node, *SERVICES)
         types = {kind: devices[kind].parts[0].part.service_type for kind in SERVICES}
         bridges = [one for one in await Devices(node).find() if "homekit" in {end.gateway for end in one.endpoints}]
         asks = {kind for kind in SERVICES if any(always_asks(devices[kind], one) for one in devices[kind].parts)}

@@ -1,60 +1,27 @@
 """Matter devices and tags of a simulated house, as homebot finds them."""
 
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
-
 import anyio
 import pytest
+from tests.house.onlooker import found, house
 from tests.loopback import alone_on_loopback
 from tests.patience import PATIENCE
 
-from homebot.config import parse_config
-from homebot.devices import Device, Devices
 from homebot.devices.tags import TagTap
-from homebot.graph import Node
-from homebot.house.description import parse_world
-from homebot.mqtt.clients import HostedBroker
-from homebot.mqtt.memory_broker import MemoryBroker
-from homebot.runtime import Runtime
 
 pytestmark = pytest.mark.slow
 
 pytest.importorskip("nfc")  # else pytest looks for it in the loop, when homebot asks whether it is installed
 
 
-@asynccontextmanager
-async def house(devices: dict[str, dict[str, object]]) -> AsyncIterator[Node]:
-    """A house without apps, and a node that looks on."""
-    config = parse_config({"gateways": {"mqtt": {}}}, "test")
-    world = parse_world({"rooms": {"hall": {}}, "devices": {n: {"room": "hall", **t} for n, t in devices.items()}}, "x")
-    async with alone_on_loopback(), MemoryBroker() as broker:
-        host = HostedBroker.in_memory(broker)
-        async with (
-            Runtime(config, house=world, with_door=False, services=[host]) as runtime,
-            Node(runtime.graph, "onlooker") as node,
-        ):
-            yield node
-
-
-async def found(node: Node, *names: str) -> dict[str, Device]:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            devices = {one.name: one for one in await Devices(node).find()}
-            if devices.keys() >= set(names):
-                return devices
-            await anyio.sleep(0.05)
-
-
 async def test_a_bridge_is_a_device_and_so_is_each_device_behind_it() -> None:
     lamp: dict[str, object] = {"kind": "lamp"}
-    async with house(
-        {
-            "lamp": lamp | {"dialect": "matter"},
-            "plug": lamp | {"dialect": "matter_plug"},
-            "bridged": lamp | {"dialect": "matter_bridge"},
-            "door": {"kind": "contact", "dialect": "matter_bridge"},
-        }
-    ) as node:
+    tables: dict[str, dict[str, object]] = {
+        "lamp": lamp | {"dialect": "matter"},
+        "plug": lamp | {"dialect": "matter_plug"},
+        "bridged": lamp | {"dialect": "matter_bridge"},
+        "door": {"kind": "contact", "dialect": "matter_bridge"},
+    }
+    async with alone_on_loopback(), house(tables) as (node, _):
         devices = await found(node, "Matter bridge", "lamp", "plug", "bridged", "door")
     capabilities = {
         name: {capability.name for one in device.parts for capability in one.part.capabilities}
@@ -73,7 +40,7 @@ async def test_a_tag_of_the_house_points_to_a_lamp() -> None:
         "lamp": {"kind": "lamp", "dialect": "matter"},
         "tag": {"kind": "tag", "dialect": "nfc", "text": "lamp", "every": 1.0, "hold": 0.5},
     }
-    async with house(tables) as node:
+    async with alone_on_loopback(), house(tables) as (node, _):
         taps = node.create_subscription(TagTap, "/gateway/nfc/taps", qos_profile=10)
         with anyio.fail_after(PATIENCE):
             while (tap := await taps.receive()).device == "":

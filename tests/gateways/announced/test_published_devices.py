@@ -2,12 +2,13 @@
 
 import gc
 import tracemalloc
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from collections.abc import Iterator
+from contextlib import AbstractAsyncContextManager
 from dataclasses import replace
 
 import anyio
 import pytest
+from tests.gateways.watched_gateway import watched
 
 from homebot.devices import GatewayState, RawMessage, Sighting, SubscribeToTopic
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -18,9 +19,8 @@ from homebot.errors import UnableError, UsageError
 from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.gateways.announced.work_budget import MESSAGE_WORK, SHARED_BURST
 from homebot.gateways.memory import MemoryGateway, MemoryGatewaySettings
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.messages import Time
-from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT, kept, listen
 
 pytestmark = pytest.mark.virtual_time
@@ -28,13 +28,9 @@ pytestmark = pytest.mark.virtual_time
 LAMP = GatewayDevice("hall", "Hall", (simple_part("light", settable=("on_off", "level")),), {"manufacturer": "Acme"})
 
 
-@asynccontextmanager
-async def house(**settings: object) -> AsyncIterator[tuple[MemoryGateway, Node]]:
-    graph = Graph()
-    async with Node(graph, "memory", namespace="/gateway") as node, Node(graph, "watcher") as watcher:
-        gateway = MemoryGateway(node, MemoryGatewaySettings.model_validate(settings))
-        async with running(gateway):
-            yield gateway, watcher
+def house(**settings: object) -> AbstractAsyncContextManager[tuple[MemoryGateway, Node]]:
+    table = MemoryGatewaySettings.model_validate(settings)
+    return watched("memory", lambda node: MemoryGateway(node, table))
 
 
 async def text_of(gateway: MemoryGateway, watcher: Node, key: str) -> tuple[RawMessage, ...]:

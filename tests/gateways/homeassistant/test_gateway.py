@@ -7,25 +7,21 @@ from pathlib import Path
 import anyio
 import pytest
 from anyio.abc import TaskStatus
-from tests.gateways.watched_gateway import reading, receive
+from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
 from tests.patience import PATIENCE
 
 from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import Command, Report, SendCommand, SendCommandResponse
-from homebot.devices.names import GatewayNames
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.gateway_messages import SendCommandResponse
+from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError, UsageError
 from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGatewaySettings
-from homebot.graph import Graph, Node, Subscription
+from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
 from homebot.house.http.web_server import WebPeer
-from homebot.testing.gateway_contract import running
-from homebot.testing.gateway_contract.steps import KEPT
 
 pytestmark = pytest.mark.slow
 
-NAMES = GatewayNames("homeassistant")
 SHORT = {"domain": "zha", "device_id": "home-lock", "type": "remote_button_short_press", "subtype": "turn_on"}
 OWN = {"domain": "lock", "device_id": "home-lock", "type": "locked", "entity_id": "lock.home_lock"}
 
@@ -60,31 +56,25 @@ class CrashingHomeAssistant(SimulatedHomeAssistant):
             super().receive(peer, message)
 
 
-class House:
+class House(WatchedGateway):
     """A lock in a simulated Home Assistant, and what the gateway says of it."""
 
-    def __init__(self, watcher: Node, home: SimulatedHomeAssistant) -> None:
-        self.home = home
-        self.states = watcher.create_subscription(GatewayState, NAMES.state, qos_profile=KEPT)
-        self.sightings: Subscription[Sighting] = watcher.create_subscription(
-            Sighting, NAMES.received_topics, qos_profile=KEPT
-        )
-        self.reports = watcher.create_subscription(Report, NAMES.readings, qos_profile=KEPT)
-        self._client = watcher.create_client(SendCommand, NAMES.send_command)
+    def __init__(self, gateway: HomeAssistantGateway, watcher: Node) -> None:
+        self.gateway, self.watcher = gateway, watcher
+        self.seen = self.sightings()
+        self._states, self._reports = self.states(), self.reports()
 
     async def state(self, wanted: str) -> GatewayState:
-        return await receive(self.states, lambda one: one.state == wanted)
+        return await receive(self._states, lambda one: one.state == wanted)
 
     async def reported(self, capability: str) -> PlainValue:
-        return await reading(self.reports, capability, lambda _: True)
+        return await reading(self._reports, capability, lambda _: True)
 
     async def sighted(self, parts: int) -> Sighting:
-        return await receive(self.sightings, lambda one: len(one.parts) == parts)
+        return await receive(self.seen, lambda one: len(one.parts) == parts)
 
     async def unlock(self, code: str = "", expires: float = 0.0) -> SendCommandResponse:
-        lock, value = "lock_home-lock", Value.of("unlocked")
-        command = Command(key="home-lock", part=lock, capability="lock", value=value, code=code, expires_after=expires)
-        return await self._client.call(command, timeout=PATIENCE)
+        return await self.command("home-lock", "lock_home-lock", "lock", "unlocked", expires, code)
 
 
 @asynccontextmanager
@@ -92,16 +82,14 @@ async def house(folder: Path, home: SimulatedHomeAssistant, token: str = "") -> 
     file = folder / "token"
     file.touch(mode=0o600)
     file.write_text(token or home.token)
-    async with anyio.create_task_group() as tasks, Node(graph := Graph(), "watcher") as watcher:
+    async with anyio.create_task_group() as tasks:
         await tasks.start(home.serve)
         lock = RefusingLock(SimulatedDeviceInfo("home", "lock", "lock", "locks", "hall"), lambda _: None, home)
         lock.begin(DeviceState(text="locked"), has_power=True)
         await tasks.start(lock.serve)
         settings = HomeAssistantGatewaySettings.model_validate({"url": home.url, "token_file": file})
-        async with Node(graph, "homeassistant", namespace="/gateway") as node:
-            seen = House(watcher, home)
-            async with running(HomeAssistantGateway(node, settings)):
-                yield seen
+        async with watched("homeassistant", lambda node: HomeAssistantGateway(node, settings)) as found:
+            yield House(*found)
         tasks.cancel_scope.cancel()
 
 
@@ -125,7 +113,7 @@ async def test_a_renamed_area_is_the_new_room_and_a_change_of_nothing_else_says_
         home.areas["hall"] = "Big hall"
         home.change_registry("area")
         with anyio.fail_after(PATIENCE):
-            while (sighting := await seen.sightings.receive()).area != "Big hall":
+            while (sighting := await seen.seen.receive()).area != "Big hall":
                 assert sighting.area == "hall"
         assert sighting.why == "Home Assistant described it anew"
 

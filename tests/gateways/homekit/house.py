@@ -7,7 +7,7 @@ from pathlib import Path
 
 import anyio
 from tests.gateways.homekit.fake_accessories import CODE, FakeMdns, FakePort, FakeServer
-from tests.gateways.watched_gateway import WatchedGateway, reading
+from tests.gateways.watched_gateway import WatchedGateway, reading, watched
 
 from homebot.devices.gateway_messages import Report
 from homebot.devices.pairing_messages import PairResponse
@@ -16,7 +16,6 @@ from homebot.gateways import GatewayContext
 from homebot.gateways.homekit import HomekitGateway, HomekitGatewaySettings
 from homebot.gateways.homekit.port import HomekitPort
 from homebot.graph import Graph, Node, Subscription
-from homebot.testing.gateway_contract import running
 
 
 @dataclass
@@ -33,16 +32,13 @@ class HomekitHouse(WatchedGateway):
 
 @asynccontextmanager
 async def house(*servers: FakeServer, pairings: Path | None = None) -> AsyncIterator[HomekitHouse]:
-    graph = Graph()
-    mdns = FakeMdns(graph)
-    async with Node(graph, "homekit", namespace="/gateway") as node, Node(graph, "watcher") as watcher:
-        context = GatewayContext(services={HomekitPort: FakePort(*servers)})
-        gateway = HomekitGateway(node, HomekitGatewaySettings(pairings=pairings), context)
-        async with running(gateway):
-            for server in servers:
-                mdns.announce(server)
-            await anyio.wait_all_tasks_blocked()
-            yield HomekitHouse(gateway, mdns, watcher)
+    context = GatewayContext(services={HomekitPort: FakePort(*servers)})
+    settings, mdns = HomekitGatewaySettings(pairings=pairings), FakeMdns(graph := Graph())
+    async with watched("homekit", lambda node: HomekitGateway(node, settings, context), graph) as (gateway, watcher):
+        for server in servers:
+            mdns.announce(server)
+        await anyio.wait_all_tasks_blocked()
+        yield HomekitHouse(gateway, mdns, watcher)
 
 
 @asynccontextmanager

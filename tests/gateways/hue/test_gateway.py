@@ -16,7 +16,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from structlog.testing import capture_logs
 from tests.gateways.homekit.fake_accessories import FakeMdns
 from tests.gateways.hue.bridges import BUTTONS, KEY, bridge_with_certificate, button, buttons, pairings_of, self_signed
-from tests.gateways.watched_gateway import WatchedGateway, reading, receive
+from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
 from tests.patience import PATIENCE
 
 from homebot.conventions.light_color import to_hue_saturation
@@ -29,7 +29,6 @@ from homebot.graph import Graph, Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.hue import HueHouseDevice, SimulatedHueBridge, make_certificate
 from homebot.house.hue.resources import radio_address
-from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
 pytestmark = pytest.mark.slow
@@ -42,10 +41,10 @@ class House(WatchedGateway):
     """A gateway and its bridge."""
 
     bridge: SimulatedHueBridge
-    watcher: Node
     tasks: TaskGroup
     serving: anyio.CancelScope | None = None
     gateway: HueGateway = field(init=False)
+    watcher: Node = field(init=False)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         with anyio.CancelScope() as self.serving:
@@ -81,21 +80,17 @@ class House(WatchedGateway):
 
 @asynccontextmanager
 async def house(folder: Path, *, paired: bool = True, act: bool = True) -> AsyncIterator[House]:
-    graph, (bridge, certificate) = Graph(), await anyio.to_thread.run_sync(bridge_with_certificate)
-    async with (
-        anyio.create_task_group() as tasks,
-        Node(graph, "hue", namespace="/gateway") as node,
-        Node(graph, "watcher") as watcher,
-    ):
-        home = House(bridge, watcher, tasks)
+    bridge, certificate = await anyio.to_thread.run_sync(bridge_with_certificate)
+    async with anyio.create_task_group() as tasks:
+        home = House(bridge, tasks)
         await tasks.start(home.serve)
         table: dict[str, object] = {"pairings": folder / "pairings.json", "act": act}
         if paired:
             await anyio.to_thread.run_sync(pairings_of, bridge, certificate, folder)
         else:
             table["bridges"] = [f"{bridge.server.address}:{bridge.server.port}"]
-        home.gateway = HueGateway(node, HueGatewaySettings.model_validate(table))
-        async with running(home.gateway):
+        settings = HueGatewaySettings.model_validate(table)
+        async with watched("hue", lambda node: HueGateway(node, settings)) as (home.gateway, home.watcher):
             yield home
         tasks.cancel_scope.cancel()
 

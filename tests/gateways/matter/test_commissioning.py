@@ -2,16 +2,15 @@
 
 import json
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import anyio
 import pytest
 from aiohttp import web
 from tests.gateways.http_servers import serving
-from tests.gateways.matter.test_gateway import House, house
+from tests.gateways.matter.test_gateway import House, gateway_to, house
 from tests.gateways.watched_gateway import reading
 from tests.patience import PATIENCE
 
@@ -20,7 +19,6 @@ from homebot.devices.gateway_messages import Command, Report, SendCommand
 from homebot.devices.pairing_messages import PairResponse
 from homebot.devices.value import Value
 from homebot.errors import TypeMismatchError
-from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.gateways.matter.commissioning import (
     Commission,
     CommissioningNames,
@@ -28,11 +26,10 @@ from homebot.gateways.matter.commissioning import (
     Decommission,
     DecommissionRequest,
 )
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode
 from homebot.messages.json import message_from_json
-from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
 CODE = "MT:Y.K90AFN00KA0648G00"
@@ -148,12 +145,7 @@ async def test_an_unknown_device_cannot_be_removed() -> None:
 
 
 async def test_without_a_server_nothing_is_commissioned() -> None:
-    graph = Graph()
-    async with (
-        Node(graph, "matter", namespace="/gateway") as node,
-        Node(graph, "watcher") as watcher,
-        running(MatterGateway(node, MatterGatewaySettings(url="ws://127.0.0.1:9/ws"))),
-    ):
+    async with gateway_to("ws://127.0.0.1:9/ws") as (_, watcher):
         assert (await commission(watcher, CODE)).problem == "unreachable"
 
 
@@ -186,24 +178,9 @@ class Recording:
 
 @asynccontextmanager
 async def recorded(**answers: list[list[str]]) -> AsyncIterator[tuple[Recording, Node]]:
-    recording, graph = Recording({"start_listening": [["no_nodes"]], **answers}), Graph()
-    async with (
-        serving(recording.answer) as url,
-        Node(graph, "matter", namespace="/gateway") as node,
-        Node(graph, "watcher") as watcher,
-        running(MatterGateway(node, MatterGatewaySettings(url=f"{url}/ws"))),
-    ):
+    recording = Recording({"start_listening": [["no_nodes"]], **answers})
+    async with serving(recording.answer) as url, gateway_to(f"{url}/ws") as (_, watcher):
         yield recording, watcher
-
-
-async def until(reports: Callable[[], Report | None], capability: str, value: object) -> None:
-    with anyio.fail_after(PATIENCE):
-        while True:
-            report = reports()
-            if report is None:
-                await anyio.sleep(0.01)
-            elif any((one.capability, one.value.plain()) == (capability, value) for one in report.readings):
-                return
 
 
 async def test_recorded_frames_of_a_real_server_are_understood() -> None:
@@ -226,12 +203,12 @@ async def test_recorded_frames_of_a_real_server_are_understood() -> None:
         (light, *_) = [one for one in iter(sightings.take, None) if one.kind == "appeared"]
         assert [part.service_type for part in light.parts] == ["light", "generic_switch"]
         assert light.identifiers == ("mac:e20199215011", "id:peer-1", PLACE)
-        await until(reports.take, "on_off", False)
+        await reading(reports, "on_off", False)
         send = watcher.create_client(SendCommand, "/gateway/matter/send_command")
         order = Command(key="node-2", part="1", capability="on_off", value=Value.of(True))
         assert (await send.call(order)).success
-        await until(reports.take, "on_off", True)
-        await until(reports.take, "press", "single")
+        await reading(reports, "on_off", True)
+        await reading(reports, "press", "single")
         assert (await send.call(order)).problem == "unreachable"
         assert "does not exist" in (await decommission(watcher, "node-2")).message
         assert (await decommission(watcher, "node-2")).success

@@ -3,7 +3,7 @@
 import json
 import logging
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from dataclasses import dataclass, field
 
 import anyio
@@ -13,7 +13,7 @@ from aiohttp import web
 from anyio.abc import TaskGroup, TaskStatus
 from pydantic import ValidationError
 from tests.gateways.http_servers import serving
-from tests.gateways.watched_gateway import WatchedGateway, reading, receive
+from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
 from tests.patience import PATIENCE
 from tests.sizes import size
 
@@ -21,11 +21,10 @@ from homebot.devices import GatewayState
 from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.value import PlainValue
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
-from homebot.graph import Graph, Node
+from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.http.web_server import WebPeer
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
-from homebot.testing.gateway_contract import running
 from homebot.testing.gateway_contract.steps import KEPT
 
 
@@ -52,17 +51,18 @@ class House(WatchedGateway):
 
 @asynccontextmanager
 async def house(server: SimulatedMatterServer | None = None, **settings: object) -> AsyncIterator[House]:
-    graph, server = Graph(), server or SimulatedMatterServer()
-    async with (
-        anyio.create_task_group() as tasks,
-        Node(graph, "matter", namespace="/gateway") as node,
-        Node(graph, "watcher") as watcher,
-    ):
+    server = server or SimulatedMatterServer()
+    async with anyio.create_task_group() as tasks:
         await tasks.start(server.serve)
-        gateway = MatterGateway(node, MatterGatewaySettings.model_validate({"url": server.url, **settings}))
-        async with running(gateway):
+        async with gateway_to(server.url, **settings) as (gateway, watcher):
             yield House(gateway, server, watcher, tasks)
         tasks.cancel_scope.cancel()
+
+
+def gateway_to(url: str, **settings: object) -> AbstractAsyncContextManager[tuple[MatterGateway, Node]]:
+    """A gateway with its watcher."""
+    table = MatterGatewaySettings.model_validate({"url": url, **settings})
+    return watched("matter", lambda node: MatterGateway(node, table))
 
 
 async def test_the_code_of_a_lock_reaches_it_and_no_log(caplog: pytest.LogCaptureFixture) -> None:
@@ -171,19 +171,9 @@ async def test_a_server_that_is_not_understood_makes_it_unavailable_with_the_rea
             pass
         return socket
 
-    graph = Graph()
-    async with (
-        serving(greet) as url,
-        Node(graph, "matter", namespace="/gateway") as node,
-        Node(graph, "watcher") as watcher,
-    ):
-        gateway = MatterGateway(node, MatterGatewaySettings(url=f"{url}/ws"))
+    async with serving(greet) as url, gateway_to(f"{url}/ws") as (gateway, watcher):
         states = watcher.create_subscription(GatewayState, gateway.names.state, qos_profile=KEPT)
-        async with running(gateway):
-            with anyio.fail_after(PATIENCE):
-                state = await states.receive()
-        assert state.state == "unavailable"
-        assert reason in state.reason
+        assert reason in (await receive(states, lambda one: one.state == "unavailable")).reason
 
 
 class LeavingServer(SimulatedMatterServer):
