@@ -219,6 +219,23 @@ async def test_a_durable_timer_goes_on_after_a_restart_and_is_taken_over_by_its_
         assert diary.jobs == ()
 
 
+async def test_an_event_after_a_restart_replaces_a_durable_timer() -> None:
+    """Else the lamp goes off seconds after the last motion."""
+    store = Store("diary")
+
+    def moved(app: Diary) -> None:
+        app.after("1h", app.note, name="off", durable=True)
+
+    def later(app: Diary) -> None:
+        app.daily("12:59", lambda: moved(app))
+
+    async with living(moved, "2026-06-01 12:00", store=store):
+        pass
+    async with living(later, "2026-06-01 12:30", store=store) as (diary, _):
+        await anyio.sleep(2 * HOUR)
+    assert [call[:11] for call in diary.calls] == ["06-01 13:59"]
+
+
 @pytest.mark.parametrize("is_durable", [True, False])
 async def test_a_timer_replaces_a_waiting_one_of_its_name(*, is_durable: bool) -> None:
     store = Store("diary")

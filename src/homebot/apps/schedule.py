@@ -16,7 +16,7 @@ from homebot.apps.jobs import Due, Interval, Job, JobFacts, Times, WallJob
 from homebot.apps.run_modes import HandlerRuns, RunHandler, RunMode, check_handler
 from homebot.apps.wall_time import TimeOfDay, read_days, read_time
 from homebot.errors import UsageError
-from homebot.graph.current_cause import TimerCause
+from homebot.graph.current_cause import CURRENT_CAUSE, TimerCause
 from homebot.units import parse_duration
 
 if TYPE_CHECKING:
@@ -125,8 +125,9 @@ class Schedule:
                     "a durable timer needs a name, and a method of the app as its handler: "
                     "it is found by them after a restart"
                 )
-            if name in self._resumed and name in self._jobs:
-                self._resumed.discard(name)
+            is_first = name in self._resumed
+            self._resumed.discard(name)
+            if is_first and name in self._jobs and CURRENT_CAUSE.get() is None:  # the app begins; nothing happened
                 return self._jobs[name]
         elif late:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
