@@ -77,6 +77,16 @@ async def test_the_report_has_the_cause_of_the_first_change_as_well() -> None:
         assert house_report(house).split()[-4:] == ["lights/hall", "on", "by", "hand"]
 
 
+async def test_measurements_leave_room_in_the_report_for_what_was_done() -> None:
+    async with virtual_house_of(world=World.of(SimulatedLamp("hall"))) as house, EventLog.of(house):
+        await house.press("hall", "on")
+        for lux in range(50):
+            await house.says("home425/light_levels/lux/out", f"{lux}")
+            await house.run_for(2)
+        _, left_out, *lines = house_report(house).splitlines()
+        assert (left_out.startswith("("), [line.split()[1] for line in lines]) == (True, ["lights/hall"])
+
+
 async def test_what_is_due_at_the_end_has_happened() -> None:
     """A window takes three seconds, and is open after three seconds."""
     async with virtual_house_of(world=World.of(WindowMotor("w", travel_time=3.0))) as house, EventLog.of(house) as log:

@@ -13,6 +13,7 @@ from typing import Literal, cast
 
 from homebot.cli.watch_lines import HouseLines, WatchLine, fitted, line_cells
 from homebot.clock import Clock
+from homebot.devices.capabilities import CAPABILITIES, OWN, SETTABLE
 from homebot.devices.device import DeviceChange, StateChange, part_names
 from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
@@ -158,16 +159,28 @@ WIDTH = 120
 
 
 def house_report(house: TestHouse) -> str:
-    """Return the time in *house*, its crashes, and the newest commands and changes of its log."""
+    """Return the time in *house*, its crashes, and the newest commands and changes of its log.
+
+    Where these are many, changes that are only measured, such as a power, are left out.
+    """
     now = datetime.fromtimestamp(house.runtime.graph.clock.now(), UTC)
     happened = list(_lines(house.log.events))
     older = len(happened) - LINES
+    if older > 0:
+        happened = list(_lines(event for event in house.log.events if not _is_measured(event.said)))
     return "\n".join(
         [
             f"it is {now:%Y-%m-%d %H:%M:%S} UTC in the house; crashed: {', '.join(house.crashed) or 'nothing'}",
-            *([f"({older} older commands and changes; print(house.log) shows every message)"] if older > 0 else []),
+            *([f"({older} older or measured changes are left out; print(house.log) has all)"] if older > 0 else []),
             *(happened[-LINES:] or ["no device was commanded or changed; print(house.log) shows every message"]),
         ]
+    )
+
+
+def _is_measured(said: bytes | Message | str) -> bool:
+    return isinstance(said, StateChange) and all(
+        CAPABILITIES.get(one.capability, OWN).kind == "number" and one.capability not in SETTABLE
+        for one in said.readings
     )
 
 
