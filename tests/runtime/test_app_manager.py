@@ -222,7 +222,7 @@ def resident() -> int:
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="it reads Linux's figures of the process")
 async def test_reloads_leave_nothing_behind(tmp_path: Path) -> None:
-    """After the first thousand, as the caches of Python are full then."""
+    """Once ``/rosout`` keeps as many lines as it may, and the caches of Python are full."""
     rounds = size(200, 1000)
 
     def seen(runtime: Runtime) -> tuple[int, int, int, int]:
@@ -237,7 +237,9 @@ async def test_reloads_leave_nothing_behind(tmp_path: Path) -> None:
 
     async with home(tmp_path) as runtime:
         runtime.app_manager.trial = 0.0
-        await reload(runtime, 1000)
+        for number in range(1000):
+            runtime.app_manager._report("test.line", "a line", f"{number}")
+        await reload(runtime, 400)
         first, before = seen(runtime), resident()
         await reload(runtime, rounds)
         second, grown = seen(runtime), resident() - before
