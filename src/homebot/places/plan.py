@@ -112,19 +112,6 @@ class HousePlan:
             and the value.
     """
 
-    __slots__ = (
-        "__weakref__",
-        "_in_home",
-        "_located",
-        "_rooms",
-        "doors",
-        "floors",
-        "has_areas",
-        "home",
-        "rooms",
-        "source",
-    )
-
     def __init__(
         self, home: str, rooms: Iterable[HouseRoom] = (), source: str = "places", doors: Iterable[HouseDoor] = ()
     ) -> None:

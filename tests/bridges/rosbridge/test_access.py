@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 
 from homebot.bridges.rosbridge import ClientToken, DoorSettings
 from homebot.bridges.rosbridge.access import ClientAccess, right_to_call, right_to_publish
-from homebot.devices import RawCommand, RawMessage
+from homebot.devices import RawCommand
 from homebot.devices.access_messages import AccessRefused
 from homebot.devices.client_rights import LOCAL_RIGHTS, Right
 from homebot.devices.command_messages import CommandRequest, PerformCommand
@@ -120,13 +120,6 @@ async def test_a_client_with_the_right_raw_publishes_on_the_topics_of_gateways(o
         assert (heard.payload, heard.issuer) == ("unlock", "client:robot")
         await peer.settle()
         assert ("publisher", "/gateway/mqtt/received_topics") in house.entities()
-
-
-async def test_a_program_that_may_act_puts_no_message_of_a_device_into_the_inbox_of_an_app(open_house: Any) -> None:
-    async with robot(open_house, "read", "act: light in hall") as (house, peer):
-        house.node("light_service").create_subscription(RawMessage, "~/inbox")
-        told = await refusal(peer, "publish", topic="/light_service/inbox", msg={"address": "hall", "payload": "on"})
-    assert told.startswith("the right raw is missing; the token robot has: read, act. ")
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, TypedDict, cast
 
@@ -260,7 +261,8 @@ def _map(door: DoorClient, file: str) -> RobotMap:
 
 def _read(file: str) -> str:
     try:
-        content = sys.stdin.buffer.read(_MAX_BYTES + 1) if file == "-" else _content(Path(file))
+        with nullcontext(sys.stdin.buffer) if file == "-" else Path(file).open("rb") as opened:
+            content = opened.read(_MAX_BYTES + 1)
         if len(content) > _MAX_BYTES:
             raise UsageError(f"{file} is larger than {_MAX_BYTES // 1000} kB")
         return content.decode("utf-8-sig")
@@ -268,8 +270,3 @@ def _read(file: str) -> str:
         raise UsageError(f"{file} cannot be read: {exc.strerror or exc}") from exc
     except UnicodeDecodeError as exc:
         raise UsageError(f"{file} cannot be read: it is not UTF-8 text") from exc
-
-
-def _content(path: Path) -> bytes:
-    with path.open("rb") as opened:
-        return opened.read(_MAX_BYTES + 1)
