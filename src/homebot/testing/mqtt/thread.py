@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import threading
 from collections.abc import Awaitable, Callable, Iterator
-from concurrent.futures import Future
 from contextlib import contextmanager
 from contextvars import Context, copy_context
-from typing import Generic, Never, TypeVar, TypeVarTuple, Unpack, final
+from typing import Any, Final, TypeVar, TypeVarTuple, Unpack, final
 
-import anyio
-from anyio.abc import TaskGroup, TaskStatus
 from anyio.from_thread import start_blocking_portal
 
 __all__ = ["BrokerThread", "broker_thread"]
@@ -19,18 +17,19 @@ __all__ = ["BrokerThread", "broker_thread"]
 _T = TypeVar("_T")
 _Ts = TypeVarTuple("_Ts")
 
+_ENDED: Final = "the broker thread has ended"
+
 
 @contextmanager
 def broker_thread() -> Iterator[BrokerThread]:
     """Start the thread; it ends with the block."""
     thread = BrokerThread()
     with start_blocking_portal("asyncio") as portal:
-        served, _ = portal.start_task(thread.serve)
+        portal.call(thread.begin)
         try:
             yield thread
         finally:
-            portal.call(thread.close)
-            served.result()
+            thread.end()
 
 
 @final
@@ -38,26 +37,20 @@ class BrokerThread:
     """Runs coroutines on the thread's loop. Their exceptions reach only the caller."""
 
     def __init__(self) -> None:
-        self._tasks: TaskGroup | None = None
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ident = 0
-        self._context = Context()  # tells anyio the kind of loop, also where trio is installed
+        self._context = Context()  # tells anyio the kind of loop, also where trio calls
+        self._jobs: set[concurrent.futures.Future[Any]] = set()
 
-    async def serve(self, *, task_status: TaskStatus[None]) -> None:
-        """Run the work of :meth:`call` and :meth:`run` until :meth:`close`; once, on the thread's loop."""
-        self._ident = threading.get_ident()
-        try:
-            async with anyio.create_task_group() as self._tasks:
-                self._loop, self._context = asyncio.get_running_loop(), copy_context()
-                task_status.started()
-                await anyio.sleep_forever()
-        finally:
-            self._loop = self._tasks = None
+    def begin(self) -> None:
+        """Take the calls of :meth:`call` and :meth:`run` from now on; called on the thread's loop."""
+        self._loop, self._context, self._ident = asyncio.get_running_loop(), copy_context(), threading.get_ident()
 
-    async def close(self) -> None:
-        """End :meth:`serve`."""
-        if self._tasks is not None:
-            self._tasks.cancel_scope.cancel()
+    def end(self) -> None:
+        """Take no more of them, and cancel the others."""
+        self._loop = None
+        for job in tuple(self._jobs):
+            job.cancel()
 
     def call(self, function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> _T:
         """Run ``function(*args)`` and wait for it, without an event loop.
@@ -67,101 +60,36 @@ class BrokerThread:
         """
         if threading.get_ident() == self._ident:
             raise RuntimeError("this would block the broker thread, in which it runs")
-        answer: Future[Callable[[], _T]] = Future()
-        job = _Job(lambda: function(*args), answer.set_result)
-        loop = self._start(job)
+        job = self._start(function, *args)
         try:
-            outcome = answer.result()
+            return job.result()
+        except concurrent.futures.CancelledError:
+            raise RuntimeError(_ENDED) from None
         except BaseException:  # Ctrl-C
-            loop.call_soon_threadsafe(job.cancel)
+            job.cancel()
             raise
-        return outcome()
 
     async def run(self, function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> _T:
-        """Run ``function(*args)`` and wait for it, on any asyncio loop; takes no lock, so it blocks no thread.
+        """Run ``function(*args)`` and wait for it, on any asyncio loop.
 
         Raises:
             RuntimeError: The thread has ended.
         """
-        home = asyncio.get_running_loop()
-        answer: asyncio.Future[Callable[[], _T]] = home.create_future()
-
-        def ended(outcome: Callable[[], _T]) -> None:
-            if not home.is_closed():
-                home.call_soon_threadsafe(_answer, answer, outcome)
-
-        job = _Job(lambda: function(*args), ended)
-        loop = self._start(job)
         try:
-            return (await answer)()
+            return await asyncio.wrap_future(self._start(function, *args))
         except asyncio.CancelledError:
-            loop.call_soon_threadsafe(job.cancel)
+            if self._loop is None:
+                raise RuntimeError(_ENDED) from None
             raise
 
-    def _start(self, job: _Job[_T]) -> asyncio.AbstractEventLoop:
-        loop = self._loop
-        if loop is None:
+    def _start(self, function: Callable[[Unpack[_Ts]], Awaitable[_T]], *args: *_Ts) -> concurrent.futures.Future[_T]:
+        if self._loop is None:
             raise RuntimeError("the broker thread is not running")
-        loop.call_soon_threadsafe(self._spawn, job, context=self._context)
-        return loop
 
-    def _spawn(self, job: _Job[_T]) -> None:
-        if self._tasks is None:
-            job.abandon()
-        else:
-            self._tasks.start_soon(job.work)
+        async def work() -> _T:
+            return await function(*args)
 
-
-@final
-class _Job(Generic[_T]):
-    """One call; all its methods are for the thread's loop.
-
-    Args:
-        ended: Called once with the result: a function that returns or raises it.
-    """
-
-    def __init__(self, function: Callable[[], Awaitable[_T]], ended: Callable[[Callable[[], _T]], object]) -> None:
-        self._function = function
-        self._ended = ended
-        self._scope: anyio.CancelScope | None = None
-        self._cancelled = False
-
-    async def work(self) -> None:
-        outcome: Callable[[], _T] = _raiser(RuntimeError("the broker thread has ended"))
-        try:
-            with anyio.CancelScope() as self._scope:
-                if self._cancelled:
-                    self._scope.cancel()
-                outcome = await _outcome(self._function)
-        finally:
-            self._ended(outcome)
-
-    def abandon(self) -> None:
-        self._ended(_raiser(RuntimeError("the broker thread has ended")))
-
-    def cancel(self) -> None:
-        self._cancelled = True
-        if self._scope is not None:
-            self._scope.cancel()
-
-
-async def _outcome(function: Callable[[], Awaitable[_T]]) -> Callable[[], _T]:
-    try:
-        value = await function()
-    except asyncio.CancelledError:
-        raise
-    except BaseException as error:  # noqa: BLE001 - also pytest.fail() in a test's predicate is the caller's
-        return _raiser(error)
-    return lambda: value
-
-
-def _raiser(error: BaseException) -> Callable[[], Never]:
-    def again() -> Never:
-        raise error
-
-    return again
-
-
-def _answer(answer: asyncio.Future[_T], value: _T) -> None:
-    if not answer.done():
-        answer.set_result(value)
+        job = self._context.copy().run(asyncio.run_coroutine_threadsafe, work(), self._loop)
+        self._jobs.add(job)
+        job.add_done_callback(self._jobs.discard)
+        return job
