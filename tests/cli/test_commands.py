@@ -72,7 +72,7 @@ PRINTED = {
         "  Action Servers:\n  Action Clients:\n",
     ),
     "node info /lisener": (1, "homebot: there is no node /lisener; did you mean /listener or /talker?\n"),
-    "devices --type locks": (0, "no device offers locks now\n"),
+    "devices --type locks": (0, "no device offers locks now in Café\n"),
     "devices --type lihgts": (
         2,
         "homebot: 'lihgts' is not a device type, and no device was announced as one; …\n",
@@ -152,7 +152,8 @@ def test_pub_that_is_refused_says_why(homebot: Any, capsys: Text, arguments: lis
 
 def test_devices_are_a_table_for_people(homebot: Any, capsys: Text) -> None:
     assert run(homebot, "devices") == 0
-    head, row = capsys.readouterr().out.splitlines()
+    head, row, count = capsys.readouterr().out.splitlines()
+    assert count == "1 device in Café"
     assert head.split() == ["DEVICE", "NAME", "TYPE", "GATEWAY", "COMMAND", "TOPIC", "AVAILABILITY", "LAST", "SEEN"]
     assert row.split()[:6] == ["lights/lamp", "Lamp\\x1b[31m", "lights", "mqtt", "home/lights/lamp/in", "fresh"]
     assert row.endswith("d ago")

@@ -14,8 +14,7 @@ from homebot.devices.command_messages import (
     CommandedPart,
     CommandResult,
 )
-from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import COMMAND_DEVICES, RUNTIME_HEALTH
+from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.outcomes import Confirmed, Evidence, NoAnswer, Outcome, Refused, worst
 from homebot.graph import Node
 
@@ -55,16 +54,7 @@ class Service:
 
 def test_one_device_is_one_line(homebot: Any, capsys: Text) -> None:
     assert Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on") == 0
-    assert capsys.readouterr().out == "Lamp 0: confirmed after 0.12 s (reported)\n"
-
-
-def test_the_home_that_was_commanded_is_named(homebot: Any, capsys: Text) -> None:
-    def health(_: HealthRequest) -> HealthResponse:
-        return HealthResponse(counts=(), home="villa")
-
-    homebot.do(lambda: Node(homebot.graph, "runtime").create_service(GetHealth, RUNTIME_HEALTH, health))
-    assert Service(homebot, answer(CONFIRMED)).run("Lamp 0", "on") == 0
-    assert capsys.readouterr().out == "Lamp 0 in villa: confirmed after 0.12 s (reported)\n"
+    assert capsys.readouterr().out == "Lamp 0 in Café: confirmed after 0.12 s (reported)\n"
 
 
 def test_a_long_refusal_is_shown_to_its_end_where_the_advice_is(homebot: Any, capsys: Text) -> None:
@@ -78,7 +68,7 @@ def test_several_devices_end_with_how_many_obeyed(homebot: Any, capsys: Text) ->
     assert capsys.readouterr().out == (
         "Lamp 0: confirmed after 0.12 s (reported)\n"
         "Lamp 1: no answer within 10 s\n"
-        "1 of 2 succeeded; worst outcome: no answer\n"
+        "1 of 2 in Café succeeded; worst outcome: no answer\n"
     )
 
 

@@ -6,9 +6,6 @@ from typing import Any
 import pytest
 
 from homebot.cli import main
-from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
-from homebot.devices.names import RUNTIME_HEALTH
-from homebot.graph import Node
 
 Text = pytest.CaptureFixture[str]
 TOKEN = "hunter2"  # of the locked homebot
@@ -154,13 +151,3 @@ def test_one_that_others_may_change_is_not_followed(homebot: Any, folder: Path, 
     (folder / "homebot.toml").chmod(0o666)
     assert nodes() == 1
     assert OTHERS in capsys.readouterr().err
-
-
-def test_the_home_that_answered_is_named(homebot: Any, folder: Path, capsys: Text) -> None:
-    def health(_: HealthRequest) -> HealthResponse:
-        return HealthResponse(counts=(), home="villa")
-
-    homebot.do(lambda: Node(homebot.graph, "runtime").create_service(GetHealth, RUNTIME_HEALTH, health))
-    (folder / "homebot.toml").write_text(f"[door]\nport = {homebot.port}\n")
-    assert main(["devices"]) == 0
-    assert capsys.readouterr().out.splitlines()[-1].endswith(" in villa")

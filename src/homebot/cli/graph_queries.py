@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import base64
 import binascii
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, TypedDict, cast
 
 from homebot.cli.door_client import DoorClient
-from homebot.devices.names import RUNTIME_HEALTH
 from homebot.devices.wording.json_message import JsonMessage
 from homebot.errors import PeerError
-from homebot.support.printable import printable
 from homebot.support.similar import did_you_mean
 
 if TYPE_CHECKING:
@@ -21,7 +19,6 @@ __all__ = [
     "MessageTypeRecord",
     "Schema",
     "entities",
-    "home_name",
     "is_hidden",
     "message_schema",
     "no_such_topic",
@@ -36,19 +33,6 @@ def entities(door: DoorClient, *, kind: str = "", name: str = "", node: str = ""
     """Return the entities of the graph, sorted by name; an empty text means any."""
     found = JsonMessage(door.call("/rosapi/endpoints", {"kind": kind, "name": name, "node": node}))
     return cast("list[EndpointDetails]", found.endpoints)
-
-
-def home_name(door: DoorClient) -> Callable[[], str]:
-    """Ask for the name of the home, and return a function that waits for the answer: empty without one."""
-    response = door.begin_call(RUNTIME_HEALTH)
-
-    def name() -> str:
-        try:
-            return printable(str(response().get("home", "")))
-        except PeerError:  # without the right to read, or before there was such a service
-            return ""
-
-    return name
 
 
 def is_hidden(entity: EndpointDetails) -> bool:

@@ -49,7 +49,7 @@ def test_each_outcome_in_words_and_as_an_exit_code(
 ) -> None:
     """Nothing but a device that is as it was told to be is a success."""
     assert Service(homebot, answer(outcome)).run("Lamp 0", "off") == code
-    assert capsys.readouterr() == (f"Lamp 0: {with_remedy(text, 0)}\n", "")
+    assert capsys.readouterr() == (f"Lamp 0 in Café: {with_remedy(text, 0)}\n", "")
 
 
 def with_remedy(text: str, number: int) -> str:
@@ -61,7 +61,7 @@ def test_an_outcome_is_printed_as_its_class_says(homebot: Homebot, capsys: Text,
     """Also one that has no row above."""
     assert Service(homebot, answer(outcome)).run("Lamp 0", "off") == (0 if outcome.succeeded else 1)
     printed = capsys.readouterr()
-    assert printed.out.startswith(f"Lamp 0: {outcome.text}")
+    assert printed.out.startswith(f"Lamp 0 in Café: {outcome.text}")
     assert printed.err == ""
 
 
@@ -69,7 +69,7 @@ def test_a_command_to_devices_with_each_outcome_ends_with_the_worst(homebot: Hom
     assert Service(homebot, answer(*(one for one, _, _ in CASES))).run("lamp", "off") == 1
     lines = [f"Lamp {number}: {with_remedy(text, number)}" for number, (_, text, _) in enumerate(CASES)]
     done = sum(not code for _, _, code in CASES)
-    lines.append(f"{done} of {len(CASES)} succeeded; worst outcome: gone")
+    lines.append(f"{done} of {len(CASES)} in Café succeeded; worst outcome: gone")
     assert capsys.readouterr().out.splitlines() == lines
 
 

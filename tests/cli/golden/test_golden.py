@@ -140,7 +140,7 @@ def test_where_no_device_was_found_the_next_step_is_named(
     """A broker that is away, or a wrong password, looked like a house without devices."""
     monkeypatch.setattr(still, "_devices", tuple)
     assert run("devices") == 0
-    assert capsys.readouterr().out == "no device discovered yet; `homebot doctor` tells why\n"
+    assert capsys.readouterr().out == "no device discovered yet in Café; `homebot doctor` tells why\n"
 
 
 def test_all_devices_of_a_large_house_are_listed_once_each(still: StillHouse, run: Run, capsys: Text) -> None:

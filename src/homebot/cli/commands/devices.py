@@ -11,12 +11,12 @@ from homebot.cli.arguments import add_broker_option
 from homebot.cli.device_json import device_json, json_text, list_text
 from homebot.cli.device_queries import all_devices, find_devices, house_time, unapproved
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.graph_queries import home_name
 from homebot.cli.terminal import print_table
 from homebot.devices.query.tokens import quoted
 from homebot.devices.wording.time_format import ago
 from homebot.devices.wording.values import is_topic, life, main_parts, state_text, types
 from homebot.errors import PeerError, UsageError
+from homebot.support.printable import printable
 
 if TYPE_CHECKING:
     from homebot.devices import Device
@@ -70,7 +70,6 @@ class _UnknownTypeError(UsageError):
 
 
 def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
-    home = home_name(door)
     now = house_time(door)
     waiting = unapproved(door)
     rows = _all(door, options.type, lambda device: _row(device, now, waiting))
@@ -79,10 +78,8 @@ def _print_table(door: DoorClient, options: argparse.Namespace) -> None:
         count = "1 device" if len(rows) == 1 else f"{len(rows):,} devices"
     else:
         count = f"no device offers {options.type} now" if options.type else "no device discovered yet"
-    where = home()
-    if where or not rows:
-        why = "" if rows or options.type else "; `homebot doctor` tells why"
-        print(f"{count}{f' in {where}' if where else ''}{why}")
+    why = "" if rows or options.type else "; `homebot doctor` tells why"
+    print(f"{count} in {printable(door.home)}{why}")
 
 
 def _print_json(door: DoorClient, options: argparse.Namespace) -> None:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Final, cast
 from homebot.cli.arguments import duration, set_client_command
 from homebot.cli.device_json import json_text
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.graph_queries import home_name
 from homebot.devices.names import COMMAND_DEVICES
 from homebot.devices.outcomes import Superseded, has_succeeded
 from homebot.devices.wording.json_message import JsonMessage, fields_of
@@ -72,14 +71,13 @@ def _do(options: argparse.Namespace) -> int:
     request = _request(options)
 
     def run(door: DoorClient, _: argparse.Namespace) -> int:
-        home = home_name(door)
         answer = cast("CommandDevicesResponse", JsonMessage(door.call(COMMAND_DEVICES, request, _LONGEST)))
         if options.json:
             print(json_text(fields_of(answer)))
         elif not answer.results:
             raise PeerError(answer.message)
         else:
-            _print(answer, home())
+            _print(answer, printable(door.home))
         return 0 if answer.success else 1
 
     return with_client(options, run)
@@ -104,7 +102,7 @@ def _request(options: argparse.Namespace) -> dict[str, object]:
 
 def _print(answer: CommandDevicesResponse, home: str) -> None:
     count = len(answer.results)
-    where = f" in {home}" if home else ""
+    where = f" in {home}"
     for one in answer.results:
         place = where if count == 1 else ""
         text = one.result.text
