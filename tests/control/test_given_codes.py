@@ -13,8 +13,7 @@ from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.names import JOURNAL_ENTRIES
 from homebot.devices.value import PlainValue, Value
 from homebot.errors import LinkError
-from homebot.recording.lines import RecordedCommand
-from homebot.recording.recorded_commands import CommandNews
+from homebot.recording.lines import CommandNews, RecordedCommand
 
 pytestmark = pytest.mark.virtual_time
 

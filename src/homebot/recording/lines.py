@@ -28,11 +28,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, final
 
 from homebot.devices import Device, RawMessage, Sighting
 from homebot.devices.command_messages import CommandResult, Setting
 from homebot.devices.gateway_messages import GatewayState, Report
+from homebot.devices.journal_messages import JournalEntry
 from homebot.devices.places_messages import OwnerRequest
 from homebot.devices.services import IndexRow
 from homebot.devices.trigger import NO_TRIGGER, Trigger
@@ -41,10 +42,13 @@ from homebot.messages import Time
 from homebot.messages.json import message_from_json, message_to_text
 from homebot.messages.message import Message, UInt32
 from homebot.recording.repetitions import Repetition
+from homebot.recording.secrets import without_secrets
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.strict_json import parse_strict
 
 __all__ = [
     "FORMAT",
+    "CommandNews",
     "GatewayNews",
     "LeaseNews",
     "LostLines",
@@ -66,6 +70,9 @@ _EARLIEST: Final = -100 * 366 * 86_400.0
 """Reports of a computer with an unset clock, as at the start of a Raspberry Pi, are of 1970."""
 
 _SHOWN: Final = 60
+
+_MOST_COMMANDS: Final = 1_000
+"""Commands that are known at once: the entries about one text follow each other."""
 
 
 class RecordedApp(Message):
@@ -242,3 +249,47 @@ def _check_format(header: object) -> None:
     if type(found) is int and found > FORMAT:
         problem = f"is {found}, and this homebot reads up to {FORMAT}: replay it with a newer homebot"
         raise UsageError(f"field 'message.format': {problem}")
+
+
+@final
+class CommandNews:
+    """Reads commands, their outcomes and leases from the journal.
+
+    A text of an app appears there as the parsed command, and then as published.
+    """
+
+    def __init__(self) -> None:
+        self._requested: BoundedMap[str, None] = BoundedMap(_MOST_COMMANDS)
+
+    def of(self, entry: JournalEntry) -> RecordedCommand | CommandResult | LeaseNews | None:
+        """Return the command that *entry* begins, the outcome or the step of a lease that it has; None for others."""
+        match entry.kind:
+            case "requested":
+                self._requested[entry.command] = None
+                return _command(entry)
+            case "published" if entry.command not in self._requested:
+                return _command(entry)
+            case "outcome":
+                return entry.results[0]
+            case "held" | "released" | "ended" | "expired" as step:
+                return LeaseNews(
+                    step=step,
+                    device=entry.device,
+                    part=entry.part,
+                    setting=entry.settings[0],
+                    issuer=entry.issuer,
+                    by=entry.text,
+                )
+        return None
+
+
+def _command(entry: JournalEntry) -> RecordedCommand:
+    return RecordedCommand(
+        id=entry.command,
+        issuer=entry.issuer,
+        device=entry.device,
+        part=entry.part,
+        settings=entry.settings,
+        text=without_secrets(entry.text.encode()).decode(errors="replace"),
+        trigger=entry.trigger,
+    )

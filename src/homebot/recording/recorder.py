@@ -25,6 +25,7 @@ from homebot.graph import DurabilityPolicy, EntityKind, Node, QoSProfile, Subscr
 from homebot.messages import Time
 from homebot.messages.message import Message
 from homebot.recording.lines import (
+    CommandNews,
     GatewayNews,
     LeaseNews,
     LostLines,
@@ -33,7 +34,6 @@ from homebot.recording.lines import (
     RecordingLine,
     line_text,
 )
-from homebot.recording.recorded_commands import CommandNews
 from homebot.recording.repetitions import Repetitions
 from homebot.recording.secrets import without_secrets
 

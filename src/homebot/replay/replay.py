@@ -28,8 +28,7 @@ from homebot.discovery.ids import Tombstone
 from homebot.discovery.record import read_entry, read_tombstone, tombstone_record
 from homebot.errors import UsageError, WireError
 from homebot.graph import Node
-from homebot.recording.lines import RecordedCommand
-from homebot.recording.recorded_commands import CommandNews
+from homebot.recording.lines import CommandNews, RecordedCommand
 from homebot.recording.recording import Recording, TimedCommand
 from homebot.replay.command_diff import CommandMatcher
 from homebot.replay.replay_apps import app_tables, as_table, recorded_table
