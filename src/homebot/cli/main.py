@@ -69,7 +69,7 @@ COMMANDS: Final = {
 }
 """The purpose of each in a line."""
 
-_OWNER: Final = ("alias", "approve", "forget", "merge", "place", "split", "trust")
+_OWNER: Final = ("alias", "approve", "forget", "merge", "pair", "place", "split", "trust")
 _MODULES: Final = {"import": "import_thing", "release": "leases", "why-not": "why"} | dict.fromkeys(_OWNER, "owner")
 """The modules of those that are in none of their name."""
 

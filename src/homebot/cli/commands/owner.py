@@ -1,4 +1,4 @@
-"""Statements of the owner: ``homebot alias``, ``approve``, ``forget``, ``merge``, ``place``, ``split`` and ``trust``.
+"""Statements of the owner: ``alias``, ``approve``, ``forget``, ``merge``, ``pair``, ``place``, ``split``, ``trust``.
 
 The directory remembers it over a restart.
 """
@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Final, TypeAlias, cast
 
 from homebot.cli.arguments import set_client_command
 from homebot.cli.device_queries import device_or_similar, named_device, unapproved
 from homebot.cli.door_client import DoorClient, set_door_command, with_client
+from homebot.cli.graph_queries import entities
 from homebot.cli.publishing import GatewayPublisher
 from homebot.devices.names import (
     ALIAS_DEVICE,
@@ -21,6 +22,7 @@ from homebot.devices.names import (
     PLACE_DEVICE,
     SPLIT_DEVICE,
     TRUST_DEVICE,
+    PairingNames,
 )
 from homebot.errors import PeerError, UsageError
 from homebot.support.printable import printable
@@ -36,12 +38,16 @@ __all__ = [
     "add_approve_arguments",
     "add_forget_arguments",
     "add_merge_arguments",
+    "add_pair_arguments",
     "add_place_arguments",
     "add_split_arguments",
     "add_trust_arguments",
 ]
 
 _Statement: TypeAlias = "Callable[[DoorClient, Device, argparse.Namespace], None]"
+
+_PAIRED_WITHIN: Final = 90.0
+"""Seconds; a sleeping device has to wake up, and some wait for a button."""
 
 
 def add_alias_arguments(parser: argparse.ArgumentParser) -> None:
@@ -115,6 +121,21 @@ The directory remembers it over a restart; `homebot split` undoes it.
         metavar="DEVICE",
         help="ids or names of two or more devices, or of one whose endpoints are all its own",
     )
+
+
+def add_pair_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add those of ``homebot pair``."""
+    examples = """\
+  homebot pair 'Hall lamp' 123-45-678     with the code on the device
+  homebot pair 'Hue bridge'               after pressing the button on the device
+  homebot pair --remove 'Hall lamp'
+
+Some devices serve only programs that they are paired with. homebot keeps the key that this yields, in a file that only
+its own user can read; the code is not kept. It takes the right `manage`. `homebot doctor` names devices that wait.
+"""
+    _set_command(parser, _pair, examples)
+    parser.add_argument("code", metavar="CODE", nargs="?", default="", help="the code on the device, if it has one")
+    parser.add_argument("--remove", action="store_true", help="end the pairing")
 
 
 def add_place_arguments(parser: argparse.ArgumentParser) -> None:
@@ -233,6 +254,21 @@ def _merge(door: DoorClient, options: argparse.Namespace) -> int:
     else:
         print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer.device)}")
     return 0
+
+
+def _pair(door: DoorClient, device: Device, options: argparse.Namespace) -> None:
+    if options.remove and options.code:
+        raise UsageError("--remove takes no code")
+    served = {one.name for one in entities(door, kind="service")}
+    endpoint = next((one for one in device.endpoints if PairingNames(one.gateway).pair in served), None)
+    if endpoint is None:
+        raise PeerError(f"{printable(device.id)} needs no pairing: no running gateway that knows it pairs devices")
+    names, request = PairingNames(endpoint.gateway), {"device": endpoint.key}
+    if options.remove:
+        answer = door.ask(names.unpair, request, _PAIRED_WITHIN)
+    else:
+        answer = door.ask(names.pair, request | {"code": options.code}, _PAIRED_WITHIN)
+    print(f"{printable(str(answer.name))} is {'not paired any more' if options.remove else 'paired'}")
 
 
 def _place(options: argparse.Namespace) -> int:
