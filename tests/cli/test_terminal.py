@@ -24,7 +24,7 @@ from homebot.cli.terminal import (
     print_rows,
     print_table,
     progress,
-    show_live,
+    rich_terminal,
     to_lines,
     to_table,
     without_empty,
@@ -137,7 +137,7 @@ def test_a_live_table_cuts_names_and_leaves_columns_out_but_shows_its_numbers_wh
     monkeypatch.setenv("COLUMNS", str(width))
     row = TopicRow("/gateway/mqtt/received_topics/of/a/house", 1234.5, 4321, 87654321, 0.0123, "/discovery/of/a/house")
     with on_terminal() as terminal:
-        show_live(HEADINGS, [("title", [row.cells()])], if_wide=("BY", "SLOWEST", "WAITING"))
+        rich_terminal(sys.stdout).show_live(HEADINGS, [("title", [row.cells()])], if_wide=("BY", "SLOWEST", "WAITING"))
         place = next(at for at, line in enumerate(terminal.lines()) if line.startswith("TOPIC"))
         head, shown = terminal.lines()[place : place + 2]
         assert head.split() == columns.split()

@@ -21,7 +21,6 @@ SYNONYMS: Final = {
     "check": "doctor",
     "log": "journal",
     "logs": "journal",
-    "history": "journal",
     "set": "do",
     "turn": "do",
     "switch": "do",

@@ -6,7 +6,7 @@ rich is loaded for a terminal alone: it costs a command that is piped nothing.
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Final, TextIO
 
@@ -22,7 +22,6 @@ __all__ = [
     "print_table",
     "progress",
     "rich_terminal",
-    "show_live",
     "to_lines",
     "to_table",
     "without_empty",
@@ -95,17 +94,6 @@ def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
             yield update
     else:
         yield lambda done: None  # noqa: ARG005 - no terminal
-
-
-def show_live(
-    head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]], if_wide: Sequence[str] = ()
-) -> None:
-    """Show each of *frames*, a title and rows, on the whole terminal as it comes; then give the terminal back.
-
-    Args:
-        if_wide: Columns that a narrow terminal goes without; the first goes first.
-    """
-    rich_terminal(sys.stdout).show_live(head, frames, if_wide)
 
 
 def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Final, cast
 
 from homebot.cli.door_client import DoorClient, set_door_command
-from homebot.cli.terminal import is_terminal, print_line, print_table, show_live
+from homebot.cli.terminal import is_terminal, print_line, print_table, rich_terminal
 
 __all__ = ["Load", "TopicRow", "add_arguments", "samples"]
 
@@ -58,7 +59,8 @@ def _top(door: DoorClient, options: argparse.Namespace) -> int:
 
     found = samples(lambda: door.call("/rosapi/load"), wait)
     if is_live:
-        show_live(HEADINGS, _frames(found, f"{door.home} on {door.where}"), if_wide=("BY", "SLOWEST", "WAITING"))
+        frames = _frames(found, f"{door.home} on {door.where}")
+        rich_terminal(sys.stdout).show_live(HEADINGS, frames, if_wide=("BY", "SLOWEST", "WAITING"))
         return 0
     for load in found:
         if not options.json:
