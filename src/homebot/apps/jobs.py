@@ -198,7 +198,6 @@ class WallJob(Job):
         return due
 
     def _last(self, now: float) -> tuple[date, float] | None:
-        """Return the last moment until *now*, with its day."""
         back = 2 + int(self.catch_up // 86_400)
         for ahead in range(1, -back - 1, -1):
             day = self._day(now) + timedelta(days=ahead)

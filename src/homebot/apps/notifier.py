@@ -127,7 +127,6 @@ class Notifier:
         return self._settings is not None and not problems
 
     async def _publish(self, notification: Notification) -> str:
-        """Publish *notification* on the topic, if there is one; return the problem."""
         if self._output is None or self._settings is None:
             return ""
         if problem := self._output.refusal() or self._output.unavailable:
@@ -138,7 +137,6 @@ class Notifier:
         return "" if self._output.out.reaches(self._output.node) else f"no gateway {self._settings.gateway} runs"
 
     async def _push(self, notification: Notification) -> str:
-        """Send *notification* to the services of apprise, if there are any; return the problems."""
         if self._settings is None or not self._settings.urls:
             return ""
         send = partial(_push, self._settings.urls, notification.message, notification.title)

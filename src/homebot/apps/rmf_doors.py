@@ -97,7 +97,6 @@ class RmfDoors(App[RmfDoorsSettings]):
         return doors
 
     def _request(self, request: Message) -> None:
-        """Begin, renew or end the hold of one requester."""
         stated: Any = request
         name = next((one for one in self._doors if fold(one) == fold(stated.door_name)), "")
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
@@ -111,7 +110,6 @@ class RmfDoors(App[RmfDoorsSettings]):
             self._holds[key].cancel()
 
     def _open(self, tasks: TaskGroup, key: tuple[str, str], part: Closure | DoorLock) -> None:
-        """Begin a hold, or renew the one that there is."""
         deadline = anyio.current_time() + self._held_for
         if key in self._holds:
             self._holds[key].deadline = deadline

@@ -84,7 +84,6 @@ class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
         return f"<store of {self._app}: {', '.join(self) or 'empty'}>"
 
     def _checked(self, key: object, value: object) -> str:
-        """Return *value* as JSON."""
         if not isinstance(key, str) or not 0 < len(key) <= _MOST_KEY or not key.isprintable():
             raise UsageError(
                 f"{self._app}: a key of the store is a printable text of 1 to {_MOST_KEY} characters, got {key!r:.60}"

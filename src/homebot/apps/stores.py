@@ -49,9 +49,6 @@ class AppStores:
 
     A file that turns out to be damaged, or was removed, is begun anew with all that is in memory. If another homebot
     uses it, or a newer one wrote it, values are in memory only.
-
-    Args:
-        path: The file; None for none.
     """
 
     def __init__(self, path: Path | None, clock: Clock) -> None:
@@ -153,11 +150,7 @@ class AppStores:
 
 @final
 class StoreFile(SqliteFile):
-    """Reads and writes the file.
-
-    Args:
-        path: The file; directories are made.
-    """
+    """Reads and writes the file."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(path, STORE_SCHEMA)

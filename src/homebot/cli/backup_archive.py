@@ -28,11 +28,7 @@ _Name = Annotated[str, Field(pattern=r"^(data/[\w.-]+|config/.+)$", max_length=5
 
 
 class ArchivedFile(BaseModel):
-    """A file of an archive.
-
-    Attributes:
-        version: That of its schema; None if it has none.
-    """
+    """A file of an archive."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 

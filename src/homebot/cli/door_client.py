@@ -84,7 +84,6 @@ def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
 
 
 def _check_home(door: DoorClient, address: DoorAddress) -> None:
-    """Refuse the homebot of another home than that of the configuration beside."""
     if address.home and door.home and door.home != address.home:
         problem = (
             f"{DEFAULT_CONFIG} is of the home {address.home!r}, but the homebot on {door.where} is of {door.home!r}"
@@ -121,9 +120,6 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
 
 class DoorClient:
     """A connection to a running homebot; see :func:`open_door`.
-
-    Args:
-        where: The server's address, for errors.
 
     Attributes:
         home: The name of the home that the server serves; empty before :meth:`shake_hands`.

@@ -92,7 +92,6 @@ def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
 
 
 def _plan(picture: HousePicture, width: int, height: int) -> list[Line]:
-    """Return the plan of the house; rooms with a lamp that is on are lit."""
     signs = {room: "".join(one[0] for one in beings) for room, beings in picture.beings.items()}
     lamps = (one for one in picture.devices if any(part.part.service_type == "light" for part in one.parts))
     lit = {one.area for one in lamps if state_text(one).startswith("on")}
@@ -260,5 +259,4 @@ def _walls(boxes: Collection[_Box]) -> dict[tuple[int, int], int]:
 
 
 def _joined(row: Sequence[_Segment]) -> Line:
-    """Return *row* with neighbours of one style in one part."""
     return [("".join(sign for sign, _ in some), style) for style, some in groupby(row, lambda cell: cell[1])]

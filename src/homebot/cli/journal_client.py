@@ -23,11 +23,7 @@ __all__ = ["JournalClient", "chain_json", "entry_json"]
 
 @final
 class JournalClient:
-    """Reads the journal of a running homebot.
-
-    Attributes:
-        names: The names of the devices that were in the entries, by id.
-    """
+    """Reads the journal of a running homebot."""
 
     def __init__(self, door: DoorClient, *known: Device) -> None:
         self._door = door

@@ -136,7 +136,6 @@ def _plan_of(world: World) -> PlanPicture:
 
 
 def _hint(world: World, page: str) -> str:
-    """Return a command to try in a second terminal, as it works there."""
     lamp = next((name for name in world.devices if "lamp" in name and "kitchen" in name), next(iter(world.devices), ""))
     here = str(Path(sys.executable).with_name("homebot"))
     program = "homebot" if shutil.which("homebot") else min(os.path.relpath(here), here, key=len)

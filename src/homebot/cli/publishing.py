@@ -94,7 +94,6 @@ class GatewayPublisher:
         raise LinkError(f"gateway {gateway} did not report the result of {what} within {_OUTCOME:g} s")
 
     def _counts(self, gateway: str) -> dict[str, int] | None:
-        """Return the counts of *gateway* so far; None if it does not count its commands."""
         service = GatewayNames(gateway).health
         if not entities(self._door, kind="service", name=service):
             return None

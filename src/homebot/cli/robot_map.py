@@ -210,7 +210,6 @@ def _cell(grey: int, settings: MapSettings) -> int:
 
 
 def _single(number: float) -> float:
-    """Return *number* as a 32-bit floating-point number."""
     return float(unpack("f", pack("f", number))[0])
 
 

@@ -82,7 +82,6 @@ def _check_caller() -> None:
 
 
 def _plugin_name(app: type[App]) -> str:
-    """Return *app* as ``module:Class``."""
     if getattr(sys.modules.get(app.__module__), app.__name__, None) is not app:
         raise UsageError(f"{app.__qualname__} is not found in {app.__module__}; define it at the top level there")
     return f"{app.__module__}:{app.__name__}"

@@ -104,7 +104,6 @@ async def _stop_after(until: Callable[[], Awaitable[None]], requests: _Requests)
 
 @asynccontextmanager
 async def _service_manager() -> AsyncIterator[Callable[[], AbstractContextManager[None]]]:
-    """Inform the service manager, if there is one; yield the context of a reload."""
     if "NOTIFY_SOCKET" not in os.environ:
         yield nullcontext
         return

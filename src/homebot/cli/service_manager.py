@@ -75,11 +75,7 @@ async def service_manager() -> AsyncIterator[ServiceManager]:
 
 @final
 class FirstConnection:
-    """Waits until one of the *gateways* is active.
-
-    Attributes:
-        is_missing: Whether none was in time.
-    """
+    """Waits until one of the *gateways* is active."""
 
     def __init__(self, graph: Graph, gateways: Collection[str]) -> None:
         self.is_missing = False

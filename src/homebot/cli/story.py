@@ -143,7 +143,6 @@ class Story:
                 self._add(entry, "!", f"should be {wanted}: {printable(result.text)}", "red")
 
     def _cause(self, asked: JournalEntry) -> str:
-        """Return the app, and the trigger in short."""
         cause = trigger_text(asked.trigger, self._names).replace(" reported ", " ")
         return f"{issuer_text(asked.issuer)}{': ' if cause else ''}{cause}"
 

@@ -16,11 +16,7 @@ StoredState: TypeAlias = int | str
 
 
 class Series(NamedTuple):
-    """A value of a device that has a history.
-
-    Attributes:
-        unit: The unit of its numbers; empty if there is none.
-    """
+    """A value of a device that has a history."""
 
     number: int
     place: Place

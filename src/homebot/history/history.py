@@ -99,7 +99,6 @@ class HistoryKeeper:
         return HealthResponse(counts=Count.each(counts), troubles=(file.problem,) if file.problem else ())
 
     async def _open(self) -> None:
-        """Open the file; wait while it cannot be used."""
         while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back
             await anyio.sleep(math.inf if self._store.kept.is_unusable else _LOOK_EVERY)
         self._collector = Collector(self._clock, self._settings.series, stored.series, stored.last)

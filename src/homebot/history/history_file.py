@@ -73,12 +73,7 @@ class StoredSeries(NamedTuple):
 
 @final
 class HistoryFile(SqliteFile):
-    """Reads and writes the file.
-
-    Args:
-        path: Where it is; None for memory.
-        keep: How long what is kept.
-    """
+    """Reads and writes the file."""
 
     def __init__(self, path: Path | None, keep: KeepSettings) -> None:
         super().__init__(path or IN_MEMORY, HISTORY_SCHEMA)
@@ -207,7 +202,6 @@ _Columns = tuple["array[int]", "array[int]", "array[float]"]
 
 
 def _split(batch: Batch, hour: int) -> tuple[_Columns, _Columns]:
-    """Return the values of other hours, and those of *hour*."""
     if all(at // HOUR == hour for at in (min(batch.times, default=hour * HOUR), max(batch.times, default=hour * HOUR))):
         return (array("H"), array("q"), array("d")), (batch.series, batch.times, batch.values)
     past, present = Batch(), Batch()
@@ -218,14 +212,7 @@ def _split(batch: Batch, hour: int) -> tuple[_Columns, _Columns]:
 
 @final
 class HistoryStore:
-    """The file and its use.
-
-    Args:
-        path: The file; None for memory.
-
-    Attributes:
-        kept: The use of the file, with its troubles.
-    """
+    """The file and its use."""
 
     def __init__(self, node: Node, path: Path | None, settings: HistorySettings) -> None:
         self._clock = clock = node.graph.clock
@@ -266,5 +253,4 @@ class HistoryStore:
             return await to_thread.run_sync(work, reader)
 
     def _renew(self) -> None:
-        """Have all series written again: the file is a new one."""
         self._is_new = True

@@ -37,8 +37,6 @@ _NOT_YET: Final = "the history is not kept now; `homebot doctor` says why"
 
 
 class _FoundSeries(NamedTuple):
-    """The series of a question, with the names of their devices."""
-
     series: list[Series]
     names: Mapping[str, str]
 

@@ -95,7 +95,6 @@ class HistoryReader:
         return _of(wider(hours, times_as_long), times_as_long * HOUR, span)
 
     def _values(self, series: int, span: Span, unsealed: Points | None) -> tuple[list[int], list[float]]:
-        """Return the single values, in the order of their times."""
         pairs: list[tuple[int, float]] = []
         for hour in range(span.since // HOUR, span.until // HOUR + 1):
             if data := read_blob(self.connection, "raw", key_of(hour, series)):
@@ -106,7 +105,6 @@ class HistoryReader:
         return [at for at, _ in pairs], [value for _, value in pairs]
 
     def _fives(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
-        """Return the buckets of five minutes, the oldest first."""
         found: dict[int, Bucket] = {}
         for hour in range(span.since // HOUR, span.until // HOUR + 1):
             if data := read_blob(self.connection, "five", key_of(hour, series)):
@@ -173,7 +171,6 @@ class HistoryReader:
 
 
 def _of(buckets: Mapping[int, Bucket], width: int, span: Span) -> Numbers:
-    """Return *buckets* that *span* touches."""
     fitting = {
         number * width: one
         for number, one in buckets.items()

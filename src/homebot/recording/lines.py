@@ -164,11 +164,7 @@ class LostLines(Message):
 
 
 class RecordingEnd(Message):
-    """The end of a recording.
-
-    Attributes:
-        reason: The reason of the end, as text; empty for a regular end.
-    """
+    """The end of a recording."""
 
     reason: str = ""
 

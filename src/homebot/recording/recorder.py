@@ -57,11 +57,7 @@ _Source: TypeAlias = (
 
 @final
 class Recorder:
-    """Records events from its start on.
-
-    Args:
-        header: The run; the recorder states when the recording began.
-    """
+    """Records events from its start on."""
 
     def __init__(self, node: Node, header: RecordingHeader) -> None:
         self._node = node
@@ -110,7 +106,6 @@ class Recorder:
         self._record(self._clock.now(), RecordingEnd(reason=reason))
 
     async def _begin(self) -> None:
-        """Record the run, the known devices and the leases."""
         held = (await self._leases.call(GetLeasesRequest())).parts
         devices = (await self._find.call(FindDevicesRequest())).devices
         rows = (await self._export.call(ExportIndexRequest())).rows

@@ -238,7 +238,6 @@ def _lines(file: IO[bytes], source: str) -> Iterator[bytes]:
 
 
 def _read_line(file: IO[bytes], source: str, count: int) -> bytes:
-    """Return the line after *count* others; empty if there is none."""
     try:
         return file.readline(_LONGEST_LINE + 1)
     except EOFError as exc:

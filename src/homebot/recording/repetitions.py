@@ -26,11 +26,7 @@ _Source: TypeAlias = tuple[Literal["sighting", "report"], str, str, str]
 
 
 class Repetition(Message):
-    """The last sighting or report of a source again, at another time; a sighting lasts as long as that did.
-
-    Attributes:
-        at: The time at which it was seen, or received.
-    """
+    """The last sighting or report of a source again, at another time; a sighting lasts as long as that did."""
 
     of: Literal["sighting", "report"]
     gateway: str

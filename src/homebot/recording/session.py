@@ -70,11 +70,7 @@ async def record_into(
 
 
 async def record_for_client(node: Node, header: RecordingHeader, ready: anyio.Event) -> None:
-    """Record for the client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds.
-
-    Args:
-        ready: Set when the lines can be fetched.
-    """
+    """Record for the client that fetches the lines, until it is done, leaves, or fetches nothing for ten seconds."""
     recorder = Recorder(node, header)
     async with anyio.create_task_group() as tasks:
         await tasks.start(recorder.run)
@@ -87,8 +83,6 @@ async def record_for_client(node: Node, header: RecordingHeader, ready: anyio.Ev
 
 @final
 class _LineReader:
-    """Answers the client."""
-
     def __init__(self, node: Node, recorder: Recorder) -> None:
         self._clock = node.graph.clock
         self._recorder = recorder
@@ -128,7 +122,6 @@ class _LineReader:
 
 
 async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
-    """Write once a second, until the sink takes no more."""
     while await _write(node, recorder, sink):
         if sink.is_full:
             node.log.warning(FULL, message="the recording ended: its file is full")
@@ -137,7 +130,6 @@ async def _write_all(node: Node, recorder: Recorder, sink: LineSink) -> None:
 
 
 async def _write(node: Node, recorder: Recorder, sink: LineSink) -> bool:
-    """Write the queued lines; return whether that worked."""
     recorder.record_lost()
     try:
         await sink.write(recorder.lines.pop())

@@ -83,9 +83,6 @@ class CommandMatcher:
     """Finds a command among others: of the same issuer, to the same part, of the same values, at most 1 s away.
 
     Each is found once, the earliest first. Commands that a policy refused are none.
-
-    Args:
-        commands: The others, in the order of time.
     """
 
     def __init__(self, commands: Iterable[TimedCommand]) -> None:

@@ -127,8 +127,6 @@ async def replay(recording: Recording, config: Config, settle: Callable[[], Awai
 
 @final
 class _ReplayJournal:
-    """The commands that apps gave in a replay, and their results."""
-
     def __init__(self, began: float) -> None:
         self._began = began
         self._news = CommandNews()
@@ -164,10 +162,6 @@ class _RecordedOutcomes:
     were recorded; one that was not sent then, because the device was so already or its network was away, ends as it did
     then. A command that is not in the recording counts as sent and obeyed for the app that gave it, until the device
     reports next; for all others the states of devices stay those of the recording.
-
-    Args:
-        commands: The commands of the recording, in the order of time.
-        now: Returns seconds since the start of the recording.
     """
 
     is_live: ClassVar[bool] = False

@@ -55,7 +55,6 @@ def _tables_of(wanted: Iterable[str], known: Iterable[RecordedApp]) -> dict[str,
 
 
 def _check_installed(recorded: Iterable[RecordedApp]) -> None:
-    """Refuse recorded apps that are not installed."""
     others = [one for one in recorded if installed_plugin(_APPS, one.kind) is None]
     if others:
         named = ", ".join(f"{one.name} ({one.kind[:_SHOWN]})" for one in others[:_MOST_SHOWN])

@@ -88,7 +88,6 @@ class ReplayGateway(Gateway):
                 await self._listeners.deliver(message, wait_if_full=True)
 
     def _heard_at(self, stamp: float) -> float:
-        """Return the reading of the monotonic clock at the time *stamp*."""
         return self._clock.monotonic() - (self._clock.now() - stamp)
 
     def _publish_told_state(self, state: GatewayState) -> None:
@@ -175,7 +174,6 @@ class ReplayFeed:
             await tell(message)
 
     async def _wait_until(self, at: float) -> None:
-        """Wait for a moment, and until everything has happened that is due then."""
         await anyio.sleep(max(0.0, at - self.now))
         await self._settle()
 

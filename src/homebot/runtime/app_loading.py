@@ -122,11 +122,7 @@ def _without_cache() -> Iterator[None]:
 
 @final
 class AppPlanner:
-    """Plans one app at a time. Blocking.
-
-    Args:
-        grants: The scopes of apps by their nodes, replaced when the configuration is reloaded.
-    """
+    """Plans one app at a time. Blocking."""
 
     def __init__(self, read_config: Callable[[], Config], grants: Mapping[str, tuple[str, ...]]) -> None:
         self._read_config = read_config

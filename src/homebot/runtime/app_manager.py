@@ -95,9 +95,6 @@ class AppManager:
     async def running(self, planned: Iterable[PlannedApp], is_cut: Callable[[], bool]) -> AsyncIterator[None]:
         """Start *planned*, each when the one before is ready; at the end, stop all in reverse order.
 
-        Args:
-            is_cut: Returns whether nothing more is to be started.
-
         Raises:
             UsageError: One cannot be started as it is configured.
         """
@@ -225,7 +222,6 @@ class AppManager:
         return app.crash
 
     async def _start(self, planned: PlannedApp) -> _RunningApp:
-        """Start *planned* and wait until it is ready."""
         if self._tasks is None:
             raise UsageError("homebot stops")
         app = _RunningApp(planned)
@@ -275,7 +271,6 @@ async def _answer(change: Callable[[str], Awaitable[str]], request: ChangeAppReq
 
 
 def _ended(planned: PlannedApp) -> _RunningApp:
-    """Return an app that could not be started."""
     app = _RunningApp(planned)
     app.has_ended.set()
     return app

@@ -57,7 +57,6 @@ async def reload_changed_apps(
 
 
 def _has(source: Path, path: Path) -> bool:
-    """Return whether *path* is the file *source*, or a module in that folder."""
     return path == source or (path.suffix == ".py" and source in path.parents)
 
 

@@ -88,7 +88,6 @@ def read_access(
 
 
 def _tokens(tables: object, source: str, folder: Path) -> dict[str, ClientToken]:
-    """Return the tokens in the tables ``[door.tokens.NAME]``, each read from its file."""
     if not isinstance(tables, Mapping):
         raise ConfigError(source, "door.tokens", "must be tables, [door.tokens.NAME]")
     found = {}

@@ -19,11 +19,7 @@ _LONG = 300.0
 
 
 class RuntimeHealth:
-    """Answers how the runtime is.
-
-    Args:
-        watch: Detector of a blocked event loop, or None.
-    """
+    """Answers how the runtime is."""
 
     def __init__(
         self,

@@ -73,11 +73,7 @@ ComponentT = TypeVar("ComponentT", Gateway, App)
 
 @dataclass(frozen=True, slots=True)
 class PlannedComponent(Generic[ComponentT]):
-    """A gateway or an app to be started.
-
-    Attributes:
-        settings: Its table, checked by ``kind.Settings``.
-    """
+    """A gateway or an app to be started."""
 
     name: str
     kind: type[ComponentT]
@@ -244,7 +240,6 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
 
 
 def _thing_directory(config: Config) -> DirectoryBridgeSettings | None:
-    """Return the settings of the directory that is served over HTTP; None where none is."""
     key = "thing_directory"
     if config.thing_directory is None:
         return None

@@ -83,9 +83,6 @@ async def reload_configuration(
     Args:
         read: Called in a worker thread.
         make_plan: Likewise, with what *read* returned.
-
-    Returns:
-        The plan in use from now on.
     """
     try:
         config = await to_thread.run_sync(read)

@@ -64,7 +64,6 @@ class RecorderStarter:
         node.create_service(Trigger, START_RECORDER, self._start)
 
     async def _start(self, _: TriggerRequest) -> SuccessResponse:
-        """Start a recorder; the answer says why there is none."""
         if self._is_busy:
             return SuccessResponse(success=False, message=BUSY)
         self._is_busy = True
@@ -98,7 +97,6 @@ def _home_table(home: HomeSettings) -> str:
 
 
 def _places(plan: Plan) -> str:
-    """Return the table ``[places]`` as the text of a places file; empty where there is none."""
     places = plan.places
     if not places.rooms and not places.devices:
         return ""

@@ -296,7 +296,6 @@ class Runtime:
             await run_as(node.full_name, partial(gateway.serve, task_status=task_status))
 
     def _beside_index(self, name: str) -> Path | None:
-        """Return the file *name* beside the index; None where nothing is kept."""
         return self.index_file and self.index_file.with_name(name) if self._plan.discovery.persist else None
 
     def _serve_copies(self, main: Node) -> None:

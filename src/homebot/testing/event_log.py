@@ -68,11 +68,7 @@ class HouseEvent:
 
 
 class EventLog:
-    """A log of the last 100,000 events of a house; older ones are dropped.
-
-    Attributes:
-        lost: The number of events dropped.
-    """
+    """A log of the last 100,000 events of a house; older ones are dropped."""
 
     def __init__(self, clock: Clock) -> None:
         self.events: deque[HouseEvent] = deque(maxlen=MAX_EVENTS)
@@ -132,7 +128,6 @@ async def _read_graph(node: Node, log: EventLog) -> None:
 
 
 def _follow(node: Node, log: EventLog, topics: set[str], change: GraphChange) -> None:
-    """Read each topic once it has a publisher."""
     info = change.entity
     if change.change == "removed" or info.kind is not EntityKind.PUBLISHER or info.name in topics:
         return
@@ -185,7 +180,6 @@ def _is_measured(said: bytes | Message | str) -> bool:
 
 
 def _lines(events: Iterable[HouseEvent]) -> Iterator[str]:
-    """Yield commands and changes, as `homebot watch` shows them."""
     names: dict[str, str] = {}
     lines = HouseLines(names)
     found: list[WatchLine] = []

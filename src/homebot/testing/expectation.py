@@ -33,12 +33,7 @@ _TOLERANCE: Final = 0.01
 
 @final
 class Expectation(HouseWatcher):
-    """The values that one device is to have, such as ``on=False``.
-
-    Args:
-        name: The id of the device, or one of its names.
-        values: The expected values, by the names of the properties of its handles.
-    """
+    """The values that one device is to have, such as ``on=False``."""
 
     def __init__(self, view: HouseView, name: str, values: Mapping[str, object]) -> None:
         if not values:
@@ -88,12 +83,10 @@ class Expectation(HouseWatcher):
         raise AssertionError(f"{self._name} did not become {wanted} within {time}: {problem}")
 
     def _seen(self) -> Iterator[tuple[object, object]]:
-        """Yield the present and the expected value of each word."""
         present = self._present()
         yield from ((present.get(word, _UNKNOWN), value) for word, value in self._values.items())
 
     def _problem(self) -> str:
-        """Return the present values in words, or the word or name that does not exist."""
         if self._device() is None:
             known = sorted({one.name or one.id for one in self._known.values()})
             return f"there is no such device; {did_you_mean(self._name, known, f'there are {_listed(known)}')}"

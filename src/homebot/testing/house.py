@@ -127,9 +127,6 @@ _SHOWN = 10
 class TestHouse:
     """A running homebot on a broker of its own, with which a test plays the devices.
 
-    Args:
-        field: The connection of the test itself, subscribed to all topics.
-
     Attributes:
         broker_url: The address of its broker, as ``mqtt://host:port``.
     """

@@ -75,7 +75,6 @@ def config_of(test: pytest.Item) -> object:
 
 
 def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str], dict[str, Any]]:
-    """Return the apps, and all other arguments, of the marks of this *name*."""
     arguments = _arguments(test, name)
     unknown = sorted(set(arguments) - known)
     if unknown:

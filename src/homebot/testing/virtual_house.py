@@ -253,7 +253,6 @@ async def virtual_house_of(
 async def _inhabited(
     runtime: Runtime, broker: MemoryBroker, clock: LoopClock, world: World, root: str, heartbeat: float
 ) -> AsyncIterator[VirtualHouse]:
-    """Connect the test and the devices of *world* to *broker*."""
     random, make_client = runtime.random, broker.make_client
     options = MqttOptions.from_url(broker.url, client_id="test", keep_alive=_KEEP_ALIVE)
     async with MqttConnection(options, make_client, status_topic=None, clock=clock, random=random) as field:

@@ -204,7 +204,6 @@ def _short(value: object) -> shapes.ShortValue | None:
 
 
 def _takes(device: Device) -> dict[str, str]:
-    """Return the settable capabilities of the main parts, each with its values."""
     found: dict[str, str] = {}
     for one in (one for part in main_parts(device) for one in part.part.capabilities if one.settable):
         found[one.name] = span(one) or ("on, off" if CAPABILITIES.get(one.name, OWN).kind == "bool" else "any")

@@ -87,7 +87,6 @@ async def _named(home: HomeCalls, text: str) -> Sequence[Device]:
 
 
 async def _fitting(home: HomeCalls, text: str) -> list[str]:
-    """Return the ids of the first devices that fit the query *text*."""
     answer = await listed(home, query=text, limit=_MOST_NAMED)
     if not answer.success:
         raise ProblemError(HTTPStatus.NOT_FOUND, answer.message)

@@ -239,7 +239,6 @@ class BoundedServer(web.Server):
         return exchange.response
 
     async def _cut_silent(self) -> None:
-        """Cut connections off on which no request comes, until cancelled."""
         while True:
             await anyio.sleep(_SWEEP_EVERY)
             limit = self._clock.monotonic() - FIRST_REQUEST_WITHIN

@@ -119,7 +119,6 @@ def _config_files(path: Path, tables: Mapping[str, object], *, with_secrets: boo
 
 
 def _values(tables: object, key: str = "") -> Iterator[tuple[str, str]]:
-    """Yield all texts in *tables*, each with its key."""
     if isinstance(tables, Mapping):
         for name, value in tables.items():
             yield from _values(value, name)

@@ -95,7 +95,6 @@ def _write_things(door: DoorClient, options: argparse.Namespace) -> None:
 
 
 def _all(door: DoorClient, service_type: str, convert: Callable[[Device], T]) -> list[T]:
-    """Return the results of *convert* for all devices."""
     devices = all_devices(door, convert, service_type)
     if service_type and not devices:
         try:
@@ -121,7 +120,6 @@ def _row(device: Device, now: float, waiting: Container[str]) -> tuple[str, ...]
 
 
 def _command_topic(device: Device) -> str:
-    """Return the topic on which a device takes commands; empty if it takes none."""
     for one in device.endpoints:
         if is_topic(one.command_address):
             return one.command_address

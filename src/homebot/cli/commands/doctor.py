@@ -80,7 +80,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _doctor(options: argparse.Namespace) -> int:
-    """Print how everything is; return 1 where something is not as it should be."""
     if options.offline:
         return _check_offline(options)
     if options.config or options.reach:
@@ -119,7 +118,6 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _show(title: str, facts: Mapping[str, object], findings: Sequence[Finding], options: argparse.Namespace) -> int:
-    """Print *findings*; return the exit code."""
     findings = sorted(findings, key=lambda one: one.kind.is_problem)  # what matters is above the prompt
     is_well = not any(one.kind.is_problem for one in findings)
     if options.json:

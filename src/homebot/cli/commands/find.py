@@ -51,7 +51,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _find(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the matches of a query, best first; return 1 if there are none."""
     query = " ".join(options.query)
     found = _found(door, query, options.limit)
     if options.json:
@@ -88,7 +87,6 @@ def _named(door: DoorClient, name: str, limit: int) -> QueryDevicesResponse | No
 
 
 def _show_left_out(found: QueryDevicesResponse) -> None:
-    """Print of what is near a robot where that was, and what cannot be reached from there."""
     if found.message:
         print(f"homebot: {printable(found.message, _WIDEST)}", file=sys.stderr)
     for one in found.left_out:

@@ -73,7 +73,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _history(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the history of devices; return 1 if there is none."""
     text = " ".join(options.query)
     if not text.strip() and not options.energy:
         raise UsageError("give a device or a query, such as 'temperature in kitchen'; --energy needs none")

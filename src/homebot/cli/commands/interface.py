@@ -85,7 +85,6 @@ def _resolve(known: Interfaces, ros_type: str) -> Interface:
 
 
 def _find(options: argparse.Namespace) -> int:
-    """Print the names of types by a word; return 1 if there are none."""
     known, word = _interfaces(options), options.word.lower()
 
     def has_field(name: str) -> bool:

@@ -67,7 +67,6 @@ def _journal(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _print_missing(found: ReadJournalResponse, now: float, *, is_filtered: bool) -> None:
-    """Print why there are no entries, or that there are older ones."""
     if not found.entries:
         print("nothing in the journal fits" if is_filtered else "the journal is empty")
     elif not found.complete:

@@ -66,7 +66,6 @@ def _get(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _set(door: DoorClient, options: argparse.Namespace) -> int:
-    """Set a parameter; return 1 where its node refuses the value."""
     try:
         value = parse_flow(options.value)
     except WireError as exc:
@@ -112,7 +111,6 @@ def _insert(table: dict[str, Any], name: str, value: object) -> None:
 
 
 def _load(door: DoorClient, options: argparse.Namespace) -> int:
-    """Set the parameters of a node that a file names; return 1 where the node refuses one."""
     node = _node(options.node, _names(door))
     return max([_set_value(door, node, name, value) for name, value in _read_params(options.file, node).items()])
 
@@ -131,7 +129,6 @@ def _read_params(file: str, node: str) -> dict[str, object]:
 
 
 def _leaves(value: object, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], object]]:
-    """Yield each value in nested tables, with the keys that lead to it."""
     if not isinstance(value, dict):
         yield keys, value
         return
@@ -140,7 +137,6 @@ def _leaves(value: object, keys: tuple[str, ...] = ()) -> Iterator[tuple[tuple[s
 
 
 def _names(door: DoorClient) -> dict[str, list[str]]:
-    """Return the names of all parameters by the full names of their nodes."""
     nodes: dict[str, list[str]] = {}
     for one in cast("list[str]", door.call("/rosapi/get_param_names")["names"]):
         node, _, name = one.partition(":")

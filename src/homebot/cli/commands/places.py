@@ -140,8 +140,6 @@ def _position(device: Device) -> str:
 
 
 class _Room(TypedDict):
-    """A room as it is printed, with the number of devices in it."""
-
     name: str
     floor: str
     doors: list[str]
@@ -231,7 +229,6 @@ def _room_point(text: str) -> tuple[str, tuple[float, float]]:
 
 
 def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, float]]) -> str:
-    """Return the rooms around *points* in a map, as the text of a places file."""
     doors = cast("GetPlacesResponse", JsonMessage(door.call(GET_PLACES, {}))).doors
     rooms = [*_map(door, file).rooms(points, [[*zip(one.x, one.y, strict=True)] for one in doors if len(one.x) > 1])]
     for room in rooms:
@@ -240,7 +237,6 @@ def _map_text(door: DoorClient, file: str, points: Mapping[str, tuple[float, flo
 
 
 def _map(door: DoorClient, file: str) -> RobotMap:
-    """Return the map of a file, or that on the topic ``/map``."""
     check_extra("a map", "maps", "PIL", "yaml")
     from homebot.cli.robot_map import RobotMap, read_map  # noqa: PLC0415 - with the first map
 

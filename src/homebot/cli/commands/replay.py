@@ -76,7 +76,6 @@ def difference_text(one: DifferentCommand, start: float, names: Mapping[str, str
 
 
 def _replay(options: argparse.Namespace) -> int:
-    """Run apps through a recorded time, and print their commands."""
     configure_logging(level="info" if options.log else "critical")
     try:
         recording = load_recording(Path(options.file))

@@ -99,7 +99,6 @@ def _check_stopped(folder: Path) -> None:
 
 
 def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list[Path]:
-    """Return the files and folders that were moved aside."""
     ending, aside = f".before-restore-{time.time():.0f}", []
     for one, file in manifest.files.items():
         if not one.startswith("config/"):

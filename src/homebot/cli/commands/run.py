@@ -142,7 +142,6 @@ def is_service() -> bool:
 
 
 def _app(text: str) -> str:
-    """Return the name of an app: a plug-in's, ``module:Class``, or a file of Python."""
     module, colon, kind = text.partition(":")
     names = (*module.split("."), kind) if colon else (text,)
     if all(name.isidentifier() for name in names):
@@ -220,7 +219,6 @@ def _log(log_format: LogFormat | None, *, is_quiet: bool) -> Iterator[None]:
 
 @contextmanager
 def _recording(path: str | None) -> Iterator[LineSink | None]:
-    """Yield the writer of the lines of a recording; None if *path* is none."""
     if path is None:
         yield None
         return
@@ -289,7 +287,6 @@ def _thesis_config(options: argparse.Namespace) -> Config:
 
 
 def _is_watched(options: argparse.Namespace) -> bool:
-    """Return whether standard output is a terminal that can show a view, and may."""
     has_screen = sys.stdout.isatty() and os.environ.get("TERM", "dumb") not in {"", "dumb", "unknown"}
     return has_screen and not options.plain and options.log_format == "console"
 
@@ -314,7 +311,6 @@ def _house(name: str) -> World:
 
 
 def _with_its_class(file: str) -> str:
-    """Return the app in *file* as ``FILE.py:Class``."""
     from homebot.apps import App  # noqa: PLC0415 - few runs name a file
 
     return name_in_file(file, App)
@@ -342,7 +338,6 @@ def _first_connection(runtime: Runtime) -> FirstConnection | None:
 
 @asynccontextmanager
 async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
-    """Enter *runtime*, and show its house on the terminal."""
     async with _settled(runtime):
         from homebot.cli.live_house import shown  # noqa: PLC0415 - for a terminal alone
 

@@ -109,7 +109,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _call(door: DoorClient, options: argparse.Namespace) -> int:
-    """Call a service and print its response; return 1 where the response says that it did not work."""
     expected, request = options.type, options.request
     if isinstance(expected, dict):  # the type was left out
         expected, request = "", expected
@@ -177,6 +176,5 @@ def _install(options: argparse.Namespace) -> int:
 
 
 def _quoted(path: str) -> str:
-    """Return *path* as a word of ``ExecStart``."""
     escaped = path.replace("\\", "\\\\").replace('"', '\\"').replace("%", "%%").replace("$", "$$")
     return f'"{escaped}"'

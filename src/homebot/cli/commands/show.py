@@ -112,7 +112,6 @@ def _addresses(device: Device) -> list[tuple[str, ...]]:
 
 
 def _facts(device: Device, now: float) -> list[tuple[str, ...]]:
-    """Return the rows of the facts, or of the metadata where there is no fact."""
     facts: list[tuple[str, ...]] = [(one.name, one.value, _by(one), ago(one.said_at, now)) for one in device.facts]
     return facts or [(one.key, one.value, "", "") for one in device.metadata]
 

@@ -144,7 +144,6 @@ def _write(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, object], timeout: float) -> JsonMessage:
-    """Call a service of the gateway for tags."""
     try:
         return JsonMessage(door.call(service, request, timeout))
     except PeerError:

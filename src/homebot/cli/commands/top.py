@@ -37,11 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def samples(ask: Callable[[], dict[str, object]], wait: Callable[[], None]) -> Iterator[Load]:
-    """Yield the load since the sample before, for ever.
-
-    Args:
-        ask: Returns the answer of ``/rosapi/load``.
-    """
+    """Yield the load since the sample before, for ever."""
     before = ask()
     while True:
         wait()

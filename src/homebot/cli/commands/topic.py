@@ -134,7 +134,6 @@ def _span(seconds: float) -> str:
 
 
 def _echo(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the messages of a topic, until Ctrl-C or as the options say."""
     door.subscribe(options.topic)
     schema = _schema(door, options.topic)
     while True:
@@ -229,7 +228,6 @@ def _command_addresses(devices: Collection[Device]) -> set[str]:
 
 
 def _hz(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print once a second how often a topic was published on, until Ctrl-C."""
     door.subscribe(options.topic)
     if not topic_type(door, options.topic):
         print(not_yet(door, options.topic), file=sys.stderr)

@@ -84,7 +84,6 @@ def _brokers(test: pytest.Item) -> Iterator[tuple[str, TestBroker | BlockingTest
 
 
 def _settings(test: pytest.Item) -> BrokerSettings:
-    """Collect the settings of a test's marks; the nearest counts most."""
     arguments: dict[str, object] = {}
     for mark in test.iter_markers(_MARK):
         if mark.args:

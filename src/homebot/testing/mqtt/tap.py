@@ -218,7 +218,6 @@ def _read_own(piece: bytes, version: ProtocolVersion) -> Packet | str:
 
 
 def _split(data: bytes) -> Iterator[bytes]:
-    """Return the packets in *data*, which holds whole ones only."""
     cursor = Cursor(data)
     while (start := cursor.position) < len(data):
         cursor.position += 1

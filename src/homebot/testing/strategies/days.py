@@ -83,7 +83,6 @@ def _days(
 
 @st.composite
 def _happenings(draw: DrawFn, whats: tuple[What, ...], kinds: Mapping[str, str], length: float) -> DayEvent:
-    """Draw happenings, with their time since the start."""
     what = draw(one_of((*whats, *whats[:2])))  # the first are likelier: most failures need commands
     at = draw(moments(length))
     if what == "restart":
@@ -101,7 +100,6 @@ def _hours(low: int, high: int) -> SearchStrategy[float]:
 
 
 def _kinds(tables: Mapping[str, object]) -> dict[str, str]:
-    """Return the kind of each device."""
     devices = tables.get("devices", {})
     return {name: table["kind"] for name, table in devices.items()} if isinstance(devices, dict) else {}
 
