@@ -20,7 +20,6 @@ async def test_the_lamp_goes_on_in_each_room_that_somebody_comes_into() -> None:
 
 @pytest.mark.parametrize(("at", "goes_on"), [("03:00", True), ("12:00", False)])
 async def test_a_light_sensor_tells_whether_it_is_dark(at: str, *, goes_on: bool) -> None:
-    """At night and at noon."""
     world = flat(
         (at, "kitchen"),
         kitchen_lamp=lamp("kitchen"),

@@ -111,7 +111,6 @@ async def test_a_handler_that_fails_five_times_in_a_row_is_given_up() -> None:
 
 @pytest.mark.parametrize("error", [SystemExit(1), GeneratorExit(), asyncio.CancelledError()])
 async def test_an_error_that_would_end_a_task_costs_one_run(error: BaseException) -> None:
-    """The next call runs as if nothing had happened."""
     done: list[str] = []
 
     async def work() -> None:
@@ -125,7 +124,6 @@ async def test_an_error_that_would_end_a_task_costs_one_run(error: BaseException
 
 
 async def test_a_run_that_is_cancelled_is_no_failure() -> None:
-    """Neither by the app nor by a restart."""
     done: list[str] = []
     async with runs_of("queued") as runs:
         runs.start(handler(done)("a"))
@@ -138,7 +136,6 @@ async def test_a_run_that_is_cancelled_is_no_failure() -> None:
 
 
 async def test_a_mode_that_does_not_exist_is_named() -> None:
-    """With the one that may be meant."""
     node = Node(Graph(), "hall")
     with pytest.raises(UsageError, match="mode: there is no 'paralel'; did you mean parallel"):
         HandlerRuns(node, lambda _: None, "job", "paralel")  # type: ignore[arg-type]  # what is under test

@@ -39,7 +39,6 @@ async def settle() -> None:
 
 
 async def test_on_is_answered_with_off_each_time() -> None:
-    """Also the first word of a lamp that appears later."""
     async with light_service() as gateway:
         await gateway.says("lights/a", "on")
         await settle()
@@ -60,7 +59,6 @@ async def test_on_is_answered_with_off_each_time() -> None:
     ],
 )
 async def test_a_lamp_is_judged_by_its_value(word: str, told: list[str]) -> None:
-    """And nothing is said of a word that is about something else."""
     with capture_logs() as lines:
         async with light_service() as gateway:
             for _ in range(3):
@@ -73,7 +71,6 @@ async def test_a_lamp_is_judged_by_its_value(word: str, told: list[str]) -> None
 
 
 async def test_off_is_noted_once_until_the_lamp_was_on_again() -> None:
-    """Not with each heartbeat."""
     with capture_logs() as lines:
         async with light_service() as gateway:
             for word in ("off", "off", "on", "off", "off"):
@@ -84,7 +81,6 @@ async def test_off_is_noted_once_until_the_lamp_was_on_again() -> None:
 
 
 async def test_what_is_no_lamp_is_left_alone() -> None:
-    """A window that says on."""
     async with light_service() as gateway:
         await gateway.says("windows/w", "on")
     assert gateway.told == []
@@ -113,7 +109,6 @@ async def test_what_it_does_not_understand_is_told_once_and_it_goes_on(payload: 
 
 
 async def test_a_lamp_that_is_removed_and_back_is_answered_once() -> None:
-    """And its state is noted anew."""
     with capture_logs() as lines:
         async with light_service() as gateway:
             await gateway.says("lights/a", "off")
@@ -153,7 +148,6 @@ async def test_a_lamp_that_takes_no_commands_is_told_about_and_the_others_are_se
 
 
 async def test_a_lamp_that_may_not_be_listened_to_is_told_about() -> None:
-    """With the gateway's reason."""
     with capture_logs() as lines:
         async with light_service(refused=("lights/a/out",)) as gateway:
             await gateway.says("lights/a", "on")

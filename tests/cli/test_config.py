@@ -203,7 +203,6 @@ def test_a_mistake_is_told_with_file_key_and_reason(capsys: Text, text: str, pro
 def test_relative_paths_begin_at_the_folder_of_the_file(
     capsys: Text, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Wherever homebot is started."""
     (tmp_path / "elsewhere").mkdir()
     Path("homebot.toml").write_text(VILLA)
     monkeypatch.chdir(tmp_path / "elsewhere")
@@ -283,7 +282,6 @@ def test_code_that_others_can_change_is_refused(
 def test_what_no_configuration_can_hold_is_told_in_one_sentence(
     capsys: Text, text: str, problem: str, command: tuple[str, ...]
 ) -> None:
-    """Of houses too."""
     Path("odd.toml").write_text(text)
     assert main([*command, "odd.toml"]) == 1
     error = capsys.readouterr().err

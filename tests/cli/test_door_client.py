@@ -148,7 +148,6 @@ async def test_a_message_in_fragments_is_one_message() -> None:
 
 
 async def test_a_server_that_says_nothing_is_not_waited_for_without_end() -> None:
-    """Neither for a message nor for an answer."""
     async with answering(lambda _connection, _frame: []) as port:
         with pytest.raises(TimeoutError):
             await to_thread.run_sync(use, port, lambda door: door.next(0.05))

@@ -286,7 +286,6 @@ def test_a_wrong_option_is_a_matter_of_usage(
 
 
 def test_a_watchdog_that_was_not_needed_leaves_no_thread() -> None:
-    """Started twice, as by two signals."""
     with Watchdog() as watchdog:
         watchdog.start()
         watchdog.start()

@@ -233,7 +233,6 @@ def test_a_command_whose_output_is_piped_loads_neither_rich_nor_what_only_homebo
 def test_a_long_list_of_devices_shows_how_far_it_is(
     homebot_with: Callable[[Callable[[Graph], Node], Clock], Homebot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """And leaves the table alone on the screen."""
     homebot = homebot_with(_crowded, ManualClock(1_800_000_000))
     monkeypatch.setenv("COLUMNS", "100")
     with on_terminal() as terminal:

@@ -46,7 +46,6 @@ def test_what_is_written_is_read(points: list[tuple[int, float]]) -> None:
 
 @given(POINTS)
 def test_summaries_are_those_of_the_values(points: list[tuple[int, float]]) -> None:
-    """In five minutes, in an hour, and as they are stored."""
     times, values = [at for at, _ in sorted(points)], [value for _, value in points]
     fives = buckets_of(times, values, FIVE_MINUTES, HOUR, is_counter=True)
     (hour,) = wider(fives, 12).values()

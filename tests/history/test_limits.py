@@ -117,7 +117,6 @@ async def test_the_loop_goes_on_while_a_hundred_thousand_values_are_written(tmp_
 
 
 async def test_devices_that_are_gone_leave_room_for_new_ones() -> None:
-    """Their history stays."""
     gone = {(f"gone{one}", "", "power"): Series(one, (f"gone{one}", "", "power"), "W") for one in range(1, 11)}
     collector = Collector(LoopClock(), 10, gone, {})
     for one in range(12):

@@ -118,6 +118,5 @@ async def test_a_gateway_knows_which_others_are_configured() -> None:
 
 
 def test_a_simulated_house_needs_a_service_that_can_host_it() -> None:
-    """A radio is none."""
     with pytest.raises(ConfigError, match=r"test: gateways: none uses the embedded broker"):
         Runtime(config("first"), house=thesis_world())

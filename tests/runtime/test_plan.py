@@ -42,7 +42,6 @@ def test_every_door_may_have_a_contact(doors: dict[str, list[str]], rooms: dict[
     ],
 )
 def test_a_door_without_a_contact_is_an_error(doors: dict[str, list[str]], key: str, problem: str) -> None:
-    """Somebody may leave by it."""
     with pytest.raises(ConfigError) as raised:
         make_plan(parse_config(config(doors), "homebot.toml"))
     assert raised.value.key == key

@@ -149,7 +149,6 @@ def _importable(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def test_parts_start_in_order_and_stop_in_reverse() -> None:
-    """Gateways, directory, apps, door: the graph shows it."""
     runtime = Runtime(config(gateways={"mqtt": {}}, apps={"first": app(Steady), "second": app(Steady)}))
     with runtime.graph.watch() as changes:
         async with runtime:
@@ -180,7 +179,6 @@ async def test_a_simulated_house_on_a_broker_of_somebody_else_is_refused() -> No
 
 
 async def test_a_crashing_app_disturbs_nobody_and_is_started_anew() -> None:
-    """Its neighbours do not notice."""
     async with Runtime(config(apps={"crashing": app(Crashing), "steady": app(Steady)})) as runtime:
         await JOURNAL.wait_for("crashing starts", times=2)
         assert runtime.supervisor.restarts == {"crashing": 1}
@@ -218,7 +216,6 @@ async def test_a_start_can_be_cut_short() -> None:
 
 
 async def test_a_start_that_is_cancelled_stops_what_it_started() -> None:
-    """As under somebody's time limit."""
     runtime = Runtime(config(gateways={"mqtt": {}}, apps={"steady": app(Steady), "never": app(NeverReady)}))
 
     async def start() -> None:
@@ -250,7 +247,6 @@ async def test_a_program_that_is_cancelled_stops_everything_at_once() -> None:
 
 
 async def test_an_error_of_the_program_passes_as_it_is() -> None:
-    """Not wrapped in groups."""
     with pytest.raises(KeyError, match="mine"):
         async with Runtime(config(apps={"steady": app(Steady)})):
             raise KeyError("mine")
@@ -258,7 +254,6 @@ async def test_an_error_of_the_program_passes_as_it_is() -> None:
 
 
 async def test_the_log_is_on_rosout_too_while_it_runs() -> None:
-    """And the logging is afterwards what it was before."""
     before = structlog.get_config()["processors"]
     async with Runtime(config()) as runtime, Node(runtime.graph, "watcher") as watcher:
         lines = watcher.create_subscription(Log, "/rosout", qos_profile=10)
@@ -285,7 +280,6 @@ def has_ipv6() -> bool:
     ],
 )
 async def test_the_greeting_says_where_tools_come_in(host: str, shown: str) -> None:
-    """In the spelling of --door."""
     with capture_logs() as lines:
         async with Runtime(config(home={"name": "villa"}, door={"host": host, "port": 0})):
             pass
@@ -374,7 +368,6 @@ async def test_two_embedded_brokers_take_two_ports_and_each_says_which() -> None
 
 
 async def test_the_token_of_the_door_comes_from_its_file(tmp_path: Path) -> None:
-    """Its first line, without the line break."""
     file = tmp_path / "token"
     file.touch(mode=0o600)
     file.write_text("hunter2\r\nsecond line\n")
@@ -396,7 +389,6 @@ async def listens(url: str) -> bool:
 
 @pytest.mark.virtual_time
 async def test_a_whole_home_runs_in_memory_and_in_virtual_time() -> None:
-    """With the simulated house, without a door and without a socket."""
     async with MemoryBroker() as broker:
         tables = config(gateways={"mqtt": {"root": "home425"}}, apps={"light_service": {}})
         async with (

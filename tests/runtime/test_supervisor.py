@@ -32,7 +32,6 @@ class Fragile:
 
 
 async def test_a_crashed_component_is_started_anew_after_a_growing_delay() -> None:
-    """0.5 s, 1 s, 2 s: the starts of the component show it."""
     fragile = Fragile(crashes=3)
     supervisor = Supervisor(LoopClock())
     with capture_logs() as lines:
@@ -70,7 +69,6 @@ async def test_a_crash_in_another_place_has_a_traceback_of_its_own() -> None:
 
 
 async def test_a_component_that_keeps_crashing_is_given_up_and_reported() -> None:
-    """Five times within a minute."""
     fragile = Fragile(crashes=99)
     supervisor = Supervisor(LoopClock())
     with capture_logs() as lines:
@@ -95,7 +93,6 @@ async def test_crashes_far_apart_are_forgiven() -> None:
 
 
 async def test_a_crash_does_not_disturb_the_others() -> None:
-    """The steady one runs on."""
     steady_ticks = 0
 
     async def steady(*, task_status: TaskStatus[None]) -> None:

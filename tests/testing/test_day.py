@@ -42,7 +42,6 @@ lasts = "90s"
 @given(days())
 @settings(max_examples=25)
 def test_a_saved_day_comes_back_the_same(tmp_path_factory: pytest.TempPathFactory, day: Day) -> None:
-    """Whatever is in it."""
     file = tmp_path_factory.getbasetemp() / "day.toml"
     day.save(file)
     assert Day.load(file) == day
@@ -54,7 +53,6 @@ def test_a_saved_day_comes_back_the_same(tmp_path_factory: pytest.TempPathFactor
 @example('"""', 1, 59_999)
 @example("\\", 3_599_999, 0)
 def test_any_command_and_any_millisecond_come_back_the_same(command: str, at: int, lasts: int) -> None:
-    """Exactly, also in what is shown."""
     told = DayEvent(at / 1000, "tell", "lamp", command)
     pulled = DayEvent(at / 1000, "pull", "lamp", lasts=lasts / 1000)
     day = Day(Day.parse(HOUSE).house, [told, pulled])
@@ -63,7 +61,6 @@ def test_any_command_and_any_millisecond_come_back_the_same(command: str, at: in
 
 
 def test_a_day_reads_as_its_file() -> None:
-    """In time order, with what is not said left out."""
     day = Day.parse(MORNING)
     assert str(day) == (
         '[day]\nstart = "06:30"\nlength = "2h"\n\n'
@@ -76,14 +73,12 @@ def test_a_day_reads_as_its_file() -> None:
 
 
 def test_the_file_of_a_house_is_a_day_in_which_nothing_happens() -> None:
-    """A whole one."""
     day = Day.load(ROOT / "examples" / "houses" / "family.toml")
     assert (day.start, day.length, day.happenings) == (0.0, 86_400.0, ())
     assert len(day.world().devices) >= 20
 
 
 def test_a_day_cannot_be_changed_through_the_tables_it_was_made_of() -> None:
-    """It has its own."""
     tables = dict(Day.parse(HOUSE).house)
     day = Day(tables)
     tables.clear()
@@ -91,7 +86,6 @@ def test_a_day_cannot_be_changed_through_the_tables_it_was_made_of() -> None:
 
 
 def test_a_played_day_is_told_and_pressed_on_time() -> None:
-    """And goes on to its end."""
     day = Day.parse(
         MORNING.replace('what = "restart"\nlasts = "90s"', 'what = "press"\ndevice = "lamp"\ncommand = "off"')
     )
@@ -128,7 +122,6 @@ def test_a_played_day_is_told_and_pressed_on_time() -> None:
 def test_what_is_wrong_is_told_with_file_key_and_reason(
     tmp_path: Path, old: str, new: str, key: str, reason: str
 ) -> None:
-    """The first of it."""
     file = tmp_path / "day.toml"
     assert old in MORNING
     file.write_text(MORNING.replace(old, new, 1))
@@ -140,7 +133,6 @@ def test_what_is_wrong_is_told_with_file_key_and_reason(
 
 
 def test_a_file_that_cannot_be_read_or_written_is_told_so(tmp_path: Path) -> None:
-    """With its name."""
     with pytest.raises(ConfigError, match=r"none\.toml does not exist"):
         Day.load(tmp_path / "none.toml")
     (tmp_path / "bytes.toml").write_bytes(b"\xff\xff")
@@ -155,12 +147,10 @@ def test_a_file_that_cannot_be_read_or_written_is_told_so(tmp_path: Path) -> Non
     [(-1.0, "on", "at must be from 0"), (float("nan"), "on", "at must be from 0"), (0.0, "\ud800", "can be sent")],
 )
 def test_a_happening_that_cannot_be_is_refused(at: float, command: str, reason: str) -> None:
-    """Where it is made."""
     with pytest.raises(UsageError, match=reason):
         DayEvent(at, "tell", "lamp", command)
 
 
 def test_the_tables_of_a_house_hold_no_day() -> None:
-    """Else there would be two."""
     with pytest.raises(ConfigError, match=r"day: is not a table of a house"):
         Day({"day": {}, **Day.parse(HOUSE).house})

@@ -21,7 +21,6 @@ def _tests_in(names: dict[str, object]) -> list[Callable[[], object]]:
 
 @pytest.mark.parametrize("program", PROGRAMS)
 def test_what_the_guide_shows_runs(program: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """In a directory with the files that it names."""
     monkeypatch.chdir(tmp_path)
     day = Day.parse(FILE)
     day.save("day.toml")
@@ -34,12 +33,10 @@ def test_what_the_guide_shows_runs(program: str, tmp_path: Path, monkeypatch: py
 
 
 def test_the_file_in_the_guide_is_a_day() -> None:
-    """With what its comments say."""
     day = Day.parse(FILE)
     assert (day.start, day.length) == (6.5 * 3600, 7200.0)
     assert [happening.what for happening in day.happenings] == ["restart", "press"]
 
 
 def test_the_guide_lists_all_that_can_happen() -> None:
-    """A reader finds it in the table."""
     assert all(f"| `{what}` |" in GUIDE for what in HAPPENINGS)

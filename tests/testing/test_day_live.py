@@ -40,14 +40,12 @@ async def lived(day: Day) -> tuple[tuple[DayEvent, ...], str]:
 @given(days(WITH_POWER, what=["press", "tell"], max_length="2h"))
 @settings(max_examples=5, derandomize=True)
 def test_where_the_wire_holds_a_day_goes_as_it_is_played(day: Day) -> None:
-    """The same events in the same order at the same times."""
     assert live_day(day).event_log.text() == day.play().text()
 
 
 @given(days(houses(kinds=["lamp", "window"], max_devices=2, faults=set(FAULTS)), max_length="1h"))
 @settings(max_examples=4, derandomize=True)
 def test_a_day_on_the_wire_is_the_same_each_time(day: Day) -> None:
-    """Byte for byte, whatever happens to the wire."""
     text = live_day(day, "light_service", seed=3).event_log.text()
     assert live_day(day, "light_service", seed=3).event_log.text() == text
 
@@ -62,7 +60,6 @@ def test_whatever_is_wrong_with_a_lamp_time_goes_on(fault: str) -> None:
 
 
 def test_an_app_acts_on_what_happens() -> None:
-    """The light service puts the lamp out."""
     world = live_day(a_day(DayEvent(at("08:30"), "press", "lamp", "on")), "light_service")
     assert world.event_log.text() == (
         "0 08:30:00.000 lamp switch on\n0 08:30:00.000 lamp says on\n"
@@ -92,7 +89,6 @@ async def test_what_is_told_over_a_pulled_cable_comes_when_it_is_plugged_in() ->
 
 
 async def test_a_device_whose_link_is_cut_dials_again() -> None:
-    """Within seconds."""
     day = a_day(DayEvent(at("08:10"), "cut", "lamp"), DayEvent(at("08:11"), "tell", "lamp", "on"))
     assert await lived(day) == ((), "0 08:11:00.000 lamp told on\n0 08:11:00.000 lamp says on\n")
 
@@ -120,7 +116,6 @@ async def retain(house: VirtualHouse) -> None:
 
 
 async def test_what_outlasts_the_day_ends_with_it() -> None:
-    """The broker is back, the cable is in."""
     day = a_day(DayEvent(at("08:50"), "restart", lasts=86_400.0))
     start = parse_time("2026-01-01 08:00")
     async with virtual_house_of(world=day.world(), start=start) as house:
@@ -130,7 +125,6 @@ async def test_what_outlasts_the_day_ends_with_it() -> None:
 
 
 async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
-    """It says when it begins, and what time it is."""
     day = a_day()
     async with virtual_house_of(world=day.world(), start="2026-01-01 08:30") as house:
         with pytest.raises(UsageError, match=r"begins at 08:00, but the house is already at 08:30:00"):
@@ -138,7 +132,6 @@ async def test_a_day_that_has_begun_already_cannot_be_lived() -> None:
 
 
 async def test_a_day_cannot_be_lived_in_another_house() -> None:
-    """Whose devices are not there."""
     day = a_day(DayEvent(at("08:10"), "cut", "lamp"))
     async with virtual_house_of() as house:
         with pytest.raises(UsageError, match="there is no device 'lamp' in the house"):
@@ -159,6 +152,5 @@ def test_an_app_that_crashes_fails_the_day() -> None:
 
 
 async def test_a_test_with_async_is_told_what_to_write() -> None:
-    """Its loop is already running."""
     with pytest.raises(UsageError, match=r"await day\.live\(house\)"):
         live_day(a_day())

@@ -25,7 +25,6 @@ def test_nothing_is_shown_that_is_not_run() -> None:
 
 
 def test_the_tests_pass_without_any_configuration(pytester: pytest.Pytester) -> None:
-    """In one folder, with the app that the first of them is about."""
     shutil.copy(EXAMPLE / "window_light.py", pytester.path)
     for name, text in FILES.items():
         (pytester.path / name).write_text(text)

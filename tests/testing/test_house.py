@@ -9,7 +9,6 @@ from homebot.testing.house import house_config, mqtt_gateway_of
 
 
 async def test_an_app_in_a_house_hears_devices_and_is_heard() -> None:
-    """Each topic has its own line of payloads."""
     async with house_of("light_service", root="villa") as house:
         await house.says("villa/lights/a/out", "on")
         await house.says("villa/lights/b/out", "on")
@@ -18,7 +17,6 @@ async def test_an_app_in_a_house_hears_devices_and_is_heard() -> None:
 
 
 async def test_what_does_not_come_is_told_with_what_came_instead() -> None:
-    """And with the apps that crashed; here none."""
     async with house_of("light_service") as house:
         await house.says("home425/lights/a/out", "on")
         with pytest.raises(TimeoutError) as caught:
@@ -30,7 +28,6 @@ async def test_what_does_not_come_is_told_with_what_came_instead() -> None:
 
 
 def test_pytest_does_not_take_the_house_for_a_test() -> None:
-    """Its name begins with Test."""
     assert not TestHouse.__test__
 
 

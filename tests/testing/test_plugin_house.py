@@ -153,7 +153,6 @@ async def test_the_thesis(house):
 
 
 def test_a_file_lies_beside_the_test(pytester: pytest.Pytester, tried: Tried) -> None:
-    """Whatever the working directory is."""
     folder = pytester.mkdir("below")
     (folder / "house.toml").write_text("[rooms.hall]\n[devices.desk]\nkind = 'lamp'\nroom = 'hall'\n")
     (folder / "homebot.toml").write_text("[home]\nname = 'villa'\n[apps.light_service]\n")
@@ -370,7 +369,6 @@ async def test_it(mqtt_broker, house): assert mqtt_broker == "mine"
 
 
 def test_loops_that_others_choose_stay_theirs(pytester: pytest.Pytester, tried: Tried) -> None:
-    """With the hook of pytest-asyncio."""
     pytester.makeconftest(
         """
 import asyncio

@@ -84,14 +84,12 @@ def goes_on_again(day: Day) -> bool:
 
 
 def test_the_simplest_day_is_an_hour_in_an_empty_house_of_one_room() -> None:
-    """What every day shrinks towards."""
     assert str(find(days(), lambda _: True, settings=FOUND)) == EMPTY
 
 
 @pytest.mark.no_cover
 @nightly
 def test_a_lamp_that_reverts_is_found_and_its_day_has_nothing_else() -> None:
-    """One room, one lamp, one fault, two commands."""
     assert (
         str(find(days(LONELY, what=["press", "tell"], max_length="1h"), goes_on_again, settings=FOUND))
         == BROKEN_PROMISE
@@ -108,7 +106,6 @@ def is_pressed_while_its_cable_is_out(day: Day) -> bool:
 
 
 def test_what_must_happen_one_after_the_other_shrinks_to_these_two() -> None:
-    """In a house with nothing else."""
     strategy = days(LAMPS, what=["press", "pull"], max_happenings=4, max_length="1h")
     day = find(strategy, is_pressed_while_its_cable_is_out, settings=FOUND)
     assert [(happening.what, happening.command) for happening in day.happenings] == [("pull", ""), ("press", "on")]
@@ -117,7 +114,6 @@ def test_what_must_happen_one_after_the_other_shrinks_to_these_two() -> None:
 
 
 def test_happenings_shrink_to_full_hours() -> None:
-    """And not to the smallest number of seconds."""
     day = find(days(LAMPS), lambda day: any(happening.at > 4000.0 for happening in day.happenings), settings=FOUND)
     assert [happening.at for happening in day.happenings] == [7200.0]
     assert (day.start % 3600.0, day.length % 3600.0) == (0.0, 0.0)
@@ -134,7 +130,6 @@ def has(part: str, number: int) -> Callable[[Table], bool]:
 
 @pytest.mark.parametrize("part", ["rooms", "devices", "people", "errands"])
 def test_a_house_of_two_has_two_and_nothing_else(part: str) -> None:
-    """Each part shrinks by itself."""
     house = find(houses(), has(part, 2), settings=FOUND)
     needed = {"rooms", part} | ({"devices"} if part == "errands" else set())
     assert set(house) == needed
@@ -146,7 +141,6 @@ def test_a_house_of_two_has_two_and_nothing_else(part: str) -> None:
 @given(houses(max_rooms=6, max_devices=8, max_people=3))
 @settings(max_examples=examples(30))
 def test_every_house_can_be_lived_in(house: Table) -> None:
-    """Everybody finds a way to everywhere."""
     parse_world(house, "house").run_until(3600.0)
 
 
@@ -155,7 +149,6 @@ def test_every_house_can_be_lived_in(house: Table) -> None:
 )
 @settings(max_examples=15)
 def test_a_house_keeps_to_its_bounds(house: Table) -> None:
-    """Each of them."""
     assert set(house) <= {"house", "rooms", "devices"}
     assert isinstance(house["rooms"], dict)
     assert len(house["rooms"]) <= 2
@@ -169,7 +162,6 @@ def test_a_house_keeps_to_its_bounds(house: Table) -> None:
 @given(days(ROOT / "examples" / "houses" / "flat.toml", what=["press", "cut"], max_happenings=3, max_length="2h"))
 @settings(max_examples=15)
 def test_a_day_may_be_one_in_your_own_house(day: Day) -> None:
-    """With what you choose to happen."""
     assert "hall_lamp" in day.world().devices
     assert {happening.what for happening in day.happenings} <= {"press", "cut"}
     assert len(day.happenings) <= 3
@@ -206,13 +198,11 @@ def test_every_setting_of_every_kind_and_fault_is_drawn() -> None:
     ],
 )
 def test_a_bound_that_cannot_be_is_refused_at_once(ask: Callable[[], object], reason: str) -> None:
-    """Not in the first example."""
     with pytest.raises(UsageError, match=reason):
         ask()
 
 
 def test_a_house_that_is_none_is_refused_at_once() -> None:
-    """With its place."""
     with pytest.raises(ConfigError, match="rooms: is missing"):
         days({})
 
@@ -236,7 +226,6 @@ def test_a_failing_day_is_saved_shrunk(tmp_path: Path) -> None:
 
 
 def test_a_day_that_passes_or_is_turned_down_is_not_saved(tmp_path: Path) -> None:
-    """Nothing failed."""
     file = tmp_path / "day.toml"
 
     @given(days(LAMPS))
@@ -253,7 +242,6 @@ def test_a_day_that_passes_or_is_turned_down_is_not_saved(tmp_path: Path) -> Non
     ("missing", "module"), [("hypothesis", "homebot.testing.strategies"), ("tomli_w", "homebot.testing.day")]
 )
 def test_without_the_extra_it_is_told_what_to_install(missing: str, module: str) -> None:
-    """And not which module of ours wanted it."""
     program = f"import sys; sys.modules[{missing!r}] = None; import {module}"
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, check=False)
     assert "pip install 'homebot[testing]'" in done.stderr.splitlines()[-1]

@@ -88,7 +88,6 @@ async def test_measurements_leave_room_in_the_report_for_what_was_done() -> None
 
 
 async def test_what_is_due_at_the_end_has_happened() -> None:
-    """A window takes three seconds, and is open after three seconds."""
     async with virtual_house_of(world=World.of(WindowMotor("w", travel_time=3.0))) as house, EventLog.of(house) as log:
         await house.says("home425/windows/w/in", "open")
         await house.run_for(2.999)

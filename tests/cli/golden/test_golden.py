@@ -259,7 +259,6 @@ def test_devices_are_written_as_thing_descriptions(run: Run, capsys: Text, tmp_p
 
 @pytest.mark.parametrize("broker", ["http://b", "mqtt://", "mqtt://u:secret@b", "mqtt://b:x"])
 def test_a_description_names_no_password(capsys: Text, broker: str) -> None:
-    """Nor a broker that is none."""
     with pytest.raises(SystemExit):
         main(["show", "x", "--td", "--broker", broker])
     err = capsys.readouterr().err
