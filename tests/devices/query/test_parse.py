@@ -51,6 +51,8 @@ UNDERSTOOD: dict[str, Query] = {
     "without battery": Not(CanDo("battery")),
     "level>50": StateIs("level", ">", 50.0),
     "brightness >= 50 %": StateIs("level", ">=", 50.0),
+    "temperature below 18.5 °C": StateIs("temperature", "<", 18.5),
+    "temperature Above 18": StateIs("temperature", ">", 18.0),
     "temperature < 18.5 °C": StateIs("temperature", "<", 18.5),
     "temperature < 18.5C": StateIs("temperature", "<", 18.5),
     "level≠0": StateIs("level", "!=", 0.0),

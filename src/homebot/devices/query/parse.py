@@ -7,7 +7,7 @@ Grammar, the loosest binding first::
     one        = "not" one | "(" query ")" | "in" AREA | near | with | comparison | word
     with       = ("with" | "without") (CAPABILITY | comparison | "area")
     near       = "near" ROBOT ["within" METRES] | "within" METRES "of" ROBOT
-    comparison = NAME ("=" | "!=" | "<" | "<=" | ">" | ">=") VALUE
+    comparison = NAME ("=" | "!=" | "<" | "below" | "<=" | ">" | "above" | ">=") VALUE
     word       = a type, a capability, an adjective such as ``on`` or ``stale``, or free text
 
 Words in quotation marks are taken literally: ``"near the door"`` looks for words, ``"zone"=3`` for a fact of that

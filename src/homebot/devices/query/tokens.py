@@ -36,13 +36,14 @@ class Token:
 _PIECE = re.compile(
     r"""\s*(?:
         (?P<text>"(?:[^"\\]|\\.)*"|'[^']*') |
-        (?P<operator><=|>=|!=|==|[=<>:≤≥≠]) |
+        (?P<operator><=|>=|!=|==|[=<>:≤≥≠]|(?i:below|under|above|over)(?=\s+[+-]?\d)) |
         (?P<bracket>[(),]) |
         (?P<word>(?:[^\s"'(),=<>:!≤≥≠]|!(?!=))(?:[^\s"(),=<>:!≤≥≠]|!(?!=))*)
     )""",
     re.VERBOSE | re.DOTALL,
 )
 _SPELT: dict[str, str] = {"==": "=", ":": "=", "≤": "<=", "≥": ">=", "≠": "!="}
+_SPELT |= {"below": "<", "under": "<", "above": ">", "over": ">"}
 
 
 def quoted(text: str) -> str:
@@ -79,7 +80,7 @@ def _token(piece: re.Match[str]) -> Token:
     found, at = piece.group(kind), piece.start(kind) + 1
     match kind, found:
         case "operator", _:
-            return Token("operator", _SPELT.get(found, found), at)
+            return Token("operator", _SPELT.get(found.lower(), found), at)
         case "bracket", ("(" | ")" | ",") as bracket:
             return Token(bracket, found, at)
         case "text", _:
