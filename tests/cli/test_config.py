@@ -99,8 +99,6 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ('[gateways.mqtt]\nrooot = "x"\n', "gateways.mqtt.rooot: unknown key; did you mean root?"),
-        ('[gateways.mqtt]\nact = "yes"\n', "gateways.mqtt.act: must be true or false, without quotes, got 'yes'"),
         ("[gateways.mqtt]\nstale_after = inf\n", "gateways.mqtt.stale_after: input should be a finite number, got inf"),
         (
             "[gateways.mqtt]\nclass = 5\n",
@@ -111,10 +109,6 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
         (
             '[[control.quiet_hours]]\nstart = "22"\nend = "07:00"\ncommands = []\n',
             "control.quiet_hours.0.start: must be a time of day such as 07:00, got '22'",
-        ),
-        (
-            '[[control.quiet_hours]]\nstart = "22:00"\nend = "07:00"\ncommand = []\ncommands = []\n',
-            "control.quiet_hours.0.command: unknown key; did you mean commands?",
         ),
         ("[control.rate_limit]\nchange = 5\n", "control.rate_limit.change: unknown key; did you mean changes?"),
         (
@@ -141,12 +135,7 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
         ("[apps.discovery]\n", "apps.discovery: is the name of one of homebot's own nodes; choose another name"),
         ('[apps.mine]\nclass = "homebot.apps:App"\n', "apps.mine.class: homebot.apps:App lacks run()"),
         ('[apps.mine]\nclass = "my_odd_app:Odd"\n', "apps.mine.class: my_odd_app:Odd.Settings is not a pydantic model"),
-        (
-            '[gateways.mqtt]\nroot = "#"\n',
-            "gateways.mqtt.root: must not contain '#' or '+', which are wildcards in topic filters, got '#'",
-        ),
         ("[apps.light_service]\ncolour = 1\n", "apps.light_service.colour: unknown key; known are none"),
-        ("[discovery]\nforget_after = 0\n", "discovery.forget_after: input should be greater than 0, got 0"),
         ('[door]\ntoken = "a"\ntoken_file = "token"\n', "door: give token or token_file, not both"),
         ('[door]\ntoken_file = "none"\n', "door.token_file: none cannot be read: No such file or directory"),
         ('[door]\ntoken_file = "empty"\n', "door.token_file: the first line of empty is empty"),
@@ -160,7 +149,6 @@ def test_the_token_of_the_environment_counts_here_too(capsys: Text, monkeypatch:
             "door.allowed_origins: 'house.example' is no origin; write it like https://house.example",
         ),
         ('[door]\ntoken = ""\n', "door.token: value should have at least 1 item after validation, not 0"),
-        ("[thing_directory]\nport = -1\n", "thing_directory.port: input should be greater than or equal to 0, got -1"),
         (
             '[thing_directory]\nhost = "0.0.0.0"\n',
             "thing_directory.host: 0.0.0.0 can be reached by others, so it needs",
