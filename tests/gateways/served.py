@@ -32,7 +32,18 @@ class ServedLamp(Lamp):
     """A lamp behind a simulated server; its link is lost when that stops."""
 
     server: Server
+    device: Server
     tasks: TaskGroup
+
+    async def announce(self) -> None:
+        await self.tasks.start(self.device.serve)
+
+    async def flood(self, send: Callable[[int], None]) -> None:
+        """Send 2,000 messages of a stranger by their numbers, so that the gateway gets its turn now and then."""
+        for number in range(2000):
+            send(number)
+            if number % 50 == 49:
+                await anyio.sleep(0.02)
 
     async def _serve(self, *, task_status: TaskStatus[None]) -> None:
         with anyio.CancelScope() as self._serving:

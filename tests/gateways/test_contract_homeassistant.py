@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import ClassVar
 
-import anyio
 import pytest
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
@@ -63,6 +62,7 @@ class HomeAssistantLamp(ServedLamp):
     }
 
     server: SimulatedHomeAssistant
+    device: RecordingEntity
 
     def __init__(self, server: SimulatedHomeAssistant, tasks: TaskGroup, folder: Path) -> None:
         super().__init__("home-Hall", "light_home-Hall", address="homeassistant/home-Hall")
@@ -71,32 +71,26 @@ class HomeAssistantLamp(ServedLamp):
         self.token_file = folder / "token"
         self.token_file.touch(mode=0o600)
         self.token_file.write_text(server.token)
-        self.entity = RecordingEntity(server)
-        self.entity.begin(DeviceState(text="off"), has_power=True)
-
-    async def announce(self) -> None:
-        await self.tasks.start(self.entity.serve)
+        self.device = RecordingEntity(server)
+        self.device.begin(DeviceState(text="off"), has_power=True)
 
     async def report(self, *, on: bool) -> None:
         self.server.send_states({"c": json.loads(self.raw(on=on))})
 
     def raw(self, *, on: bool) -> bytes:
-        return compact_json({self.entity.entity_id: {"+": {"s": "on" if on else "off"}}}).encode()
+        return compact_json({self.device.entity_id: {"+": {"s": "on" if on else "off"}}}).encode()
 
     async def misbehave(self) -> None:
-        for number in range(2000):
-            self.server.send_states({"c": {f"light.strange_{number}": "?" * 10_000}})
-            if number % 50 == 0:
-                await anyio.sleep(0.01)
+        await self.flood(lambda number: self.server.send_states({"c": {f"light.strange_{number}": "?" * 10_000}}))
 
     async def withdraw(self) -> None:
-        self.server.remove(self.entity)
+        self.server.remove(self.device)
 
     async def told(self) -> bool | None:
-        return self.entity.told
+        return self.device.told
 
     async def told_value(self, capability: str) -> PlainValue:
-        return self.entity.values.get(capability)
+        return self.device.values.get(capability)
 
 
 class TestHomeAssistantGateway(GatewayContract):

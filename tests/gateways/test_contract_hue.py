@@ -7,7 +7,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import ClassVar
 
-import anyio
 import anyio.to_thread
 import pytest
 from anyio.abc import TaskGroup
@@ -40,6 +39,7 @@ class HueLamp(ServedLamp):
     }
 
     server: SimulatedHueBridge
+    device: HueHouseDevice
 
     def __init__(self, tasks: TaskGroup, folder: Path, bridge: SimulatedHueBridge, certificate: str) -> None:
         self.tasks = tasks
@@ -51,9 +51,6 @@ class HueLamp(ServedLamp):
         super().__init__(self.device.owner_id, "light", address=self.device.owner_id)
         self.light = self.device.resource_id("light")
 
-    async def announce(self) -> None:
-        await self.tasks.start(self.device.serve)
-
     async def report(self, *, on: bool) -> None:
         self.server.change(self.light, {"on": {"on": not on}})
         self.server.change(self.light, {"on": {"on": on}})
@@ -64,11 +61,11 @@ class HueLamp(ServedLamp):
         return json.dumps(item, separators=(",", ":")).encode()
 
     async def misbehave(self) -> None:
-        for number in range(2000):
+        def send(number: int) -> None:
             change = {"id": f"stranger-{number}", "type": "light", "on": "?" * 5_000}
             self.server.send_text(f"data: {json.dumps([{'type': 'update', 'data': [change]}])}")
-            if number % 50 == 49:
-                await anyio.sleep(0.02)
+
+        await self.flood(send)
 
     async def withdraw(self) -> None:
         rids = [rid for rid, one in self.server.resources.items() if self.key in {rid, _owner(one)}]

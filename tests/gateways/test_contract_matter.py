@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import ClassVar
 
-import anyio
 import pytest
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
@@ -65,37 +64,34 @@ class MatterLamp(ServedLamp):
     }
 
     server: SimulatedMatterServer
+    device: RecordingNode
 
     def __init__(self, server: SimulatedMatterServer, tasks: TaskGroup) -> None:
         super().__init__("node-1", "1", address="matter/node-1")
         self.server = server
         self.tasks = tasks
-        self.node = RecordingNode(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), server)
-        self.node.begin(DeviceState(text="off"), has_power=True)
-
-    async def announce(self) -> None:
-        await self.tasks.start(self.node.serve)
+        self.device = RecordingNode(SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall"), server)
+        self.device.begin(DeviceState(text="off"), has_power=True)
 
     async def report(self, *, on: bool) -> None:
-        self.node.change("1/6/0", on)
+        self.device.change("1/6/0", on)
 
     def raw(self, *, on: bool) -> bytes:
         return json.dumps({"event": "attribute_updated", "data": [1, "1/6/0", on]}, separators=(",", ":")).encode()
 
     async def misbehave(self) -> None:
-        for number in range(2000):
-            self.server.send_event("attribute_updated", [1000 + number, "1/6", "?" * 10_000])
-            if number % 50 == 0:
-                await anyio.sleep(0.01)
+        await self.flood(
+            lambda number: self.server.send_event("attribute_updated", [1000 + number, "1/6", "?" * 10_000])
+        )
 
     async def withdraw(self) -> None:
-        self.server.remove(self.node)
+        self.server.remove(self.device)
 
     async def told(self) -> bool | None:
-        return self.node.told
+        return self.device.told
 
     async def told_value(self, capability: str) -> PlainValue:
-        return self.node.values.get(capability)
+        return self.device.values.get(capability)
 
 
 class TestMatterGateway(GatewayContract):

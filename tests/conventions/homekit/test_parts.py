@@ -189,39 +189,38 @@ def test_a_value_that_a_service_cannot_have_is_refused(
         written(part(kind, raw), capability, value)
 
 
-def test_modes_and_setpoints_are_those_that_the_accessory_has() -> None:
-    heater = part(
-        "4A",
-        {"F": 0, "33": 1, "11": 20.0, "35": 20.0},
-        c33={"valid-values": [0, 1]},
-        c35={"minValue": 5, "maxValue": 30},
-    )
-    assert described(heater, "thermostat_mode").options == ("off", "heat")
-    assert described(heater, "heating_setpoint").bounds == (5.0, 30.0)
-    assert "cooling_setpoint" not in heater.rows
+@pytest.mark.parametrize(
+    ("kind", "raw", "limits", "capability", "options", "bounds"),
+    [
+        ("4A", {"33": 1, "35": 20.0}, {"c33": {"valid-values": [0, 1]}}, "thermostat_mode", ("off", "heat"), ()),
+        ("4A", {"33": 1, "35": 20.0}, {"c35": {"minValue": 5, "maxValue": 30}}, "heating_setpoint", (), (5.0, 30.0)),
+        ("4A", {"33": 0, "34": 30.0}, {"c34": {"minValue": 20, "maxValue": 50}}, "humidity_setpoint", (), (20.0, 50.0)),
+        # SwitchBot's humidifier, as Home Assistant bridges it.
+        ("BD", {"B4": 1, "CA": 45.0}, {"cCA": {"minValue": 20, "maxValue": 80}}, "humidity_setpoint", (), (20.0, 80.0)),
+        # Humidifiers that cannot dry bound their mode by 1 and 1.
+        ("BD", {"B4": 1}, {"cB4": {"minValue": 1, "maxValue": 1}}, "humidifier_mode", ("humidify",), ()),
+    ],
+)
+def test_options_and_bounds_are_those_that_the_accessory_has(
+    kind: str,
+    raw: Mapping[str, object],
+    limits: dict[str, dict[str, object]],
+    capability: str,
+    options: tuple[str, ...],
+    bounds: tuple[float, ...],
+) -> None:
+    found = described(part(kind, raw, "", **limits), capability)
+    assert (found.options, found.bounds) == (options, bounds)
 
 
-def test_a_mode_without_alternative_is_the_only_one() -> None:
-    """Humidifiers that cannot dry bound their mode by 1 and 1."""
-    found = part("BD", {"B0": 0, "B4": 1, "10": 45.0}, cB4={"minValue": 1, "maxValue": 1})
-    assert described(found, "humidifier_mode").options == ("humidify",)
-
-
-def test_a_share_of_the_humidity_has_the_bounds_of_the_accessory() -> None:
-    found = part("4A", {"F": 0, "33": 0, "11": 20.0, "35": 20.0, "34": 30.0}, c34={"minValue": 20, "maxValue": 50})
-    assert described(found, "humidity_setpoint").bounds == (20.0, 50.0)
+def test_a_thermostat_that_only_heats_is_not_set_to_cool() -> None:
+    assert "cooling_setpoint" not in part("4A", {"33": 1, "35": 20.0}, c33={"valid-values": [0, 1]}).rows
 
 
 def test_a_bridge_that_can_identify_itself_has_no_parts() -> None:
     information = service(1, "3E", characteristic(2, "14", None, ["pw"], format="bool"))
     (bridge,) = parse_accessories([{"aid": 1, "services": [information]}]).values()
     assert not list(parts_of(bridge))
-
-
-def test_the_humidity_to_reach_has_the_bounds_within_which_it_can_be_set() -> None:
-    """SwitchBot's humidifier, as Home Assistant bridges it, takes 20 to 80 %."""
-    found = part("BD", {"B0": 0, "B4": 1, "10": 0.0, "CA": 45.0}, cCA={"minValue": 20, "maxValue": 80})
-    assert described(found, "humidity_setpoint").bounds == (20.0, 80.0)
 
 
 def test_the_sources_of_a_television_are_the_services_beside_it() -> None:

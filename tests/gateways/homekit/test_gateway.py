@@ -237,15 +237,6 @@ async def test_an_accessory_that_sends_nonsense_is_rejected_and_then_heard_again
         assert home.gateway.devices.counters.rejected >= len(nonsense)
 
 
-async def test_without_the_gateway_that_finds_accessories_it_says_so() -> None:
-    server = lamp()
-    async with house(server) as home:
-        home.mdns.state("there is no network interface eth9")
-        await anyio.wait_all_tasks_blocked()
-        answer = await home.command(KEY, "8", "on_off", True)
-        assert not answer.success
-
-
 def sleeper() -> FakeServer:
     runtime = service(40, "239", characteristic(41, "23A", 2000, ["pr"]))
     return FakeServer(KEY, "Hall", accessory(1, "Hall", lamp_service(), runtime))

@@ -3,7 +3,7 @@
 import json
 import ssl
 import stat
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -19,9 +19,8 @@ from tests.gateways.hue.bridges import BUTTONS, KEY, bridge_with_certificate, bu
 from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
 from tests.patience import PATIENCE
 
-from homebot.conventions.light_color import to_hue_saturation
 from homebot.devices import GatewayState, Sighting
-from homebot.devices.gateway_messages import Report, SendCommandResponse
+from homebot.devices.gateway_messages import SendCommandResponse
 from homebot.devices.pairing_messages import PairResponse
 from homebot.devices.value import PlainValue
 from homebot.gateways.hue import HueGateway, HueGatewaySettings
@@ -243,21 +242,6 @@ async def test_a_plug_is_a_plug_and_a_sensor_has_its_values(tmp_path: Path) -> N
         await reading(reports, "tamper", lambda one: one is False)
 
 
-async def test_a_gradient_light_shows_its_first_colour_and_takes_one_for_all(tmp_path: Path) -> None:
-    async with house(tmp_path) as home:
-        reports = home.reports()
-        strip = await home.install("lamp", DeviceState(text="off"), at="gradient")
-        await home.sighting("The lamp")
-        points = [{"color": {"xy": {"x": x, "y": 0.3}}} for x in (0.7, 0.2)]
-        strip.obey({"gradient": {"points": points}})
-        await reading(reports, "color", lambda one: one == pytest.approx(to_hue_saturation("xy", (0.7, 0.3), WHITES)))
-        assert (await home.send(strip.owner_id, "color", (30.0, 60.0))).success
-        await reading(reports, "color", lambda one: one == pytest.approx((30.0, 60.0), abs=1.0))
-        gradient = home.bridge.resources[strip.resource_id("light")]["gradient"]
-        assert isinstance(gradient, dict)
-        assert gradient["points"] == []
-
-
 async def test_each_press_is_one_event_and_none_comes_from_a_list(tmp_path: Path) -> None:
     async with house(tmp_path) as home:
         home.bridge.add(buttons(button(1), button(2)))
@@ -301,21 +285,6 @@ async def test_after_a_gap_it_knows_what_changed_and_what_is_gone(tmp_path: Path
         await reading(reports, "on_off", lambda one: one is True)
         assert home.watcher.graph.clock.monotonic() - began < 5
         await receive(sightings, lambda one: (one.key, one.kind) == (BUTTONS, "removed"))
-
-
-async def test_what_is_behind_a_lost_bridge_is_unreachable_until_that_returns(tmp_path: Path) -> None:
-    def lamp_is(reachable: object) -> Callable[[Report], bool]:
-        said = ("reachable", reachable)
-        return lambda one: one.key == lamp.owner_id and said in [(a.capability, a.value.plain()) for a in one.readings]
-
-    async with house(tmp_path) as home:
-        lamp = await home.install("lamp", DeviceState(text="off"))
-        reports = home.reports()
-        await receive(reports, lamp_is(True))
-        await home.kill()
-        await receive(reports, lamp_is(False))
-        await home.tasks.start(home.serve)
-        await receive(reports, lamp_is(True))
 
 
 async def test_commands_around_a_restart_come_once_or_not_at_all(tmp_path: Path) -> None:

@@ -1,6 +1,5 @@
 """The Matter gateway with a simulated server: kinds of devices, absence, what goes wrong, and floods."""
 
-import json
 import logging
 from collections.abc import AsyncIterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -10,7 +9,7 @@ import anyio
 import anyio.lowlevel
 import pytest
 from aiohttp import web
-from anyio.abc import TaskGroup, TaskStatus
+from anyio.abc import TaskGroup
 from pydantic import ValidationError
 from tests.gateways.http_servers import serving
 from tests.gateways.watched_gateway import WatchedGateway, reading, receive, watched
@@ -23,7 +22,6 @@ from homebot.devices.value import PlainValue
 from homebot.gateways.matter import MatterGateway, MatterGatewaySettings
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
-from homebot.house.http.web_server import WebPeer
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract.steps import KEPT
 
@@ -50,8 +48,8 @@ class House(WatchedGateway):
 
 
 @asynccontextmanager
-async def house(server: SimulatedMatterServer | None = None, **settings: object) -> AsyncIterator[House]:
-    server = server or SimulatedMatterServer()
+async def house(**settings: object) -> AsyncIterator[House]:
+    server = SimulatedMatterServer()
     async with anyio.create_task_group() as tasks:
         await tasks.start(server.serve)
         async with gateway_to(server.url, **settings) as (gateway, watcher):
@@ -174,35 +172,6 @@ async def test_a_server_that_is_not_understood_makes_it_unavailable_with_the_rea
     async with serving(greet) as url, gateway_to(f"{url}/ws") as (gateway, watcher):
         states = watcher.create_subscription(GatewayState, gateway.names.state, qos_profile=KEPT)
         assert reason in (await receive(states, lambda one: one.state == "unavailable")).reason
-
-
-class LeavingServer(SimulatedMatterServer):
-    """A server that loses its power with the first command for a device."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._power = anyio.CancelScope()
-
-    async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        with self._power:
-            await super().serve(task_status=task_status)
-
-    def receive(self, peer: WebPeer, message: bytes) -> None:
-        if json.loads(message).get("command") == "device_command":
-            self._power.cancel()
-        else:
-            super().receive(peer, message)
-
-
-async def test_a_server_that_leaves_while_it_is_told_did_not_answer_and_its_devices_stay() -> None:
-    async with house(LeavingServer()) as home:
-        reports, states = home.reports(), home.states()
-        await home.commission("lamp", DeviceState(text="off"))
-        await reading(reports, "on_off", lambda one: one is False)
-        response = await home.send("node-1", "on_off", True)
-        await receive(states, lambda one: one.state == "unavailable")
-        assert (response.success, response.problem) == (False, "unanswered")
-        assert home.gateway.devices.keys == ("node-1",)
 
 
 @pytest.mark.parametrize(
