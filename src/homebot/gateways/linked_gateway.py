@@ -84,6 +84,11 @@ class LinkedGateway(Gateway):
         self.publish_state("active")
         self.mark_ready(self._task_status)
 
+    def check_link(self) -> None:
+        """Raise LinkError while there is no link."""
+        if self.problem:
+            raise LinkError(f"{self.peer} cannot be reached: {self.problem}")
+
     def on_invalid(self, payload: bytes, why: str) -> None:
         """Count an invalid message of the peer."""
         self.devices.reject(self.peer, payload, why)

@@ -111,31 +111,24 @@ def flag(*, means: bool = True) -> Reader:
     return lambda _at, raw: raw is means if isinstance(raw, bool) else None
 
 
-def choice(meanings: Mapping[int, PlainValue]) -> Reader:
-    """Return a reader of an enumeration; other numbers are unknown."""
-
+def _of_whole(meaning: Callable[[int], PlainValue]) -> Reader:
     def read(_at: MatterEndpoint, raw: object) -> PlainValue:
         value = whole_number(raw)
-        return None if value is None else meanings.get(value)
+        return None if value is None else meaning(value)
 
     return read
+
+
+def choice(meanings: Mapping[int, PlainValue]) -> Reader:
+    """Return a reader of an enumeration; other numbers are unknown."""
+    return _of_whole(meanings.get)
 
 
 def one_of(*values: int) -> Reader:
     """Return a reader of an enumeration into whether it is one of *values*."""
-
-    def read(_at: MatterEndpoint, raw: object) -> PlainValue:
-        value = whole_number(raw)
-        return None if value is None else value in values
-
-    return read
+    return _of_whole(lambda value: value in values)
 
 
 def any_bit(mask: int = -1) -> Reader:
     """Return a reader of a bitmap into whether it has a bit of *mask*, which is of all bits unless given."""
-
-    def read(_at: MatterEndpoint, raw: object) -> PlainValue:
-        bits = whole_number(raw)
-        return None if bits is None else bool(bits & mask)
-
-    return read
+    return _of_whole(lambda bits: bool(bits & mask))

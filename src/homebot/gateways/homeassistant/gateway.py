@@ -13,7 +13,7 @@ from homebot.conventions.homeassistant.states.entity import HomeAssistantEntity
 from homebot.conventions.homeassistant.states.registries import REGISTRIES
 from homebot.conventions.payload import as_fields, compact_json, shown, text_of
 from homebot.devices.gateway_messages import Command
-from homebot.errors import LinkError, RefusedError, UsageError, WireError
+from homebot.errors import RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
@@ -43,6 +43,7 @@ class HomeAssistantGateway(LinkedGateway):
 
     Settings: ClassVar[type[BaseModel]] = HomeAssistantGatewaySettings
     peer = "Home Assistant"
+    _link: HomeAssistantLink
 
     def __init__(
         self, node: Node, settings: HomeAssistantGatewaySettings, context: GatewayContext | None = None
@@ -50,7 +51,6 @@ class HomeAssistantGateway(LinkedGateway):
         super().__init__(node, settings, context)
         self._settings = settings
         self._entities = HomeAssistantEntities(settings.max_entities)
-        self._link: HomeAssistantLink | None = None
         self._stale: set[str] = set()
         self._changed = anyio.Event()
         self._forgot_at = 0.0
@@ -81,27 +81,24 @@ class HomeAssistantGateway(LinkedGateway):
         from homebot.gateways.homeassistant.link import connected  # noqa: PLC0415 - only where it runs
         from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415
 
-        async with connected(self._settings, self.on_invalid) as link:
-            try:
-                with ungrouped():
-                    async with anyio.create_task_group() as tasks:
-                        tasks.start_soon(link.read)
-                        await self._load(link)
-                        self._link = link
-                        self._forgot_at = self.node.graph.clock.monotonic()
-                        self.on_link()
-                        await self._follow_registries(link, DeviceTriggers(link, self._on_press))
-            finally:
-                self._link = None
+        async with connected(self._settings, self.on_invalid) as self._link:
+            with ungrouped():
+                async with anyio.create_task_group() as tasks:
+                    tasks.start_soon(self._link.read)
+                    await self._load()
+                    self._forgot_at = self.node.graph.clock.monotonic()
+                    self.on_link()
+                    await self._follow_registries(DeviceTriggers(self._link, self._on_press))
 
-    async def _load(self, link: HomeAssistantLink) -> None:
+    async def _load(self) -> None:
         """List the registries and all states, and follow both."""
+        link = self._link
         config = as_fields(await link.call("the configuration", "get_config"))
         self._entities.celsius = as_fields(config.get("unit_system")).get("temperature") != "°F"
         for registry in REGISTRIES:
             args = {"event_type": f"{registry}_registry_updated"}
             await link.call("the registries", "subscribe_events", args, self._on_registry)
-        await self._list(link, set(REGISTRIES))
+        await self._list(set(REGISTRIES))
         self._entities.lose_all()
         loaded = anyio.Event()
 
@@ -113,19 +110,19 @@ class HomeAssistantGateway(LinkedGateway):
         await loaded.wait()
         await self._describe_all("Home Assistant listed it")
 
-    async def _list(self, link: HomeAssistantLink, registries: set[str]) -> None:
+    async def _list(self, registries: set[str]) -> None:
         for registry in REGISTRIES:
             if registry not in registries:
                 continue
             try:
-                listed = await link.call(f"the {registry}s", f"config/{registry}_registry/list")
+                listed = await self._link.call(f"the {registry}s", f"config/{registry}_registry/list")
             except RefusedError:
                 if registry in {"device", "entity", "area"}:
                     raise
                 continue  # floors and labels came in 2024.3
             self._entities.registries.put(registry, listed)
 
-    async def _follow_registries(self, link: HomeAssistantLink, triggers: DeviceTriggers) -> None:
+    async def _follow_registries(self, triggers: DeviceTriggers) -> None:
         """Follow the triggers of all devices; list changed registries again, and group all entities by them."""
         clock, settles = self.node.graph.clock, SETTLES
         while True:
@@ -137,7 +134,7 @@ class HomeAssistantGateway(LinkedGateway):
             self._changed = anyio.Event()
             stale, self._stale = self._stale, set()
             began = clock.monotonic()
-            await self._list(link, stale)
+            await self._list(stale)
             await self._describe_all("Home Assistant described it anew")
             settles = min(max(SETTLES, 4 * (clock.monotonic() - began)), LONGEST_SETTLING)
 
@@ -214,7 +211,7 @@ class HomeAssistantGateway(LinkedGateway):
         for key in known - groups.keys():
             self.devices.remove(key, "Home Assistant no longer has it")
         for key, entities in groups.items():
-            before = self._entities.device(key) if key in known and self._link is not None else None
+            before = self._entities.device(key) if key in known and not self.problem else None
             described = self._entities.describe(key)
             if described == before:
                 continue
@@ -235,9 +232,7 @@ class HomeAssistantGateway(LinkedGateway):
         return (f"{count} entities of Home Assistant are left out, beyond max_entities",) if count else ()
 
     async def _perform(self, command: Command) -> None:
-        link = self._link
-        if link is None:
-            raise LinkError(f"Home Assistant cannot be reached: {self.problem}")
+        self.check_link()
         entity = self._entities.entity(command.key, command.part)
         call = entity.call(command.capability, command.value.plain(), command.transition, command.code)
         args = {
@@ -248,7 +243,7 @@ class HomeAssistantGateway(LinkedGateway):
         }
         what = f"{command.capability} for {entity.entity_id}"
         try:
-            await link.call(what, "call_service", args)
+            await self._link.call(what, "call_service", args)
         except RefusedError as exc:
             if command.code:  # the reason may repeat it
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None

@@ -68,6 +68,7 @@ class MatterGateway(LinkedGateway):
 
     Settings: ClassVar[type[BaseModel]] = MatterGatewaySettings
     peer = "the Matter server"
+    _link: MatterServerLink
 
     def __init__(self, node: Node, settings: MatterGatewaySettings, context: GatewayContext | None = None) -> None:
         super().__init__(node, settings, context)
@@ -75,8 +76,6 @@ class MatterGateway(LinkedGateway):
         self._nodes: dict[int, MatterNode] = {}
         self._node_of: dict[str, MatterNode] = {}
         self._missed: set[int] = set()
-        self._link: MatterServerLink | None = None
-        self._connecting: MatterServerLink | None = None
         self.devices = PublishedDevices(self, self._perform, settings)
         serve_commissioning(node, self, self._commission, self._decommission)
 
@@ -94,12 +93,8 @@ class MatterGateway(LinkedGateway):
             HttpClient(guard=None) as client,
             client.websocket(self._settings.url, max_bytes=MAX_FRAME_BYTES) as socket,
         ):
-            link = MatterServerLink(socket, self._on_nodes, self._on_event, self.on_invalid)
-            self._connecting = link
-            try:
-                await link.run()
-            finally:
-                self._link = None
+            self._link = MatterServerLink(socket, self._on_nodes, self._on_event, self.on_invalid)
+            await self._link.run()
 
     async def _on_nodes(self, listed: object) -> None:
         if not isinstance(listed, list):
@@ -114,7 +109,6 @@ class MatterGateway(LinkedGateway):
             await anyio.lowlevel.checkpoint()
         for node_id in self._nodes.keys() - present:
             self._remove_node(node_id, "the Matter server no longer has it")
-        self._link = self._connecting
         self.on_link()
 
     async def _on_event(self, event: str, data: object, payload: bytes) -> None:
@@ -167,7 +161,7 @@ class MatterGateway(LinkedGateway):
     def _describe(self, node: MatterNode, why: str) -> None:
         """Publish the devices of a node, and remove those that it no longer has."""
         before = node.published
-        node.published = node.devices("" if self._connecting is None else self._connecting.fabric)
+        node.published = node.devices(self._link.fabric)
         for gone in {one.device.key for one in before} - {one.device.key for one in node.published}:
             self._node_of.pop(gone, None)
             self.devices.remove(gone, "its bridge no longer has it")
@@ -253,7 +247,7 @@ class MatterGateway(LinkedGateway):
         missed, self._missed = self._missed, set()
         for node_id in missed & self._nodes.keys():
             try:
-                described = await self._connected().call("a node", "get_node", {"node_id": node_id})
+                described = await self._link.call("a node", "get_node", {"node_id": node_id})
                 await self._add_node(described, "it was asked for")
             except LinkError:
                 return  # all nodes are listed again after the next connection
@@ -263,12 +257,12 @@ class MatterGateway(LinkedGateway):
     async def _commission(self, request: CommissionRequest) -> tuple[str, str]:
         """Add the device that has a setup code."""
         check_matter_setup_code(request.code)
-        link, args = self._connected(), {"code": request.code, "network_only": request.network_only}
-        if not (request.network_only or link.has_bluetooth):
+        self.check_link()
+        if not (request.network_only or self._link.has_bluetooth):
             raise UnableError("the Matter server has no Bluetooth; it can only commission devices on the network")
-        what, command = "commissioning", "commission_with_code"
+        command, args = "commission_with_code", {"code": request.code, "network_only": request.network_only}
         try:
-            described = await link.call(what, command, args, is_secret=True, within=COMMISSIONS_WITHIN)
+            described = await self._link.call("commissioning", command, args, is_secret=True, within=COMMISSIONS_WITHIN)
         except RefusedError as exc:
             raise UnableError(_PROBLEMS.get(exc.code or 0, str(exc))) from None
         node_id = node_id_of(as_fields(described).get("node_id"))
@@ -287,11 +281,12 @@ class MatterGateway(LinkedGateway):
         root, name = node.published[0].device.key, node.published[0].device.name
         if root != key:
             raise UnableError(f"{key} is behind the bridge {root} ({name}); only the bridge can be removed")
-        await self._connected().call(f"removing {name}", "remove_node", {"node_id": node.id}, within=REMOVES_WITHIN)
+        self.check_link()
+        await self._link.call(f"removing {name}", "remove_node", {"node_id": node.id}, within=REMOVES_WITHIN)
         return key, name
 
     async def _perform(self, command: Command) -> None:
-        link = self._connected()
+        self.check_link()
         node = self._node_of[command.key]
         device = next(one for one in node.published if one.device.key == command.key)
         if not node.is_reachable(device):
@@ -301,9 +296,4 @@ class MatterGateway(LinkedGateway):
         what = f"{command.capability} for {device.device.name}"
         for order in row.orders_of(endpoint, command):
             name, args = order.server_call(node.id, endpoint.id)
-            check_result(what, await link.call(what, name, args, is_secret=order.is_secret))
-
-    def _connected(self) -> MatterServerLink:
-        if self._link is None:
-            raise LinkError(f"the Matter server cannot be reached: {self.problem}")
-        return self._link
+            check_result(what, await self._link.call(what, name, args, is_secret=order.is_secret))
