@@ -43,9 +43,8 @@ def _body(command: Command, *, on: bool = True, **changes: object) -> HueBody:
     return {"on": {"on": on}, **changes, **({"dynamics": duration} if duration else {})}
 
 
-def _read_on(light: Fields) -> PlainValue:
-    on = at(light, "on", "on")
-    return on if isinstance(on, bool) else None
+def _flag(value: object) -> bool | None:
+    return value if isinstance(value, bool) else None
 
 
 def _read_level(light: Fields) -> PlainValue:
@@ -112,7 +111,13 @@ def _write_locate(_device: Fields, command: Command) -> HueBody:
 _COLORS: Final = frozenset({"color", "color_temperature"})
 
 _LIGHT_ROWS: Final = (
-    HueRow("light", "on_off", frozenset({"on"}), _read_on, lambda _light, one: _body(one, on=one.value.flag)),
+    HueRow(
+        "light",
+        "on_off",
+        frozenset({"on"}),
+        lambda light: _flag(at(light, "on", "on")),
+        lambda _light, one: _body(one, on=one.value.flag),
+    ),
     HueRow("light", "level", frozenset({"dimming"}), _read_level, _write_level, "dimming"),
     HueRow(
         "light",
@@ -178,11 +183,6 @@ def _sensed(sensor: Fields, feature: str, name: str) -> object:
     return at(sensor, feature, name) if found is None else found
 
 
-def _read_motion(sensor: Fields) -> PlainValue:
-    motion = _sensed(sensor, "motion", "motion")
-    return motion if isinstance(motion, bool) else None
-
-
 def _read_celsius(sensor: Fields) -> PlainValue:
     celsius = finite_number(_sensed(sensor, "temperature", "temperature"))
     return None if celsius is None else round(celsius, 2)  # it sends 18.139999389648438
@@ -218,7 +218,7 @@ _read_low = _words({"normal": False, "low": True, "critical": True}, "power_stat
 
 SERVICE_ROWS: Final = (
     *_LIGHT_ROWS,
-    *(HueRow(kind, "occupancy", _MOTION, _read_motion) for kind in MOTION_KINDS),
+    *(HueRow(kind, "occupancy", _MOTION, lambda one: _flag(_sensed(one, "motion", "motion"))) for kind in MOTION_KINDS),
     HueRow("temperature", "temperature", _WARMTH, _read_celsius),
     HueRow("light_level", "illuminance", _LIGHT, _read_lux),
     HueRow("contact", "contact", _CONTACT, _read_contact),
