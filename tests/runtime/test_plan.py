@@ -63,7 +63,7 @@ def test_a_wrong_plan_is_told_once() -> None:
     assert error.key == "places.rooms.bath.doors"
 
 
-def secret_file(folder: Path, name: str = "robot.token", text: str = "hunter2\n") -> str:
+def secret_file(folder: Path, name: str = "robot.token", text: str = "hunter2\r\nsecond line\n") -> str:
     file = folder / name
     file.touch(mode=0o600)
     file.write_text(text)

@@ -50,13 +50,6 @@ async def test_time_moves_when_told() -> None:
             await house.run_until("2026-01-01")
 
 
-async def test_an_app_hears_devices_and_is_heard_without_a_second_passing() -> None:
-    async with virtual_house_of("light_service", root="villa") as house:
-        await house.says("villa/lights/a/out", "on")
-        assert await house.hears("villa/lights/a/in") == "off"
-        assert house.now == datetime(2026, 1, 1, tzinfo=UTC)
-
-
 class Chatty(App):
     """Logs as soon as it runs."""
 
@@ -113,12 +106,6 @@ async def test_silence_is_told_at_once_and_costs_virtual_time_only() -> None:
         with pytest.raises(TimeoutError, match="nothing came on home425/lights/b/in within 60 s"):
             await house.hears("home425/lights/b/in", within=60)
         assert house.now.minute == 1
-
-
-async def test_a_house_may_begin_at_any_time() -> None:
-    async with virtual_house_of(start="2026-07-01 06:30") as house:
-        await house.run_until("07:00")
-        assert house.now == datetime(2026, 7, 1, 7, tzinfo=UTC)
 
 
 @pytest.mark.no_cover
