@@ -23,7 +23,7 @@ class _Rules:
 
     def drop_acks(self, client: str | None = None) -> Fault:
         """Let PUBACK, PUBREC and PUBCOMP vanish on their way to the client (None: to everybody)."""
-        return self._core.rules.add(FaultKind.DROPPED_ACKS, client)
+        return self._core.rules.add(Fault(FaultKind.DROPPED_ACKS, client))
 
     def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
         """Let PUBACK, PUBREC and PUBCOMP come *seconds* late.
@@ -33,15 +33,15 @@ class _Rules:
         """
         if not seconds > 0:
             raise UsageError(f"an acknowledgement cannot be {seconds} s late")
-        return self._core.rules.add(FaultKind.DELAYED_ACKS, client, seconds=seconds)
+        return self._core.rules.add(Fault(FaultKind.DELAYED_ACKS, client, seconds=seconds))
 
     def half_packet(self, client: str | None = None) -> Fault:
         """Cut the next packet to the client in the middle and close its connection."""
-        return self._core.rules.add(FaultKind.HALF_PACKET, client)
+        return self._core.rules.add(Fault(FaultKind.HALF_PACKET, client))
 
     def slow_reader(self, client: str | None = None) -> Fault:
         """Let the client take no bytes until the fault is lifted; then it gets all that waited."""
-        return self._core.rules.add(FaultKind.SLOW_READER, client)
+        return self._core.rules.add(Fault(FaultKind.SLOW_READER, client))
 
     def refuse_subscribe(
         self,
@@ -77,7 +77,7 @@ class _Rules:
         validate_filter(filter)
         if not reason.failed:
             raise UsageError(f"0x{reason:02x} ({reason.text}) refuses nothing")
-        return self._core.rules.add(kind, client, filter=filter, reason=reason)
+        return self._core.rules.add(Fault(kind, client, filter=filter, reason=reason))
 
 
 @final

@@ -7,6 +7,7 @@ Faults may be made and lifted in any thread; they hold for the next packet.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from typing import Self, final
 
@@ -29,33 +30,25 @@ class FaultKind(Enum):
 
 
 @final
+@dataclass(eq=False)
 class Fault:
     """A fault in force until it is lifted.
 
-    Args:
+    Attributes:
         client: Client id of the concerned connection, or None for all.
-        on_lift: Called once, in the thread that lifts it.
         seconds: The delay of acknowledgements.
         reason: The answer to a refused packet.
+        on_lift: Called once, in the thread that lifts it.
     """
 
-    def __init__(
-        self,
-        kind: FaultKind,
-        client: str | None,
-        on_lift: Callable[[Fault], None],
-        *,
-        seconds: float = 0.0,
-        filter: str = "",  # noqa: A002 - the protocol's own word
-        reason: ReasonCode = ReasonCode.SUCCESS,
-    ) -> None:
-        self.kind = kind
-        self.client = client
-        self.seconds = seconds
-        self.filter = filter
-        self.reason = reason
-        self.hits = 0
-        self._on_lift: Callable[[Fault], None] | None = on_lift
+    kind: FaultKind
+    client: str | None
+    _: KW_ONLY
+    seconds: float = 0.0
+    filter: str = ""
+    reason: ReasonCode = ReasonCode.SUCCESS
+    hits: int = 0
+    on_lift: Callable[[Fault], None] | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -65,7 +58,7 @@ class Fault:
 
     def lift(self) -> None:
         """End the fault. Idempotent."""
-        on_lift, self._on_lift = self._on_lift, None
+        on_lift, self.on_lift = self.on_lift, None
         if on_lift is not None:
             on_lift(self)
 
@@ -93,17 +86,9 @@ class FaultRules:
         """Return the first fault of this kind that concerns *client*; a refusal concerns a filter or topic."""
         return next((fault for fault in self._faults if fault.concerns(kind, client, topic)), None)
 
-    def add(
-        self,
-        kind: FaultKind,
-        client: str | None,
-        *,
-        seconds: float = 0.0,
-        filter: str = "",  # noqa: A002 - as above
-        reason: ReasonCode = ReasonCode.SUCCESS,
-    ) -> Fault:
+    def add(self, fault: Fault) -> Fault:
         """Put a fault in force."""
-        fault = Fault(kind, client, self._remove, seconds=seconds, filter=filter, reason=reason)
+        fault.on_lift = self._remove
         self._faults = (*self._faults, fault)
         return fault
 
