@@ -31,7 +31,6 @@ _GOAL_EXAMPLES = """\
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot action``."""
     verbs = add_verbs(parser, _EXAMPLES)
     add_entity_verbs(verbs, "action", "/navigate_to_pose", "nav2_msgs/action/NavigateToPose")
     command = add_verb(verbs, "info", "show the servers and clients of an action")

@@ -40,7 +40,6 @@ _LONGEST = 60.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot app``."""
     verbs = add_verbs(parser, _EXAMPLES)
     command = add_verb(verbs, "list", "list the apps with their jobs, and when these are called next")
     set_door_command(command, _list, "  homebot app list --json\n")

@@ -40,7 +40,6 @@ _URL_WITH_PASSWORD: Final = re.compile(r"\w+://[^/@]*:[^/@]*@")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot backup``."""
     set_client_command(parser, _back_up, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="the file to write, a tar")
     parser.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")

@@ -44,7 +44,6 @@ Sessions and retained messages are kept in memory only: they are lost when the b
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot broker``."""
     set_command(parser, broker, _EXAMPLES)
     parser.add_argument(
         "--listen",

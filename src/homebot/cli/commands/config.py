@@ -24,7 +24,6 @@ _EXAMPLES = """\
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot config``."""
     verbs = add_verbs(parser, _EXAMPLES)
     check = add_verb(verbs, "check", "check a configuration file: keys, values, plug-ins and credentials")
     check.add_argument("--config", metavar="FILE", default="homebot.toml", help="the file (default: homebot.toml)")

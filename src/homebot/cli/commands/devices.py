@@ -47,7 +47,6 @@ and `partly unreachable` if only some of its parts are. An `unapproved` device c
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot devices``."""
     set_door_command(parser, _devices, _EXAMPLES)
     parser.add_argument("--type", metavar="T", default="", help="only devices of this type, for example lights")
     parser.add_argument("--td", metavar="DIR", help="write a W3C Thing Description of each device to this directory")

@@ -44,7 +44,6 @@ _LONGEST: Final = 900.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot do``."""
     set_client_command(parser, _do, _EXAMPLES, acts=True)
     parser.add_argument(
         "target", metavar="QUERY", help="the id or the name of a device, or a query as of `homebot find`"

@@ -69,7 +69,6 @@ given up; `asks dropped`, requests for a device's state and
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot doctor``."""
     set_client_command(parser, _doctor, _EXAMPLES)
     parser.add_argument("--gateways", action="store_true", help="ask only whether it runs and its gateways work")
     parser.add_argument("--counts", action="store_true", help="show all counters, not only those of problems")

@@ -42,7 +42,6 @@ names and models, with `and`, `or`, `not` and parentheses.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot find``."""
     set_door_command(parser, _find, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="+", help="search terms, see below")
     parser.add_argument("--why", action="store_true", help="show why each device matches and ranks where it does")

@@ -56,7 +56,6 @@ rows to show at most: more of them are joined. A pause is a time in which the va
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot history``."""
     set_door_command(parser, _history, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="*", help="a device, by id or name, or a query as of `find`")
     parser.add_argument("--capability", metavar="NAME", default="", help="only this value, such as power")

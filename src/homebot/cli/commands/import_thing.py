@@ -37,7 +37,6 @@ which stays until `homebot forget DEVICE --purge`. Its MQTT forms with JSON or p
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot import``."""
     set_client_command(parser, _import, _EXAMPLES, acts=True)
     parser.add_argument("file", metavar="FILE", help="Thing Description 1.1, as JSON")
     parser.add_argument(

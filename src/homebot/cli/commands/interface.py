@@ -27,7 +27,6 @@ _EXAMPLES = """\
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot interface``."""
     verbs = add_verbs(parser, _EXAMPLES)
     listed = add_verb(verbs, "list", "list messages, services and actions")
     listed.add_argument("package", metavar="PACKAGE", nargs="?", default="", help="only those of this package")

@@ -33,7 +33,6 @@ device did it by itself), and what the door refused. `homebot why DEVICE` tells 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot journal``."""
     set_door_command(parser, _journal, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", nargs="?", help="only entries about this device, by id or name")
     parser.add_argument(

@@ -37,14 +37,12 @@ OUTRANKED is for how long a person's hand counts more. `homebot release DEVICE` 
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot leases``."""
     set_door_command(parser, _leases, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", nargs="?", default="", help="only this device, by id or name")
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
 
 def add_release_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot release``."""
     examples = """\
   homebot release 'Front door'
 

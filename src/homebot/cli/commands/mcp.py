@@ -21,7 +21,6 @@ agent has the rights of the token; without one, those of a client without a toke
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot mcp``."""
     set_client_command(parser, _serve, _EXAMPLES)
 
 

@@ -33,7 +33,6 @@ _FILES: Final = {
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot new``."""
     set_command(parser, _new, _EXAMPLES)
     parser.add_argument("folder", metavar="FOLDER", help="folder to make; the app is named after it")
 

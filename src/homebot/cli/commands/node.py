@@ -28,7 +28,6 @@ _EXAMPLES = """\
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot node``."""
     verbs = add_verbs(parser, _EXAMPLES)
     command = add_verb(verbs, "list", "list every node")
     command.add_argument("-a", "--all", action="store_true", help="show hidden nodes too")

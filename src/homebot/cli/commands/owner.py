@@ -51,7 +51,6 @@ _PAIRED_WITHIN: Final = 90.0
 
 
 def add_alias_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot alias``."""
     _set_command(
         parser,
         _alias,
@@ -68,7 +67,6 @@ over a restart.
 
 
 def add_approve_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot approve``."""
     _set_command(
         parser,
         _approve,
@@ -88,7 +86,6 @@ device announces another type, topic, payload or identifier, it waits again. An 
 
 
 def add_forget_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot forget``."""
     _set_command(
         parser,
         _forget,
@@ -107,7 +104,6 @@ A forgotten device comes back when it sends a message or is announced again.
 
 
 def add_merge_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot merge``."""
     examples = """\
   homebot merge 'Kitchen lamp' 'Kitchen lamp 2'
   homebot merge 'Kitchen lamp'                    # let all its endpoints have its commands (homebot show)
@@ -124,7 +120,6 @@ The directory remembers it over a restart; `homebot split` undoes it.
 
 
 def add_pair_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot pair``."""
     examples = """\
   homebot pair 'Hall lamp' 123-45-678     with the code on the device
   homebot pair 'Hue bridge'               after pressing the button on the device
@@ -139,7 +134,6 @@ its own user can read; the code is not kept. It takes the right `manage`. `homeb
 
 
 def add_place_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot place``."""
     examples = """\
   homebot place 'Kitchen lamp' Kitchen
   homebot place 'Kitchen lamp' --at 3.2,1.0
@@ -162,7 +156,6 @@ configuration; `homebot show` tells who said what. `homebot places list` lists t
 
 
 def add_split_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot split``."""
     _set_command(
         parser,
         _split,
@@ -179,7 +172,6 @@ The directory remembers it over a restart; `homebot merge` undoes it.
 
 
 def add_trust_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot trust``."""
     _set_command(
         parser,
         _trust,

@@ -29,7 +29,6 @@ _EXAMPLES = """\
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot param``."""
     verbs = add_verbs(parser, _EXAMPLES)
     helps = {
         "name": "name of the parameter",

@@ -77,7 +77,6 @@ An import adds; what was stated here stays. With a mistake in the file nothing i
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot places``."""
     verbs = add_verbs(parser, f"{_LIST.partition(chr(10))[0]}\n  homebot places export house.toml\n")
     listed = add_verb(verbs, "list", "list the rooms of the house")
     set_door_command(listed, _list, _LIST)

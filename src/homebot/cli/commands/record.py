@@ -31,7 +31,6 @@ _LONGEST: Final = 30.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot record``."""
     set_client_command(parser, _record, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="file to write; compressed where its name ends in .gz")
     parser.add_argument(

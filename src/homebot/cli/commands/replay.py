@@ -47,7 +47,6 @@ With --diff, the exit code is 0 where the apps gave the same commands, 1 where o
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot replay``."""
     set_command(parser, _replay, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="recording of `homebot record`")
     parser.add_argument(

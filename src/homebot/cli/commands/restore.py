@@ -32,7 +32,6 @@ homebot must not run. The files that were there are moved aside, and named.
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot restore``."""
     set_command(parser, _restore, _EXAMPLES)
     parser.add_argument("file", metavar="FILE", help="what `homebot backup` wrote")
     parser.add_argument(

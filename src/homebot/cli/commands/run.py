@@ -74,7 +74,6 @@ Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot run``."""
     set_command(parser, run, _EXAMPLES, ("door",))
     _add_sources(parser)
     parser.add_argument(

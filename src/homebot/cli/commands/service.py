@@ -93,7 +93,6 @@ DeviceAllow=char-ttyACM rw
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot service``."""
     verbs = add_verbs(parser, _EXAMPLES)
     add_entity_verbs(verbs, "service", "/rosapi/get_time", "rosapi_msgs/srv/GetTime")
     command = add_verb(verbs, "call", "call a service and print its response")

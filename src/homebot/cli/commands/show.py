@@ -42,7 +42,6 @@ _EXAMPLES = """\
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot show``."""
     set_door_command(parser, _show, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     form = parser.add_mutually_exclusive_group()

@@ -55,7 +55,6 @@ _GRACE: Final = 10.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot tag``."""
     verbs = add_verbs(parser, _EXAMPLES)
     add = add_verb(verbs, "add", "tag a device with a word, by which `homebot find tag=WORD` finds it")
     set_door_command(add, partial(_tag, remove=False), _TAG_TEXT, acts=True)

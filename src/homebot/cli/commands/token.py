@@ -32,7 +32,6 @@ A client sends the token, the one line of that file, in one of two ways:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot token``."""
     verbs = add_verbs(parser, _EXAMPLES)
     new = add_verb(verbs, "new", "make a token for one program, with the rights that it needs")
     set_command(new, _new, _EXAMPLES)

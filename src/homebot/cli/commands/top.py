@@ -31,7 +31,6 @@ long its slowest handler took since the frame before. Until Ctrl-C on a terminal
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot top``."""
     set_door_command(parser, _top, _EXAMPLES)
     parser.add_argument("--json", action="store_true", help="print a JSON object a second, until Ctrl-C")
 

@@ -60,7 +60,6 @@ _INTERVAL = 1.0
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the commands below ``homebot topic``."""
     verbs = add_verbs(parser, _EXAMPLES)
     add_entity_verbs(verbs, "topic", "/rosout", "rcl_interfaces/msg/Log")
     _add_echo(verbs)

@@ -45,7 +45,6 @@ which program commanded it. QUERY is as in `homebot find`. Above 50 lines in a s
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot watch``."""
     set_door_command(parser, _watch, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="*", help="only devices that match, as in `homebot find`")
     parser.add_argument("--json", action="store_true", help="print each line as a JSON object")

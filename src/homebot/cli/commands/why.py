@@ -48,14 +48,12 @@ command explains the change, somebody did it by hand, or the device did it by it
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot why``."""
     set_door_command(parser, _why, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
 
 def add_why_not_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add those of ``homebot why-not``."""
     examples = """\
   homebot why-not 'Hall lamp' on
   homebot why-not 'Front door' locked --json
