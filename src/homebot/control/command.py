@@ -54,11 +54,9 @@ class IssuedCommand:
 
     Attributes:
         id: The id of the command, unique in the home.
-        device: The device at the time of the command.
         settings: The wanted values by capability, in the order of sending.
         issuer: The name of a node, or ``client:NAME`` for a client of the door.
         cause: The id of its trigger; empty for a person's command.
-        trigger: The report, message or timer that led to it.
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         scope: The rights of a client of the door, by its token.

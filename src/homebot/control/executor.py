@@ -82,11 +82,7 @@ class Rehearsal(Protocol):
 
 @final
 class CommandExecutor:
-    """Carries commands out, any number at once.
-
-    Args:
-        rehearsal: Answers commands in place of the devices; None if they are sent.
-    """
+    """Carries commands out, any number at once."""
 
     def __init__(
         self,

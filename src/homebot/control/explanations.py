@@ -103,7 +103,6 @@ class Explanations:
     """Explanations of the state of a device.
 
     Args:
-        find_device: Returns a device by its id; None if there is none.
         find_ineffective: Returns the routes of a device that are tried last, by part.
     """
 

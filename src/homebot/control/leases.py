@@ -72,7 +72,6 @@ class Lease:
     """A held value of a part.
 
     Attributes:
-        holders: The holders, the first one first.
         rounded: The value to which the device rounds; None if that is not known.
         is_so: Whether the device is known to have the held value.
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.

@@ -46,17 +46,7 @@ class _TrackedPart:
 
 @final
 class Timelines:
-    """The timelines of the last 10,000 commanded parts; the longest unused is forgotten. Set the callbacks before use.
-
-    Args:
-        timeout: Seconds that a device with unknown response times has for its answer.
-        settle: Seconds for which a confirmed value has to hold.
-
-    Attributes:
-        on_report: Called with each command and report that may be due to it.
-        on_end: Called with a command that a newer one replaced, or that was answered.
-        on_undone: Called with a command when its confirmed value ended.
-    """
+    """The timelines of the last 10,000 commanded parts. Set the callbacks before use."""
 
     def __init__(self, node: Node, feed: GatewayFeed, profiles: Profiles, timeout: float, settle: float) -> None:
         self._clock = node.graph.clock

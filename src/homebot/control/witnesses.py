@@ -61,7 +61,6 @@ class Witnesses:
     """Sensors that observe commands.
 
     Attributes:
-        counts: The counters for the health of the node, by name.
         contradicted: The name of the witness that contradicted each part, until one sees it obey, or the owner trusts
             it.
     """

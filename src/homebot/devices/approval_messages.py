@@ -37,11 +37,7 @@ class ApproveDeviceResponse(ServiceAnswer):
 
 
 class DescribeCommandsRequest(Message):
-    """A request for the publications for commands to a device.
-
-    Attributes:
-        key: The gateway's key of the device.
-    """
+    """A request for the publications for commands to a device."""
 
     key: str
 

@@ -68,7 +68,6 @@ class Setting(Message):
     """One capability and the value that it is to have.
 
     Attributes:
-        capability: For example ``level``.
         value: The value, in the unit of the vocabulary.
     """
 
@@ -268,7 +267,6 @@ class SendTextResponse(ServiceAnswer):
     Attributes:
         problem: ``refused`` by a policy, a lease or the gateway, or the gateway is ``unreachable`` now.
         others: The names of the other parts that would have accepted the text and did not get it.
-        command_id: The id of the command in the journal.
     """
 
     problem: Literal["", "refused", "unreachable"] = ""

@@ -45,7 +45,6 @@ class Endpoint(Message):
     """One way to reach a device.
 
     Attributes:
-        key: The gateway's key for the device.
         address: The address on which the device publishes, in the gateway's own terms (MQTT: the topic).
         command_address: The address to which it is subscribed; empty when it takes no commands.
         freshness: As for :class:`Device`, from messages of this gateway alone.
@@ -69,7 +68,6 @@ class Route(Message):
     """One way to reach a part, by the gateway's ``send_command`` and ``readings``.
 
     Attributes:
-        key: The gateway's key for the announcement.
         takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
         approved: The digest of its description, if the owner approved exactly that; else empty. See
             :mod:`homebot.devices.command_description`.
@@ -140,7 +138,6 @@ class State(Message):
     """The latest value of one capability of a device, or its latest event.
 
     Attributes:
-        part: The id of the part; see :attr:`DevicePart.id`.
         value: The value, in the unit of the vocabulary; ``value.plain()`` gives it as a Python value.
         since: The time of the first report of this value.
         told_at: The time of the latest report.
@@ -162,7 +159,6 @@ class Device(Message):
 
     Attributes:
         id: Unique in this homebot, for example ``lights/roomlights405``; renaming the device does not change it.
-        name: The name for people.
         service_type: Its main type: the level SERVICE_TYPE of the topic of a device that does not announce itself, for
             example ``lights``; otherwise a device type of the vocabulary, for example ``light``.
         endpoints: The addresses for raw messages and texts: one for each gateway, at least one, in the order of
@@ -179,7 +175,6 @@ class Device(Message):
         tags: The words that the owner tagged it with.
         names: Every name it has, :attr:`name` first.
         identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
-        parts: Its parts, each once.
         facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
             Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``; a change
             since is ``changed_since_approval``, with the announcement that changed.

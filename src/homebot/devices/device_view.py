@@ -15,9 +15,6 @@ __all__ = ["DeviceView"]
 class DeviceView:
     """The newest description and values of one device, shared by its handles and live queries.
 
-    Args:
-        sequence: The number of the last change in it; see :class:`homebot.devices.DeviceChange`.
-
     Attributes:
         device: The newest description; use :meth:`current` for the newest values.
         sequence: The number of the last change in it.

@@ -223,7 +223,6 @@ class Devices:
         """Return the handles of *kind* that *device* has, without asking the directory.
 
         Args:
-            kind: For example :class:`Light`.
             sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
         """
         query = kind.where()

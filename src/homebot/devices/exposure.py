@@ -29,9 +29,6 @@ class ExposedDevice(Message):
 
     Attributes:
         id: Unique in this homebot; keep it the same over restarts.
-        name: The name for people.
-        model: The model or kind, for people; may be empty.
-        area: The room that it is in; empty if it has none.
         is_withdrawn: Whether it is no longer exposed.
     """
 
@@ -49,7 +46,6 @@ class ExposedState(Message):
     """A reported state of an exposed device.
 
     Attributes:
-        id: The id of the exposed device.
         readings: The values; kept until there are others.
     """
 

@@ -54,7 +54,6 @@ class Sighting(Message):
         identifiers: Identifiers of the device; see :func:`homebot.devices.identity.identifiers`.
         authenticated: Whether the device proved to the gateway that it is one of the owner's, by a secret that it
             shares with the owner alone, such as an encryption key. All else that it says of itself is a claim.
-        area: The advertised room.
         parts: Its parts; empty if only its service type is known.
         owns: Topics that the device has for itself with all that is below them, by its own place or by its bridge
             rather than by its announcement; no other device may send commands there.
@@ -100,7 +99,6 @@ class Report(Message):
     """The values in one message of a device.
 
     Attributes:
-        key: The gateway's key of the device.
         readings: The values, in the order of the parts.
         address: The address on which they were published (MQTT: the topic); empty for a conclusion of the gateway.
         stream: Key and address in one. The newest report of each is kept for late joiners, so that together they are
@@ -126,8 +124,6 @@ class Command(Message):
     """Order to set a capability to a value. Always absolute: sending it twice has the effect of sending it once.
 
     Attributes:
-        key: The gateway's key of the device.
-        value: The value, in the unit of the vocabulary.
         transition: Seconds that the change takes, if the device supports that.
         code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
         expires_after: Seconds after which the network is not to deliver it any more, if it supports that; 0 for never.
@@ -159,8 +155,6 @@ class CommandAnswer(Message):
     """The answer of a device to a command, in a protocol in which devices answer commands some time later.
 
     Attributes:
-        key: The gateway's key of the device.
-        capability: The capability that was to be set.
         success: Whether the device accepted the command; that is no proof that it obeyed.
     """
 
@@ -195,7 +189,6 @@ class RawMessage(Message):
     """A raw message of a device, as received.
 
     Attributes:
-        key: The gateway's key of the device.
         address: The address on which it was published (MQTT: the topic).
     """
 
@@ -224,8 +217,6 @@ class RawCommand(Message):
     Attributes:
         address: The address to publish it on (MQTT: the topic).
         payload: The text, sent as UTF-8.
-        qos: MQTT quality of service, 0 to 2.
-        retain: Whether the broker retains it.
         issuer: The name of the node that publishes it; empty if that is not known.
         command_id: The id that the control layer gave it, which has noted it in the journal; empty if it did not
             pass there.

@@ -71,8 +71,6 @@ class HealthResponse(Message):
     """The health of a gateway, the directory, or the runtime.
 
     Attributes:
-        counts: Numbers of accepted, refused and dropped messages.
-        quarantined: The peers in quarantine now.
         troubles: Its present problems, in words; empty if there are none.
         notes: Its limits in the present setup, in words; nothing is wrong.
     """

@@ -88,8 +88,6 @@ class ReadHistoryResponse(ServiceAnswer):
     Attributes:
         series: The values, by device, part and capability; numbers and words of one each apart.
         left_out: Further series that fit, which are too many for one answer.
-        since: The begin of the answer.
-        until: The end of the answer.
     """
 
     series: tuple[HistorySeries, ...] = ()

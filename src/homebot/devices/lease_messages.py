@@ -111,7 +111,6 @@ class HolderOfPart(Message):
     """One holder of a part.
 
     Attributes:
-        by: Its name for people.
         issuer: The name of its node, or ``client:NAME`` for a client of the door.
         until: When its time is over, unless it renews the lease.
     """
@@ -126,9 +125,7 @@ class HeldPart(Message):
     """A part that is held.
 
     Attributes:
-        holders: The holders, the first one first.
         outranked_until: The end of the time in which a hand outranks the lease; 0 if none does.
-        saw: The observation when the hand came.
     """
 
     device: str

@@ -42,7 +42,6 @@ class PairResponse(ServiceAnswer):
     Attributes:
         problem: ``refused`` by the gateway or the device; ``unreachable`` if the device cannot be reached now;
             ``busy`` while another device is paired.
-        key: The gateway's key of the device.
     """
 
     problem: Literal["", "refused", "unreachable", "busy"] = ""

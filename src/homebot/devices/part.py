@@ -102,7 +102,6 @@ def check_setting(target: str, part: Part, capability: str, value: "PlainValue")
 
     Args:
         target: The id of the part, for the error.
-        value: The value, in the unit of the vocabulary.
 
     Raises:
         RefusedError: The message names the accepted values.

@@ -169,9 +169,7 @@ class ListedDevice(Message):
     """A device in short: about 150 bytes of JSON.
 
     Attributes:
-        name: The name for people.
         type: Its main type of the vocabulary, for example ``light``.
-        room: The room that it is in; empty if none is known.
         freshness: As of :class:`homebot.devices.Device`.
         is_reachable: False if it reports that it cannot be reached.
         waits: Whether its commands wait for the owner's approval.
@@ -260,7 +258,6 @@ class SplitDeviceRequest(Message):
     Attributes:
         gateway: The gateway of the announcement that is not about it; empty to make one device of each announcement
             that differs in its identifiers.
-        key: The gateway's key for the announcement.
     """
 
     device: str

@@ -100,8 +100,6 @@ class ReadTagResponse(ServiceAnswer):
     Attributes:
         problem: The reason if not, for programs.
         tag: Its number in hexadecimal digits.
-        tag_type: Its type, as text.
-        ndef: The NDEF message on it.
         device: The id of the device that it points to; empty if there is none, or are several.
         candidates: The ids of all devices that it may mean.
         area: The room that it is in; empty for unknown.

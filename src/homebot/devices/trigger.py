@@ -23,7 +23,6 @@ class Trigger(Message):
             empty if nothing is known, as for a wish of a person.
         id: The id of it: for a report and a device the ``sequence`` of the change, for a message its stream and time.
         device: The id of the device; empty without one.
-        readings: The reported values.
         text: The raw message, the change of the device, the period of the timer, the holder of the part or the call, as
             text.
         at: The time of the cause; 0 if that is not known.

@@ -93,12 +93,7 @@ class Value(Message):
 
 
 class Reading(Message):
-    """One value of one part.
-
-    Attributes:
-        part: The id of the part; see :class:`homebot.devices.part.Part`.
-        value: The value, in the unit of the vocabulary.
-    """
+    """One value of one part."""
 
     part: str
     capability: str

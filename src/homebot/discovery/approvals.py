@@ -21,7 +21,6 @@ class Approval(NamedTuple):
     """An approval of one announced part.
 
     Attributes:
-        description: The description of its commands in the announcement.
         said_at: The time of the approval, in seconds since the Unix epoch.
     """
 

@@ -68,13 +68,10 @@ class ChangeQueue:
     Attributes:
         sequence: Number of the last change that was taken.
         states_lost: Changes of states that were dropped before they were taken.
-        states: Changes of states that wait to be taken.
         of_links: Numbers of those among the changes taken last that a gateway's link made, lost or back.
         growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
         recent: The last changes that were taken, for late clients.
         announced: The number of announcements so far, new or changed, and of first reachabilities, which follow them.
-        collects_states: Whether changes of states are collected.
-        collects_settings: Whether changed settings are collected.
     """
 
     def __init__(self, entries: Mapping[str, Entry], topics: TopicOwnership, first_sequence: int) -> None:

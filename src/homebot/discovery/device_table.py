@@ -40,7 +40,6 @@ class DeviceTable:
     """The tables of the index, shared by merging, liveness, states and search, which each change their part of them.
 
     Attributes:
-        entries: Devices by id.
         lost: The loss of the link of each gateway that has none.
         outdated: Ids of the devices with outdated postings.
         unsaved: Ids to be written to the index file, those of devices that went as well, oldest first.

@@ -74,8 +74,6 @@ class Directory:
 
     Args:
         file: Where it keeps the index over a restart; None for nowhere.
-        owner: The owner's statements on devices in the configuration; by default none.
-        needs_approval: Whether a device that can hurt waits for the owner's approval.
         known: The devices known at the start if it has no *file*.
     """
 

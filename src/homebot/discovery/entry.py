@@ -47,7 +47,6 @@ class Entry:
     """The index's record of a device.
 
     Attributes:
-        freshness: See :class:`Device`.
         deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
         expires: The same in seconds since the Unix epoch.
         evidence: Why its announcements are one device, in words.

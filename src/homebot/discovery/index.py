@@ -40,17 +40,14 @@ class DeviceIndex:
     Args:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
         first_sequence: Number of the first change; a new index that follows an old one starts above it.
-        owner: The owner's statements on devices; by default none.
 
     Attributes:
-        table: The tables that it consists of.
         changes: The changes to be published, and the last ones that were.
         pop_states: Its :meth:`ChangeQueue.pop_states`; to be called after *pop_changes*.
         postings: Postings by which devices are found; up to date after :meth:`sort`.
         deadlines: The times at which :meth:`expire` has something to do, in seconds of its clock.
         next_deadline: Returns the first of them; None for never.
         decisions: Decisions of the owner on which announcements are one device, for the index file.
-        settings: Settings that changed and were not taken yet.
         observe, report: Those of :class:`SightingIntake`.
         split, merge: Those of :class:`DeviceMerger`.
         record_link: That of :class:`StateRecorder`.

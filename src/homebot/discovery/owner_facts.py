@@ -64,7 +64,6 @@ class OwnerFacts:
 
     Attributes:
         closed_door: Metres that going through a closed door counts.
-        rooms: The rooms of the configuration and those that were imported.
         is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
         is_unsaved: Whether something was stated that is not in the index file.
         prefer: The gateways that the configuration prefers for commands, the best first.

@@ -25,11 +25,7 @@ _EVENT_WAIT = 5.0
 
 @final
 class PendingReports:
-    """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten devices.
-
-    Attributes:
-        reports: The reports that wait, by their device.
-    """
+    """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten devices."""
 
     def __init__(self) -> None:
         self.count = 0

@@ -68,8 +68,6 @@ class SourceRecord:
         heard_at: The same on the clock that is never set; minus infinity where that was before the start.
         confirmed: Whether the device itself was heard through it since the start.
         facts: Each fact with its value, and when it was first announced.
-        values: The values of its parts, by part and capability.
-        events: The last events, by part and capability.
         reach: Whether it can be reached, as it reports, by part; the whole is ``""``. See :meth:`set_reach`.
         lost: The loss of its gateway's link; None while it has one.
         is_online: Whether it sent a message that it is online, so that its last will watches over it.

@@ -88,11 +88,9 @@ class MqttConnection:
     level only: the level that they deserve is for the owner to choose.
 
     Args:
-        make_client: Makes the client, for example ``NativeClient``.
         status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this
             client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None
             announces nothing.
-        clock: Measures how long a link was up or down.
         is_paced: Whether the messages that the broker keeps are asked for bit by bit: one filter with a wildcard at a
             time, the next when they have come. Some brokers drop messages that a client reads too
             slowly; the embedded one waits for the client.
@@ -101,8 +99,6 @@ class MqttConnection:
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
         publish: Publishes; see `MqttClient.publish`. Raises LinkError at once while the link is down.
         url: The broker's address, without user and password.
-        state: Current state of the connection.
-        counters: Messages received and dropped, over all links.
         limits: Limits of the client, as text; see `MqttClient`.
     """
 

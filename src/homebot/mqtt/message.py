@@ -14,7 +14,6 @@ class MqttMessage(NamedTuple):
 
     Attributes:
         topic: Topic name, without wildcards and never empty.
-        payload: The bytes as they came; may be empty.
         qos: Delivery level of this delivery: 0, 1 or 2.
         retain: True if the broker sent it from its store, False if it is live
             (or as published, where the subscription asked for that).

@@ -51,7 +51,6 @@ class MqttOptions:
             3.1.1 has no field for it; there the broker's own window is the bound.
         inbox_messages: Most messages of QoS 0 that wait to be read; the oldest is dropped and counted.
         inbox_bytes: Most bytes of such messages, in topics and payloads; likewise.
-        will: The message that the broker publishes for a client that vanished.
         protocol: "auto" tries 5 and falls back to 3.1.1 where the broker does not speak 5.
 
     Raises:

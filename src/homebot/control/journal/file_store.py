@@ -47,9 +47,7 @@ class FileStore(JournalStore):
 
     Args:
         longest: Seconds for which an entry is stored.
-        most_bytes: The size of all entries at most.
         most_in_memory: The number of entries at most if the file cannot be used.
-        most_waiting: The number of entries, and of rows, at most that wait to be written.
     """
 
     def __init__(

@@ -80,7 +80,6 @@ class JournalStore:
     The oldest entries are dropped when they are too old, those of the largest issuer when there are too many.
 
     Args:
-        most: The number of entries at most.
         longest: Seconds for which an entry is stored.
 
     Attributes:

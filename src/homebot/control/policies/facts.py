@@ -28,7 +28,6 @@ class Facts(NamedTuple):
         monotonic: Seconds of a clock that is never set.
         zone: The time zone of the home; None for that of the computer.
         turns: Returns how often the values that a command turns turned within so many seconds before a monotonic time.
-        timeline_of: Returns the timeline of a part.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -71,7 +70,6 @@ class Verdict(NamedTuple):
     """Answer of one policy to one command.
 
     Attributes:
-        allowed: Whether the command may be sent.
         reason: The reason; empty if the policy does not concern the command.
     """
 

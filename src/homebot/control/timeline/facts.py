@@ -40,7 +40,6 @@ class Order:
     """Wanted state of a part, as one command states it.
 
     Attributes:
-        settings: The commanded values by capability.
         wanted: The values that the part is to report; empty if it reports none of them.
         transition: Seconds that the change takes.
         is_momentary: Whether a second sending would act twice.
@@ -72,7 +71,6 @@ class Reported:
         at: Seconds.
         stamp: The time of the message, in seconds since the Unix epoch.
         previous: The live value before; None if there was none.
-        is_first: Whether there was no live value before.
         is_after_loss: Whether the connection was lost since the value before.
     """
 

@@ -225,7 +225,6 @@ class Became(Generic[HandleT]):
         values: The capabilities that are to have one value: if one of them had another one meanwhile, which a reader
             that is busy misses, the time begins anew.
         lasting: Seconds.
-        clock: Measures them.
     """
 
     def __init__(self, follow: FollowHandles[HandleT], values: tuple[str, ...], lasting: float, clock: Clock) -> None:

@@ -235,13 +235,7 @@ class Handle:
         below: Mapping[str, float | None] = _NONE,
         settable: Mapping[str, bool | None] = _NONE,
     ) -> HandleQuery[Self]:
-        """Return the query with conditions by capability; those that are None are not asked for.
-
-        Args:
-            states: The value that is reported.
-            above: The number that the value exceeds.
-            below: The number that exceeds the value.
-        """
+        """Return the query with conditions by capability; those that are None are not asked for."""
         found = list(terms)
         comparisons: tuple[tuple[Operator, Mapping[str, PlainValue]], ...] = (("=", states), (">", above), ("<", below))
         for operator, wanted in comparisons:

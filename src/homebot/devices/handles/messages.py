@@ -32,7 +32,6 @@ class HandleMessages(Generic[HandleT]):
 
     Args:
         node: The node that asks; the query ends with it.
-        follow: The live query for the handles.
         listen: Has a function called with the messages of a device.
 
     Attributes:

@@ -24,7 +24,6 @@ class Token:
 
     Attributes:
         kind: ``word``, ``text`` (in quotes), ``operator`` (a comparison), a bracket or a comma.
-        text: As it was written, without quotes.
         at: Where it begins, the first character being 1.
     """
 

@@ -37,7 +37,6 @@ class Candidate(NamedTuple):
     """A part among the others of its source.
 
     Attributes:
-        name: Its name, folded.
         words: Its id in words.
         prefix: How many of them, from the first, all ids of its source begin with.
         suffix: How many of them, to the last, all ids of its source end with.

@@ -35,7 +35,6 @@ def regroup(
     A device goes with its oldest announcement; of several that become one, the one with the oldest lives on.
 
     Args:
-        groups: The announcements of each device.
         owners: Their devices before; new ones have none.
         sources: The announcements; the one with the smaller number is older.
     """

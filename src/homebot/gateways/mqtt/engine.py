@@ -54,7 +54,6 @@ class AnnouncedDevices:
     """The engine of one gateway: from its conventions' announcements to devices; its port to :class:`RawMessages`.
 
     Attributes:
-        filters: The filters of all announcements.
         text_filters: The filters of all that devices say as text.
         route: Returns the readers of a topic; None if it has none.
         tick: Advances the time; once before each batch of messages.

@@ -140,9 +140,6 @@ class WaitingLogins:
 
     One more than the bound costs the oldest one of the host that has most of them, so that a flood from one host
     keeps no other host out.
-
-    Args:
-        most: The bound.
     """
 
     def __init__(self, most: int) -> None:

@@ -93,14 +93,7 @@ _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linu
 
 @final
 class BrokerConnection(asyncio.BufferedProtocol):
-    """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Transport` port.
-
-    Args:
-        endpoint: Creates the endpoint that understands the bytes.
-
-    Attributes:
-        write_blocked: As for :class:`Transport`.
-    """
+    """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Transport` port."""
 
     def __init__(
         self,

@@ -42,9 +42,6 @@ _UNMATCHED = Receipt(ReasonCode.NO_MATCHING_SUBSCRIBERS)
 class MessageRouter:
     """Takes messages and subscriptions and brings them together.
 
-    Args:
-        limits: Bounds of the retained messages and subscriptions.
-
     Attributes:
         crowded: Connected sessions with a queue three quarters full, until it is half empty.
     """

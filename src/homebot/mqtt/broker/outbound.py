@@ -35,7 +35,6 @@ class Outbound:
     """The writing half of one connection.
 
     Args:
-        link: Where the bytes go.
         on_too_large: Called with the topic and size of a message that the client does not take, and the client's limit.
         max_packet_size: The largest packet the client takes, in bytes.
         alias_maximum: How many topic aliases the client accepts; 0 is none.

@@ -50,10 +50,8 @@ class MessageQueue:
 
     Attributes:
         messages: The waiting messages, the next one first; read-only.
-        size: Bytes of the waiting messages.
 
     Args:
-        max_messages: Bound in messages.
         max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
     """
 

@@ -23,7 +23,6 @@ class RetainedMessages:
     """At most one message per topic, bounded in number and in bytes, numbered in the order they came.
 
     Args:
-        max_messages: Bound in messages.
         max_bytes: Bound in bytes of payloads and topics.
     """
 

@@ -39,9 +39,6 @@ class BrokerState:
     Args:
         authentication: The check of logins; by default everybody may log in.
         policy: Rights to publish and subscribe; by default all.
-        keep_alive: The longest keep-alive interval a client may have, in seconds; None leaves it to them.
-        on_message: Called with each message that is forwarded, wills included; must not raise.
-        random: Source of assigned client ids; by default unpredictable.
         call_soon: Schedules a call in the next turn of the event loop; by default the next run of the deadlines.
 
     Attributes:

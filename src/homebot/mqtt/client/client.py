@@ -41,7 +41,6 @@ class MqttClient(ABC):
     One task reads (`receive`); any number publish. Errors of the link do not name the broker: the caller does.
 
     Attributes:
-        counters: Counters of the events so far.
         limits: Promises of this contract that the client does not keep, each in words for people; empty where it keeps
             all.
         receive: Returns all messages that are there, in order, and waits for the first; see `Inbox.receive`.

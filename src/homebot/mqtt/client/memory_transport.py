@@ -23,9 +23,6 @@ class MemoryLink:
 
     Bytes for a client that does not read wait here without a bound of their own: from ``limits.write_buffer`` on the
     link is *choked*, and the broker writes nothing more that can wait.
-
-    Attributes:
-        write_blocked: As :class:`homebot.mqtt.broker.Transport` says.
     """
 
     def __init__(

@@ -71,9 +71,6 @@ class Receiver:
 
     Args:
         clock: Limits the log lines about dropped messages.
-
-    Attributes:
-        receive: Returns all messages that are there; see `Inbox.receive`.
     """
 
     def __init__(self, options: MqttOptions, clock: Clock) -> None:
@@ -180,9 +177,6 @@ class Inbox:
     Args:
         max_messages: Most messages of QoS 0.
         max_bytes: Most bytes of such messages, topics and payloads; a single message may exceed it.
-
-    Attributes:
-        dropped: Messages of QoS 0 dropped so far.
     """
 
     def __init__(self, max_messages: int, max_bytes: int) -> None:

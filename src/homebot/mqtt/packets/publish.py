@@ -38,7 +38,6 @@ class Publish(NamedTuple):
 
     Attributes:
         topic: Topic name; empty where a topic alias stands for it (MQTT 5).
-        payload: The content, 0 bytes or more.
         qos: 0, 1 or 2.
         packet_id: 1 to 65,535 at QoS 1 and 2, None at QoS 0.
         properties: MQTT 5 only.
