@@ -12,7 +12,7 @@ from homebot.devices import Device, RawMessage
 from homebot.devices.handles import Light
 from homebot.devices.names import read_text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.address import sending_part
+from homebot.devices.text.commands import sending_part
 from homebot.devices.text.states import decode_text
 from homebot.devices.value import PlainValue
 from homebot.errors import HomebotError, LinkError, RefusedError, ServiceError, WireError

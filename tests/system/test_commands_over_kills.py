@@ -15,7 +15,7 @@ from homebot.config import parse_config
 from homebot.devices import Devices
 from homebot.devices.handles import Handle, Light
 from homebot.devices.outcomes import Confirmed, Evidence, Outcome
-from homebot.gateways.mqtt.responses import COMMAND_ID
+from homebot.gateways.mqtt.command_publisher import COMMAND_ID
 from homebot.graph import Node
 from homebot.mqtt.broker import Broker
 from homebot.mqtt.client import MqttSubscription

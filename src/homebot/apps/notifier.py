@@ -14,8 +14,8 @@ import anyio
 from anyio import to_thread
 from pydantic import BaseModel, ConfigDict, Field, SecretStr
 
+from homebot.devices.command_sender import GatewayOutput
 from homebot.devices.gateway_messages import RawCommand
-from homebot.devices.text_sender import GatewayOutput
 from homebot.log import LogLimit, more_like_this
 from homebot.support.bounded_map import BoundedMap
 from homebot.support.rate_limit import RateLimit

@@ -14,11 +14,10 @@ from homebot.control.policy_engine import PolicyEngine
 from homebot.devices import Device, DevicePart
 from homebot.devices.always_ask import always_asks
 from homebot.devices.command_messages import SendTextRequest, SendTextResponse, Setting
+from homebot.devices.command_sender import TextSender, TextTarget
 from homebot.devices.outcomes import Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import Part
-from homebot.devices.text.address import part_at
-from homebot.devices.text.commands import decode_command
-from homebot.devices.text_sender import TextSender, TextTarget
+from homebot.devices.text.commands import decode_command, part_at
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError
 from homebot.graph import Node

@@ -18,7 +18,7 @@ from homebot.devices.command_messages import (
     SendTextResponse,
     Setting,
 )
-from homebot.devices.command_sender import CommandSender
+from homebot.devices.command_sender import CommandSender, TextSender
 from homebot.devices.current_trigger import current_trigger
 from homebot.devices.device import Device, DevicePart
 from homebot.devices.gateway_messages import Command
@@ -26,7 +26,6 @@ from homebot.devices.hold import HoldBlock
 from homebot.devices.names import PERFORM_COMMAND, RUNTIME_NODE, SEND_TEXT
 from homebot.devices.outcomes import NO_CONTROL, Confirmed, Evidence, Gone, NoAnswer, Outcome, Refused
 from homebot.devices.part import check_setting
-from homebot.devices.text_sender import TextSender
 from homebot.devices.value import PlainValue
 from homebot.errors import LinkError, RefusedError, ServiceError, ServiceUnavailableError, UnansweredError
 from homebot.graph import Client, Node

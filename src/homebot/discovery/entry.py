@@ -22,12 +22,20 @@ from homebot.discovery.description import (
     with_stated_facts,
 )
 from homebot.discovery.echoes import Echoes
-from homebot.discovery.endpoints import Addresses, endpoint_reach, endpoints, last_seen, sorted_routes
+from homebot.discovery.endpoints import (
+    NOT_REPORTED,
+    Addresses,
+    endpoint_reach,
+    endpoints,
+    last_seen,
+    offline_parts,
+    reachability,
+    sorted_routes,
+)
 from homebot.discovery.merging.part_ids import NO_IDS, PartIds, lost_ids
 from homebot.discovery.merging.parts import MergedParts
 from homebot.discovery.merging.trust import NOBODY_TRUSTED, Agreement, EndpointKey
 from homebot.discovery.owner_facts import OwnerFacts
-from homebot.discovery.reachability import NOT_REPORTED, offline_parts, reachability
 from homebot.discovery.report_interval import ReportInterval
 from homebot.discovery.search.columns import StoredValue
 from homebot.discovery.source_record import SourceKey, SourceRecord

@@ -25,7 +25,7 @@ _EVENT_WAIT = 5.0
 
 @final
 class PendingReports:
-    """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten devices."""
+    """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten ones."""
 
     def __init__(self) -> None:
         self.count = 0

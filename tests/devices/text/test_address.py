@@ -3,7 +3,7 @@
 from homebot.devices import Device, DevicePart, Endpoint, Route
 from homebot.devices.names import text_address
 from homebot.devices.part import Capability, Part
-from homebot.devices.text.address import command_address, others_at
+from homebot.devices.text.commands import command_address, others_at
 from homebot.messages import Time
 
 OWN, OTHER = text_address("own", "state"), text_address("other", "x")

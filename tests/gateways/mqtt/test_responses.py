@@ -5,7 +5,7 @@ import pytest
 from homebot.clock import ManualClock
 from homebot.devices.gateway_messages import Command, CommandAnswer
 from homebot.devices.value import Value
-from homebot.gateways.mqtt.responses import MOST_AWAITED, Responses, problem_of
+from homebot.gateways.mqtt.command_publisher import MOST_AWAITED, Responses, problem_of
 from homebot.mqtt.message import MqttMessage
 from homebot.mqtt.packets import NO_PROPERTIES, Properties
 

@@ -30,12 +30,11 @@ from homebot.gateways.announced.registry import Readers, RegistryLimits
 from homebot.gateways.announced.work_budget import WorkBudgets
 from homebot.gateways.base import Gateway
 from homebot.gateways.mqtt.acting_lease import ActingLease
-from homebot.gateways.mqtt.command_publisher import CommandPublisher, SentSecrets
+from homebot.gateways.mqtt.command_publisher import CommandPublisher, Responses, SentSecrets
 from homebot.gateways.mqtt.intake import AnnouncementHandler
 from homebot.gateways.mqtt.offers import Offers, publishers_of
 from homebot.gateways.mqtt.registry import AnnouncementRegistry, TopicReaders
 from homebot.gateways.mqtt.reserved import ReservedTopics
-from homebot.gateways.mqtt.responses import Responses
 from homebot.gateways.mqtt.settings import MqttGatewaySettings
 from homebot.gateways.mqtt.state_topics import StateTopics, prefix_of
 from homebot.gateways.mqtt.subscriber import Subscriber

@@ -26,11 +26,11 @@ from homebot.errors import ClosedError
 from homebot.gateways.base import Gateway
 from homebot.gateways.context import GatewayContext, HostService
 from homebot.gateways.mqtt.acting_lease import ActingLease
+from homebot.gateways.mqtt.command_publisher import Responses
 from homebot.gateways.mqtt.embedded_broker import EMBEDDED_BROKER
 from homebot.gateways.mqtt.engine import AnnouncedDevices
 from homebot.gateways.mqtt.link_report import LinkReport
 from homebot.gateways.mqtt.registry import TopicReaders
-from homebot.gateways.mqtt.responses import Responses
 from homebot.gateways.mqtt.settings import EMBEDDED, MqttGatewaySettings
 from homebot.graph import Node, QoSProfile
 from homebot.mqtt.client import MqttSubscription
