@@ -5,6 +5,7 @@ from typing import TypeAlias
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.control.conftest import Behaviour, Home, OpenHome, ignore, obey, obey_after, report
 
 from homebot.devices.command_messages import CommandRequest, CommandResult, PerformCommand, Setting
@@ -682,6 +683,20 @@ async def test_a_value_that_is_lost_did_not_go_back(home: Home) -> None:
     assert isinstance(await lamp.turn_on(), Confirmed)
     await anyio.sleep(5)
     assert not home.events
+
+
+async def test_a_value_that_is_lost_answers_nothing(home: Home) -> None:
+    """Nor did a person take it away, as far as is known: a player that wakes up tells none, and one that is off."""
+    lamp = await home.lamp("on_off", behaviour=report((0.1, None), (1.0, True)))
+    with capture_logs() as lines:
+        outcome = await lamp.turn_on()
+        await anyio.sleep(60)
+        await home.report("lamp", "on_off", None)
+        await anyio.sleep(5)
+    assert isinstance(outcome, Confirmed)
+    assert round(outcome.latency) == 1
+    assert [line["event"] for line in lines] == ["control.command", "control.changed"]
+    assert lines[-1]["message"] == "lamp: on → unknown, by hand or by itself"
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
             return Attribution(cause, command.order.id, role)
         if role is ReportRole.OTHERWISE and fact.at <= command.ended_at:
             answered = Attribution(Cause.PERSON, command.order.id, role)
-    return _NOT_KNOWN if fact.is_first or fact.is_after_loss else answered
+    return _NOT_KNOWN if fact.value is None or fact.is_first or fact.is_after_loss else answered
 
 
 def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:

@@ -130,7 +130,7 @@ class PartTimeline:
         previous, before = (None, math.inf) if known is None else known
         fact = Reported(at, stamp, self._number, capability, value, previous, known is None, before < lost_at)
         self._append(fact)
-        for one in active if value is not None else ():  # a value that is lost shows nothing
+        for one in active:
             one.report(fact)
             self._learn(one)
         for one in active:

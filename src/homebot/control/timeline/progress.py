@@ -255,6 +255,8 @@ class CommandProgress:
         wanted = self.wanted.get(fact.capability)
         if self.superseded_by:
             return _superseded_role(wanted, fact)
+        if fact.value is None:
+            return ReportRole.AGREES  # a value that is lost shows nothing
         if self.settling is not None:
             return self.settling.report(fact)
         return self._other_role(fact) if wanted is None else self._wanted_role(wanted, fact)
