@@ -185,40 +185,6 @@ async def test_a_daily_job_that_was_missed_while_homebot_was_stopped_goes_by_cat
         assert diary.calls == []
 
 
-@pytest.mark.parametrize(("catch_up", "expected"), [("0s", []), ("3h", ["06-01 15:00:00"])])
-async def test_a_durable_timer_that_was_due_while_homebot_was_stopped_goes_by_catch_up(
-    catch_up: str, expected: list[str]
-) -> None:
-    store = Store("diary")
-    async with living(
-        lambda app: app.after("2h", app.note, name="off", durable=True, catch_up=catch_up),
-        "2026-06-01 12:00",
-        store=store,
-    ):
-        pass
-    with capture_logs() as lines:
-        async with living(lambda _: None, "2026-06-01 15:00", store=store) as (diary, _):
-            await anyio.sleep(1)
-    assert diary.calls == expected
-    assert ("the job off is skipped: it was due 1 h 0 min ago" in str(lines)) == (not expected)
-    async with living(lambda _: None, "2026-06-01 16:00", store=store) as (diary, _):
-        assert diary.jobs == ()
-
-
-async def test_a_durable_timer_goes_on_after_a_restart_and_is_taken_over_by_its_name() -> None:
-    store = Store("diary")
-
-    def setup(app: Diary) -> None:
-        app.after("2h", app.note, name="off", durable=True)
-
-    async with living(setup, "2026-06-01 12:00", store=store):
-        pass
-    async with living(setup, "2026-06-01 13:30", store=store) as (diary, _):
-        await anyio.sleep(0.5 * HOUR + 1)
-        assert [call[:11] for call in diary.calls] == ["06-01 14:00"]
-        assert diary.jobs == ()
-
-
 async def test_an_event_after_a_restart_replaces_a_durable_timer() -> None:
     """Else the lamp goes off seconds after the last motion."""
     store = Store("diary")

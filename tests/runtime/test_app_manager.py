@@ -310,8 +310,11 @@ async def test_a_durable_timer_that_was_due_while_homebot_was_stopped_is_called_
     (tmp_path / "timer.py").write_text(TIMER.replace('"0s"', f'"{catch_up}"'))
     for hour, calls, left in found:
         clock = LoopClock(1_780_000_000.0 + 3600 * hour)
-        async with Runtime(config, with_door=False, index_file=index, clock=clock) as runtime:
-            await anyio.sleep(1)
-            timer = runtime.app_host.running["timer"]
-            times = [job.next.timestamp() for job in timer.jobs if job.next is not None]
-            assert (timer.store.get("off", 0), [round((at - clock.now()) / 3600, 2) for at in times]) == (calls, left)
+        with capture_logs() as lines:
+            async with Runtime(config, with_door=False, index_file=index, clock=clock) as runtime:
+                await anyio.sleep(1)
+                timer = runtime.app_host.running["timer"]
+                times = [job.next.timestamp() - clock.now() for job in timer.jobs if job.next is not None]
+                assert (timer.store.get("off", 0), [round(one / 3600, 2) for one in times]) == (calls, left)
+        is_skipped = (hour, catch_up) == (15.0, "0s")
+        assert ("the job off is skipped: it was due 1 h 0 min ago" in str(lines)) == is_skipped
