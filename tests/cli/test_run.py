@@ -97,11 +97,6 @@ def test_a_house_of_your_own_comes_in_the_place_of_the_thesis_house() -> None:
     assert has_house("--house", "villa.toml")
 
 
-def test_a_house_that_cannot_be_read_is_refused_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["run", "--house", "villa.toml"]) == 1
-    assert "villa.toml does not exist" in capsys.readouterr().err
-
-
 def test_a_house_on_a_broker_of_your_own_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     """It is not known who listens there."""
     Path("villa.toml").write_text("rooms.hall = {}\n")
@@ -222,6 +217,7 @@ def test_an_app_whose_class_makes_no_legal_node_name_is_refused() -> None:
     ("arguments", "problem"),
     [
         (["--config", "missing.toml"], "homebot: missing.toml does not exist\n"),
+        (["--house", "villa.toml"], "homebot: villa.toml does not exist\n"),
         (["--config", "."], "homebot: . cannot be read: Is a directory\n"),
         (["--app", "nosuch"], "homebot: command line: apps.nosuch: plug-in 'nosuch' is not installed (installed: "),
         (["--app", "json:JSONDecoder"], "apps.jsondecoder.class: json:JSONDecoder is not an App; derive it from"),

@@ -100,14 +100,8 @@ def test_a_file_without_its_header_or_of_another_version_is_refused() -> None:
         "day, line 1: field 'message.format': is 3, and this homebot reads up to 2: replay it with a newer homebot"
     )
     with pytest.raises(UsageError, match=rf"^{re.escape(problem)}$"):
-        read_recording(lines((0, HEADER.model_copy(update={"format": 3}))), "day")
+        read_recording([b'{"at": 0, "kind": "recording", "message": {"format": 3, "a_field_to_come": true}}'], "day")
     assert read_recording(lines((0, HEADER.model_copy(update={"format": 1}))), "day").header.format == 1
-
-
-def test_a_header_of_a_newer_version_is_refused_for_its_version_whatever_else_it_holds() -> None:
-    header = b'{"at": 0, "kind": "recording", "message": {"format": 3, "a_field_to_come": true}}'
-    with pytest.raises(UsageError, match=r"line 1: field 'message\.format': is 3, and this homebot reads up to 2"):
-        read_recording([header], "day")
 
 
 def test_fields_of_a_newer_homebot_are_left_out_at_every_depth() -> None:

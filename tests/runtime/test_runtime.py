@@ -164,12 +164,6 @@ async def test_parts_start_in_order_and_stop_in_reverse() -> None:
     assert JOURNAL.lines == ["first starts", "second starts", "second ends", "first ends"]
 
 
-async def test_a_simulated_house_on_a_broker_of_somebody_else_is_refused() -> None:
-    """Before anything is started: its devices would speak among real ones."""
-    with pytest.raises(ConfigError, match="test: gateways: none uses the embedded broker"):
-        Runtime(config(gateways={"mqtt": {"url": "mqtt://127.0.0.1:1"}}), house=thesis_world())
-
-
 async def test_what_cannot_be_started_ends_the_start_and_everything_stops_again() -> None:
     """With its own error, in no group."""
     gateways = {"mqtt": {"class": f"{__name__}:{OnItsOwnPort.__name__}"}}
@@ -284,6 +278,8 @@ async def test_the_greeting_says_where_tools_come_in(home: str, host: str, shown
         ({}, "no app is running; add one with --app NAME or a table [apps.NAME] (installed: follow_me, "),
         ({"light_service": {}}, "running the app light_service"),
         ({"light_service": {}, "two": {"class": "light_service"}}, "running the apps light_service, two"),
+        ({"broken": app(Broken), "steady": app(Steady)}, "running the app steady"),
+        ({"broken": app(Broken)}, "no app is running yet: broken crashed at the start"),
     ],
 )
 async def test_the_start_says_which_apps_run(apps: dict[str, object], words: str) -> None:
@@ -292,16 +288,6 @@ async def test_the_start_says_which_apps_run(apps: dict[str, object], words: str
             pass
     (told,) = [line["message"] for line in lines if line["event"] == "runtime.apps"]
     assert told.startswith(words)
-
-
-async def test_an_app_that_crashed_at_the_start_is_not_told_to_be_running() -> None:
-    with capture_logs() as lines:
-        async with Runtime(config(apps={"broken": app(Broken), "steady": app(Steady)})):
-            pass
-        async with Runtime(config(apps={"broken": app(Broken)})):
-            pass
-    told = [line["message"] for line in lines if line["event"] == "runtime.apps"]
-    assert told == ["running the app steady", "no app is running yet: broken crashed at the start"]
 
 
 async def test_a_client_that_floods_does_not_delay_the_stop() -> None:
