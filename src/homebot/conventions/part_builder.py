@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from itertools import islice
 from operator import attrgetter
-from typing import Generic, TypeVar
+from typing import Generic, TypedDict, TypeVar, Unpack
 
 from homebot.conventions.command_values import Writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publication
@@ -15,13 +15,40 @@ from homebot.conventions.table_codec import CodedWriter, PayloadParser, Reader, 
 from homebot.devices.command_description import payload_digest
 from homebot.devices.part import Capability, Category, Part
 
-__all__ = ["BytesPart", "JsonPart", "PartBuilder", "is_movable", "moved", "with_own_ids"]
+__all__ = [
+    "BytesPart",
+    "CapabilityFields",
+    "JsonPart",
+    "PartBuilder",
+    "PartFields",
+    "is_movable",
+    "moved",
+    "with_own_ids",
+]
 
 MessageT = TypeVar("MessageT")
 
 
+class PartFields(TypedDict, total=False):
+    """Fields of :class:`homebot.devices.part.Part` that a part may have."""
+
+    name: str
+    advertised: str
+    tag: str
+    category: Category
+    guessed: bool
+
+
+class CapabilityFields(TypedDict, total=False):
+    """Fields of :class:`homebot.devices.part.Capability` that a capability may have."""
+
+    unit: str
+    bounds: tuple[float, ...]
+    options: tuple[str, ...]
+
+
 class PartBuilder(Generic[MessageT]):
-    """Builder of a part; its arguments are fields of :class:`homebot.devices.part.Part`.
+    """Builder of a part.
 
     Attributes:
         parse_payload: Parses a payload into the message of the readers.
@@ -29,18 +56,10 @@ class PartBuilder(Generic[MessageT]):
 
     parse_payload: PayloadParser[MessageT]
 
-    def __init__(
-        self,
-        part_id: str,
-        service_type: str,
-        *,
-        name: str = "",
-        advertised: str = "",
-        tag: str = "",
-        category: Category = "",
-        guessed: bool = False,
-    ) -> None:
-        self._about = (part_id, service_type, name, advertised, tag, category, guessed)
+    def __init__(self, part_id: str, service_type: str, **fields: Unpack[PartFields]) -> None:
+        self._id = part_id
+        self._service_type = service_type
+        self._fields = fields
         self._capabilities: dict[str, Capability] = {}
         self._readers: dict[str, tuple[Reader[MessageT], ...]] = {}
         self._event_readers: dict[str, tuple[Reader[MessageT], ...]] = {}
@@ -57,20 +76,13 @@ class PartBuilder(Generic[MessageT]):
         return not self._capabilities
 
     def add_capability(
-        self,
-        name: str,
-        *,
-        readable: bool = True,
-        writer: Writer | None = None,
-        unit: str = "",
-        bounds: tuple[float, ...] = (),
-        options: tuple[str, ...] = (),
+        self, name: str, *, readable: bool = True, writer: Writer | None = None, **fields: Unpack[CapabilityFields]
     ) -> None:
         """Add the capability *name*, settable with a *writer*. Without any access it is left out."""
         if not readable and writer is None:
             return
-        make = _capability if len(options) <= _FEW_OPTIONS else _capability.__wrapped__
-        self._capabilities[name] = make(name, readable, writer is not None, unit, bounds, options)
+        make = _capability if len(fields.get("options", ())) <= _FEW_OPTIONS else Capability
+        self._capabilities[name] = make(name=name, readable=readable, settable=writer is not None, **fields)
         if writer is not None:
             self._writers[name] = writer
 
@@ -116,16 +128,11 @@ class PartBuilder(Generic[MessageT]):
                 capabilities determine them.
             digest: The digest of these values if several parts share them.
         """
-        part_id, service_type, name, advertised, tag, category, guessed = self._about
         codec = TableCodec(self.parse_payload, self._readers, self._event_readers, self._writers, self._coded_writers)
         part = Part(
-            id=part_id,
-            name=name,
-            service_type=service_type,
-            advertised=advertised,
-            tag=tag,
-            category=category,
-            guessed=guessed,
+            id=self._id,
+            service_type=self._service_type,
+            **self._fields,
             capabilities=tuple(self._capabilities.values()),
             reads=tuple(self._readers),
             writes=tuple(self._writes),
@@ -205,13 +212,5 @@ def with_own_ids(parts: Iterable[DescribedPart], most: int) -> tuple[DescribedPa
 _FEW_OPTIONS = 50
 
 
-@lru_cache(maxsize=512)
-def _capability(  # the same few for all devices of a house: making one costs ten times as much as finding it
-    name: str,
-    readable: bool,  # noqa: FBT001 - only called above
-    settable: bool,  # noqa: FBT001 - only called above
-    unit: str,
-    bounds: tuple[float, ...],
-    options: tuple[str, ...],
-) -> Capability:
-    return Capability(name=name, readable=readable, settable=settable, unit=unit, bounds=bounds, options=options)
+_capability = lru_cache(maxsize=512)(Capability)
+"""The same few for all devices of a house: making one costs ten times as much as finding it."""

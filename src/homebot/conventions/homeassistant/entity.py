@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import TypeVar, Unpack
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, push_writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
 from homebot.conventions.homeassistant.config import DiscoveryConfig
 from homebot.conventions.homeassistant.topics import CommandTopic, ValueSource
-from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.part_builder import BytesPart, CapabilityFields
 from homebot.conventions.payload import NO_READINGS, Readings, clean_text, meaning_reader, read_number, shown
 from homebot.conventions.secrets import names_secret
 from homebot.devices.part import Category
@@ -95,14 +95,11 @@ class Entity(BytesPart):
         read: Callable[[str], Readings],
         command: CommandTopic | None = None,
         writer: Writer | None = None,
-        *,
-        unit: str = "",
-        bounds: tuple[float, ...] = (),
-        options: tuple[str, ...] = (),
+        **fields: Unpack[CapabilityFields],
     ) -> None:
         """Add the capability *name*: readable with a *source*, settable with a *writer*."""
         readable = self.read_text_from(source, read)
-        self.add_capability(name, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
+        self.add_capability(name, readable=readable, writer=writer, **fields)
         self.add_commands(command)
 
     def add_choice(

@@ -165,7 +165,7 @@ def add_fan(part: BytesPart, props: Props) -> None:
 
 def _add_switch_of_range(part: BytesPart, capability: str, prop: HomieProperty) -> None:
     def read(payload: bytes) -> Readings:
-        percent = percent_of(prop, payload)
+        percent = percent_of(prop, read_plain(prop, payload))
         return NO_READINGS if percent is None else {"on_off": percent > 0}
 
     part.read_from(prop.topic, read)

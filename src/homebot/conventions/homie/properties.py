@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Unpack
 
 from homebot.conventions.command_values import require_bool, require_color, require_number, require_option
 from homebot.conventions.description import Publication, Publications
@@ -11,21 +12,21 @@ from homebot.conventions.homie.model import HomieNode, HomieProperty
 from homebot.conventions.homie.values import (
     is_unknown_number,
     publication,
-    read_color,
+    read_hue_saturation,
     read_plain,
     spell_color,
     spell_plain,
 )
 from homebot.conventions.light_color import MIRED, nearest_mired_bounds
-from homebot.conventions.part_builder import BytesPart
+from homebot.conventions.part_builder import BytesPart, PartFields
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.conventions.units import Conversion, celsius_bounds, conversion_of, to_celsius, to_fahrenheit
-from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 
 __all__ = ["add_properties", "add_property", "node_part", "percent_of", "percent_written"]
 
 _FAHRENHEIT = frozenset({"F", "°F"})
+_OPENINGS = ("open", "closed")
 _PERCENT = 100.0
 _ANY_CELSIUS = (-273.15, 1e6)
 _ANY_KELVIN = (1000.0, 40_000.0)
@@ -34,14 +35,15 @@ _DIGITS = 3
 
 @dataclass(frozen=True, slots=True)
 class _ValueCodec:
-    """The codec of a capability: reads payloads, None for no value, and spells commanded values."""
+    """The codec of a capability: the meaning of a property's value, None for no value, and the text of a command."""
 
-    read: Callable[[bytes], PlainValue]
+    meaning: Callable[[PlainValue], PlainValue]
     spell: Callable[[PlainValue], str]
     unit: str = ""
     bounds: tuple[float, ...] = ()
     options: tuple[str, ...] = ()
     is_always_readable: bool = False
+    read: Callable[[HomieProperty, bytes], PlainValue] = read_plain
 
 
 def add_property(
@@ -54,7 +56,7 @@ def add_property(
     codec = _CODECS.get(capability, _plain_codec)(capability, prop)
 
     def read(payload: bytes) -> Readings:
-        value = codec.read(payload)
+        value = codec.meaning(codec.read(prop, payload))
         return {capability: value} if value is not None or is_unknown_number(prop, payload) else NO_READINGS
 
     def write(value: PlainValue, _transition: float) -> Publications:
@@ -99,13 +101,8 @@ def _add_press(part: BytesPart, prop: HomieProperty) -> None:
 
 def _plain_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
     conversion = conversion_of(capability, prop.unit) or Conversion()
-
-    def read(payload: bytes) -> PlainValue:
-        value = read_plain(prop, payload)
-        return conversion.value(value) if isinstance(value, float) else value
-
     return _ValueCodec(
-        read,
+        lambda value: conversion.value(value) if isinstance(value, float) else value,
         lambda value: spell_plain(prop, capability, value),
         unit=prop.unit if capability in {"number", "measurement"} else "",
         bounds=_bounds(prop) if capability == "number" else (),
@@ -115,37 +112,33 @@ def _plain_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
 
 
 def _flag_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
-    def read(payload: bytes) -> PlainValue:
-        value = read_plain(prop, payload)
-        return value if isinstance(value, bool) else None
-
-    return _ValueCodec(read, lambda value: prop.flags[require_bool(capability, value)])
+    return _ValueCodec(
+        lambda value: value if isinstance(value, bool) else None,
+        lambda value: prop.flags[require_bool(capability, value)],
+    )
 
 
 def _valve_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
-    def read(payload: bytes) -> PlainValue:
-        value = read_plain(prop, payload)
-        return ("open" if value else "closed") if isinstance(value, bool) else None
-
-    options = ("open", "closed")
+    states = {False: "closed", True: "open"}
     return _ValueCodec(
-        read, lambda value: prop.flags[require_option(capability, value, options) == "open"], options=options
+        lambda value: states[value] if isinstance(value, bool) else None,
+        lambda value: prop.flags[require_option(capability, value, _OPENINGS) == "open"],
+        options=_OPENINGS,
     )
 
 
 def _enum_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
     options = {option.casefold(): option for option in prop.options}
-
-    def read(payload: bytes) -> PlainValue:
-        value = read_plain(prop, payload)
-        return value.casefold() if isinstance(value, str) else None
-
-    return _ValueCodec(read, lambda value: options[require_option(capability, value, options)], options=tuple(options))
+    return _ValueCodec(
+        lambda value: value.casefold() if isinstance(value, str) else None,
+        lambda value: options[require_option(capability, value, options)],
+        options=tuple(options),
+    )
 
 
 def _percent_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
     return _ValueCodec(
-        lambda payload: percent_of(prop, payload),
+        lambda value: percent_of(prop, value),
         lambda value: _spell_percent(prop, capability, require_number(capability, value, 0, _PERCENT, "%")),
     )
 
@@ -155,8 +148,7 @@ def _temperature_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
     ends = _bounds(prop)
     bounds = celsius_bounds(*ends) if ends and is_fahrenheit else ends
 
-    def read(payload: bytes) -> PlainValue:
-        value = read_plain(prop, payload)
+    def meaning(value: PlainValue) -> PlainValue:
         if not isinstance(value, float):
             return None
         return to_celsius(value, _DIGITS) if is_fahrenheit else value
@@ -166,15 +158,13 @@ def _temperature_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         number = to_fahrenheit(celsius, _DIGITS) if is_fahrenheit else celsius
         return spell_plain(prop, capability, prop.range.kept(number) if bounds else number)
 
-    return _ValueCodec(read, spell, bounds=bounds if prop.is_settable else (), is_always_readable=True)
+    return _ValueCodec(meaning, spell, bounds=bounds if prop.is_settable else (), is_always_readable=True)
 
 
 def _color_codec(_capability: str, prop: HomieProperty) -> _ValueCodec:
-    def read(payload: bytes) -> PlainValue:
-        value = read_color(prop, payload)
-        return None if value is None else value[:2]
-
-    return _ValueCodec(read, lambda value: spell_color(prop, *require_color(value)))
+    return _ValueCodec(
+        lambda value: value, lambda value: spell_color(prop, *require_color(value)), read=read_hue_saturation
+    )
 
 
 def _white_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
@@ -185,8 +175,7 @@ def _white_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         bounds = (least, most) if is_kelvin else nearest_mired_bounds(least, most)
     digits = 0 if prop.datatype == "integer" else _DIGITS
 
-    def read(payload: bytes) -> PlainValue:
-        value = read_plain(prop, payload)
+    def meaning(value: PlainValue) -> PlainValue:
         if not isinstance(value, float) or value <= 0:
             return None
         return value if is_kelvin else float(round(MIRED / value))
@@ -196,7 +185,7 @@ def _white_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
         kelvin = require_number(capability, value, low, high, "K")
         return spell_plain(prop, capability, prop.range.kept(round(kelvin if is_kelvin else MIRED / kelvin, digits)))
 
-    return _ValueCodec(read, spell, bounds=bounds)
+    return _ValueCodec(meaning, spell, bounds=bounds)
 
 
 _CODECS: Mapping[str, Callable[[str, HomieProperty], _ValueCodec]] = {
@@ -211,9 +200,8 @@ _CODECS: Mapping[str, Callable[[str, HomieProperty], _ValueCodec]] = {
 """Codecs of capabilities that are not plain values."""
 
 
-def percent_of(prop: HomieProperty, payload: bytes) -> float | None:
-    """Return *payload* of *prop* in percent of its range."""
-    value = read_plain(prop, payload)
+def percent_of(prop: HomieProperty, value: PlainValue) -> float | None:
+    """Return the number *value* of *prop* in percent of its range; None for another value."""
     if not isinstance(value, float):
         return None
     least, most = _ends(prop)
@@ -246,30 +234,8 @@ def _bounds(prop: HomieProperty) -> tuple[float, float] | tuple[()]:
     return (least, most) if least is not None and most is not None else ()
 
 
-def node_part(
-    node: HomieNode,
-    service_type: str,
-    *,
-    suffix: str = "",
-    name: str = "",
-    tag: str = "",
-    category: Category = "",
-    guessed: bool = False,
-) -> BytesPart:
-    """Return a part of *node* without capabilities; its *suffix* is empty for the main part of the node.
-
-    The other arguments are fields of :class:`homebot.devices.part.Part`.
-    """
-    return BytesPart(
-        "/".join(_filled((node.id, suffix))),
-        service_type,
-        name=" ".join(dict.fromkeys(_filled((node.name, name)))),
-        advertised=node.type,
-        tag=tag,
-        category=category,
-        guessed=guessed,
-    )
-
-
-def _filled(texts: Iterable[str]) -> tuple[str, ...]:
-    return tuple(text for text in texts if text)
+def node_part(node: HomieNode, service_type: str, *, suffix: str = "", **fields: Unpack[PartFields]) -> BytesPart:
+    """Return a part of *node* without capabilities; its *suffix* is empty for the main part of the node."""
+    fields["name"] = " ".join(dict.fromkeys(filter(None, (node.name, fields.get("name")))))
+    fields["advertised"] = node.type
+    return BytesPart("/".join(filter(None, (node.id, suffix))), service_type, **fields)

@@ -20,7 +20,15 @@ from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 from homebot.support.numbers import to_number
 
-__all__ = ["is_unknown_number", "publication", "read_color", "read_plain", "spell_color", "spell_plain"]
+__all__ = [
+    "is_unknown_number",
+    "publication",
+    "read_color",
+    "read_hue_saturation",
+    "read_plain",
+    "spell_color",
+    "spell_plain",
+]
 
 _EMPTY_STRING = "\0"
 _INTEGER = re.compile(r"-?[0-9]{1,19}")
@@ -87,6 +95,12 @@ def read_color(prop: HomieProperty, payload: bytes) -> tuple[float, float, float
         hue, saturation, brightness = colorsys.rgb_to_hsv(*(one / 255 for one in numbers))
         return round(hue * 360, 3), round(saturation * 100, 3), round(brightness * 100, 3)
     return *to_hue_saturation("xy", numbers, _ANY_WHITE), None
+
+
+def read_hue_saturation(prop: HomieProperty, payload: bytes) -> tuple[float, float] | None:
+    """Return hue and saturation of :func:`read_color`."""
+    found = read_color(prop, payload)
+    return None if found is None else found[:2]
 
 
 def _color_channels(prop: HomieProperty, payload: bytes) -> tuple[str, tuple[float, ...]]:

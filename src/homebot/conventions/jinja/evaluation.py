@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeAlias, final
 
-from homebot.conventions.jinja.values import MAX_NUMBER_BITS, MAX_STEPS, MAX_TEXT, UNDEFINED, TemplateError, text, weigh
+from homebot.conventions.jinja.values import (
+    MAX_NUMBER_BITS,
+    MAX_STEPS,
+    MAX_TEXT,
+    UNDEFINED,
+    TemplateError,
+    item,
+    text,
+    weigh,
+)
 
-__all__ = ["Evaluate", "Program", "Run"]
+__all__ = ["Evaluate", "Program", "Run", "path_program"]
 
 
 @final
@@ -134,3 +144,31 @@ class Program:
             # Their messages may show a value, which may be the code of a lock.
             raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
         return run.written()
+
+
+_LONGEST_PATH = 100
+_WEIGHT = 2
+"""Of the name and its output; each step adds 1, and 1 for its key if that is in quotes."""
+
+_JSON = frozenset({"value_json"})
+_STEP = re.compile(r"""\.([A-Za-z_][A-Za-z_0-9]*)|\['([\w -]*)'\]|\["([\w -]*)"\]""", re.ASCII)
+_PATH = re.compile(rf"\{{\{{ *value_json((?:{_STEP.pattern})+) *\}}\}}", re.ASCII)
+
+
+def path_program(source: str) -> Program | None:
+    """Return the program of a path such as ``{{ value_json.a['b'] }}``, as most templates are; None for any other.
+
+    Jinja's parser takes ten times as long: 0.2 ms, for each of the thousands of templates of a large house.
+    """
+    if len(source) > _LONGEST_PATH or (found := _PATH.fullmatch(source)) is None:
+        return None
+    steps = _STEP.findall(found[1])
+    path = tuple(map("".join, steps))
+
+    def execute(run: Run) -> None:
+        value = run.lookup("value_json")
+        for key in path:
+            value = item(value, key)
+        run.write(value)
+
+    return Program(execute, _JSON, _WEIGHT + sum([1 if attribute else 2 for attribute, *_ in steps]))

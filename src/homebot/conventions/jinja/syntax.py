@@ -19,12 +19,11 @@ from typing import Final, TypeAlias, final
 import jinja2
 from jinja2 import nodes
 
-from homebot.conventions.jinja.evaluation import Evaluate, Program, Run
+from homebot.conventions.jinja.evaluation import Evaluate, Program, Run, path_program
 from homebot.conventions.jinja.functions import FILTERS, FUNCTIONS, HOME_ASSISTANT
 from homebot.conventions.jinja.lists import CHECKS, slice_of, values_of
 from homebot.conventions.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
 from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
-from homebot.conventions.jinja.paths import path_program
 from homebot.conventions.jinja.texts import METHODS, method_of
 from homebot.conventions.jinja.values import (
     MAX_DEPTH,

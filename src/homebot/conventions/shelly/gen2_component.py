@@ -10,15 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, Unpack
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.part_builder import CapabilityFields, JsonPart, PartFields
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, shown, text_of
 from homebot.conventions.shelly.status import LONGEST_TEXT, NO_FIELDS, Fields, StatusDecoder, reader_of, value_at
 from homebot.devices.capabilities import CAPABILITIES
-from homebot.devices.part import Category
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
 
@@ -132,13 +131,11 @@ class ShellyComponent:
         """Return whether its status has a value at *path*."""
         return value_at(self.status, path) is not NO_FIELDS
 
-    def part(
-        self, suffix: str, service_type: str, *, name: str = "", tag: str = "", category: Category = ""
-    ) -> JsonPart:
+    def part(self, suffix: str, service_type: str, **fields: Unpack[PartFields]) -> JsonPart:
         """Return a part without capabilities; its *suffix* is empty for the main part of the component."""
         part_id = f"{self.key}/{suffix}" if suffix else self.key
-        name = f"{self.name} {name}".strip()
-        return JsonPart(part_id, service_type, name=name, advertised=self.kind, tag=tag, category=category)
+        fields["name"], fields["advertised"] = f"{self.name} {fields.get('name', '')}".strip(), self.kind
+        return JsonPart(part_id, service_type, **fields)
 
     def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
         """Read the component, or the one called *key*, with *decode*."""
@@ -185,13 +182,11 @@ class ShellyComponent:
         writer: Writer,
         *,
         readable: bool = True,
-        unit: str = "",
-        bounds: tuple[float, ...] = (),
-        options: tuple[str, ...] = (),
+        **fields: Unpack[CapabilityFields],
     ) -> None:
         """Add *capability*, set by calls of *writer*."""
         part.add_command_topics(self.commands)
-        part.add_capability(capability, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
+        part.add_capability(capability, readable=readable, writer=writer, **fields)
 
     def add_presses(self, part: JsonPart, presses: Mapping[str, str], index: int | None = None) -> None:
         """Add ``press``, read from the component's events, which *presses* translates.

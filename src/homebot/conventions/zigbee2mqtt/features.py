@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Unpack
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer, require_transition
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.part_builder import JsonPart
+from homebot.conventions.part_builder import CapabilityFields, JsonPart, PartFields
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, clean_text, compact_json, is_unknown
 from homebot.conventions.zigbee2mqtt.expose import SPECIFIC_TYPES, Expose, Scalar
 from homebot.devices.capabilities import CAPABILITIES
@@ -113,16 +114,9 @@ class Zigbee2MqttPart(JsonPart):
     """A part of a Zigbee device, with features as its capabilities."""
 
     def __init__(
-        self,
-        topics: Zigbee2MqttTopics,
-        part_id: str,
-        service_type: str,
-        *,
-        name: str = "",
-        advertised: str = "",
-        category: Category = "",
+        self, topics: Zigbee2MqttTopics, part_id: str, service_type: str, **fields: Unpack[PartFields]
     ) -> None:
-        super().__init__(part_id, service_type, name=name, advertised=advertised, category=category)
+        super().__init__(part_id, service_type, **fields)
         self.topics = topics
 
     @classmethod
@@ -145,16 +139,13 @@ class Zigbee2MqttPart(JsonPart):
         capability: str,
         meaning: Callable[[object], PlainValue],
         writer: Writer | None,
-        *,
-        unit: str = "",
-        bounds: tuple[float, ...] = (),
-        options: tuple[str, ...] = (),
+        **fields: Unpack[CapabilityFields],
     ) -> None:
         """Add *capability* from *feature*: readable if it is published, settable with a *writer*."""
         readable = feature.is_published
         if readable:
             self.read_feature(feature, capability, meaning)
-        self.add_capability(capability, readable=readable, writer=writer, unit=unit, bounds=bounds, options=options)
+        self.add_capability(capability, readable=readable, writer=writer, **fields)
         if writer is not None:
             self.add_command_topics(self.topics.command)
 
