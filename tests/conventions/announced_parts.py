@@ -24,6 +24,13 @@ def announced(convention: Convention, *messages: tuple[str, object]) -> list[Dev
     return [one for one in heard if isinstance(one, DeviceAnnounced)]
 
 
+def device_in(events: Iterable[AnnouncementEvent]) -> DeviceAnnounced:
+    """The only one of *events*, a device that is announced."""
+    (device,) = events
+    assert isinstance(device, DeviceAnnounced)
+    return device
+
+
 def part_with(capability: str, convention: Convention, *messages: tuple[str, object]) -> DescribedPart:
     """The only part with *capability*."""
     parts = [part for one in announced(convention, *messages) for part in one.parts]

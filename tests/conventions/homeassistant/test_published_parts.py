@@ -11,8 +11,9 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from tests.conventions.announced_parts import device_in
 
-from homebot.conventions.description import DescribedPart, DeviceAnnounced
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.homeassistant import HomeAssistantDiscovery, HomeAssistantSettings
 from homebot.conventions.homeassistant.publisher import HomeAssistantPublisher
 from homebot.devices.capabilities import CAPABILITIES
@@ -142,8 +143,7 @@ SCHEMAS = Path(__file__).with_name("home_assistant_schemas.py")
 
 
 def understood(topic: str, payload: bytes) -> list[DescribedPart]:
-    (heard,) = HomeAssistantDiscovery(HomeAssistantSettings()).read_message(topic, payload, retained=True)
-    assert isinstance(heard, DeviceAnnounced)
+    heard = device_in(HomeAssistantDiscovery(HomeAssistantSettings()).read_message(topic, payload, retained=True))
     assert len(heard.parts) == 1, payload
     return list(heard.parts)
 

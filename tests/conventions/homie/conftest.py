@@ -2,8 +2,9 @@ import json
 from collections.abc import Callable
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
+from homebot.conventions.description import AnnouncementEvent, DescribedPart
 from homebot.conventions.homie import Homie, HomieSettings
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
@@ -31,8 +32,7 @@ def introduce(say: Say) -> Callable[..., dict[str, DescribedPart]]:
 
     def introduce(nodes: object, **fields: object) -> dict[str, DescribedPart]:
         said = say("homie/5/thing/$description", {"homie": "5.0", "version": 1, "nodes": nodes, **fields})
-        (device,) = (*said, *say("homie/5/thing/$state", "ready"))
-        assert isinstance(device, DeviceAnnounced)
+        device = device_in((*said, *say("homie/5/thing/$state", "ready")))
         return {one.part.id: one for one in device.parts}
 
     return introduce

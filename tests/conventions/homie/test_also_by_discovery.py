@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from random import Random
 
 import pytest
+from tests.conventions.announced_parts import device_in
 from tests.conventions.homie.valetudo import STATUS, VALETUDO, robot
 
 from homebot.conventions.description import DeviceAnnounced
@@ -114,8 +115,9 @@ def test_another_device_with_its_name_is_another_device() -> None:
     assert len(devices(own, *by_discovery(identifiers=["valetudo"]))) == 2
     elsewhere = HomeAssistantDiscovery(HomeAssistantSettings())
     config = {"state_topic": "zones/BigSlowDog/state", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
-    (other,) = elsewhere.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
-    assert isinstance(other, DeviceAnnounced)
+    other = device_in(
+        elsewhere.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
+    )
     assert len(devices(own, other)) == 2
 
 
@@ -127,8 +129,9 @@ def test_a_device_that_speaks_partly_elsewhere_is_not_known_by_the_topic() -> No
         "unique_id": "u",
         "device": {"identifiers": ["BigSlowDog"]},
     }
-    (other,) = convention.read_message("homeassistant/switch/u/config", json.dumps(config).encode(), retained=True)
-    assert isinstance(other, DeviceAnnounced)
+    other = device_in(
+        convention.read_message("homeassistant/switch/u/config", json.dumps(config).encode(), retained=True)
+    )
     assert len(devices(by_homie(), other)) == 2
 
 
@@ -139,8 +142,9 @@ def test_a_device_that_moves_to_other_topics_is_a_device_of_its_own_again() -> N
     counts = []
     for base in (ROBOT, "elsewhere", ROBOT):
         config = {"state_topic": f"{base}/x", "unique_id": "u", "device": {"identifiers": ["BigSlowDog"]}}
-        (other,) = convention.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
-        assert isinstance(other, DeviceAnnounced)
+        other = device_in(
+            convention.read_message("homeassistant/sensor/u/config", json.dumps(config).encode(), retained=True)
+        )
         index.observe(sighting(other))
         counts.append(len(index))
     assert counts == [1, 2, 1]

@@ -2,8 +2,9 @@ from collections.abc import Callable, Mapping
 from itertools import permutations
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn, Publication
+from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn, Publication
 from homebot.conventions.homie import Homie
 from homebot.errors import WireError
 from homebot.mqtt.topics import topic_matches
@@ -34,14 +35,8 @@ def tell(say: Say, attributes: Mapping[str, str], base: str = BASE) -> tuple[Ann
     return tuple(heard for attribute, value in attributes.items() for heard in say(f"{base}/{attribute}", value))
 
 
-def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
-    (device,) = heard
-    assert isinstance(device, DeviceAnnounced)
-    return device
-
-
 def test_attributes_make_a_device(say: Say) -> None:
-    device = described(tell(say, LAMP))
+    device = device_in(tell(say, LAMP))
     assert device.key == BASE
     assert device.name == "Hall lamp"
     (part,) = device.parts
@@ -56,7 +51,7 @@ def test_attributes_make_a_device(say: Say) -> None:
 
 
 def test_the_address_of_the_host_is_a_fact_and_no_identifier(say: Say) -> None:
-    device = described(tell(say, LAMP))
+    device = device_in(tell(say, LAMP))
     assert device.identifiers == ("id:homie/hall-lamp",)
     assert device.facts["host_mac"] == "AA:BB:CC:00:11:22"
     assert device.facts["sw_version"] == "0.4.0"
@@ -72,7 +67,7 @@ def test_any_order_that_ends_with_the_state_makes_it_once(say: Say) -> None:
 
 def test_a_device_with_an_early_state_is_described_once_complete(say: Say) -> None:
     late = {"$state": "ready", **{name: value for name, value in LAMP.items() if name != "$state"}}
-    assert described(tell(say, late)).name == "Hall lamp"
+    assert device_in(tell(say, late)).name == "Hall lamp"
 
 
 def test_a_ready_device_is_found_when_the_format_of_its_only_property_comes_last(say: Say) -> None:
@@ -88,7 +83,7 @@ def test_a_ready_device_is_found_when_the_format_of_its_only_property_comes_last
         "speed/speed/$datatype": "enum",
         "speed/speed/$format": "OFF,LOW,HIGH",
     }
-    (part,) = described(tell(say, late)).parts
+    (part,) = device_in(tell(say, late)).parts
     (capability,) = part.part.capabilities
     assert capability.options == ("off", "low", "high")
 
@@ -96,7 +91,7 @@ def test_a_ready_device_is_found_when_the_format_of_its_only_property_comes_last
 @pytest.mark.parametrize(("settable", "is_settable"), [("True", True), ("true", True), ("False", False), ("", False)])
 def test_settable_may_be_spelt_as_python_spells_it(say: Say, settable: str, *, is_settable: bool) -> None:
     """Source: mjcumming/Homie4 publishes the booleans of Python, which its MQTT client spells True and False."""
-    part = described(tell(say, {**LAMP, "$nodes": "light", "light/on/$settable": settable})).parts[0]
+    part = device_in(tell(say, {**LAMP, "$nodes": "light", "light/on/$settable": settable})).parts[0]
     assert {one.name: one.settable for one in part.part.capabilities}.get("on_off", False) is is_settable
 
 
@@ -108,7 +103,7 @@ def test_retained_may_be_spelt_as_python_spells_it(say: Say) -> None:
         "light/press/$retained": "False",
     }
     kept = {name: value for name, value in LAMP.items() if not name.startswith(("light/on", "light/color", "$state"))}
-    (part,) = described(tell(say, {**kept, **button, "$state": "ready"})).parts
+    (part,) = device_in(tell(say, {**kept, **button, "$state": "ready"})).parts
     assert [one.name for one in part.part.capabilities] == ["press"]
 
 
@@ -126,7 +121,7 @@ def test_a_starting_one_is_awaited(say: Say) -> None:
 def test_a_changed_attribute_describes_it_anew(say: Say) -> None:
     tell(say, LAMP)
     assert tell(say, LAMP) == ()
-    assert described(say(f"{BASE}/$name", "Kitchen lamp")).name == "Kitchen lamp"
+    assert device_in(say(f"{BASE}/$name", "Kitchen lamp")).name == "Kitchen lamp"
 
 
 def test_other_attributes_change_nothing(say: Say) -> None:
@@ -153,13 +148,13 @@ def test_an_array_of_version_3_is_as_many_nodes(say: Say) -> None:
         "relay/on/$settable": "true",
         "$state": "ready",
     }
-    device = described(tell(say, relays, "homie/relays"))
+    device = device_in(tell(say, relays, "homie/relays"))
     assert [(one.part.id, one.part.name) for one in device.parts] == [("relay_0", ""), ("relay_1", "Pump")]
     assert device.parts[1].part.writes == ("homie/relays/relay_1/on/set",)
 
 
 def test_an_illegal_property_is_left_out(homie: Homie, say: Say) -> None:
-    device = described(tell(say, {**LAMP, "light/color/$format": "cmyk"}))
+    device = device_in(tell(say, {**LAMP, "light/color/$format": "cmyk"}))
     assert {one.name for one in device.parts[0].part.capabilities} == {"on_off"}
     assert homie.reader.ignored == 1
 

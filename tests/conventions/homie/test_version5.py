@@ -1,9 +1,10 @@
 from collections.abc import Callable
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
 from homebot.conventions.convention import Convention
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
+from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.errors import WireError
 from homebot.mqtt.topics import topic_matches
@@ -13,12 +14,6 @@ Say = Callable[..., tuple[AnnouncementEvent, ...]]
 SWITCH = {"type": "hc-smarthome/v2/cap/switch", "properties": {"state": {"datatype": "boolean", "settable": True}}}
 LAMP = {"homie": "5.0", "version": 1, "name": "Hall lamp", "nodes": {"switch": SWITCH}}
 BASE = "homie/5/lamp-1"
-
-
-def described(heard: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
-    (device,) = heard
-    assert isinstance(device, DeviceAnnounced)
-    return device
 
 
 def test_it_is_a_convention(homie: Homie) -> None:
@@ -31,7 +26,7 @@ def test_it_is_a_convention(homie: Homie) -> None:
 def test_state_and_description_make_a_device(say: Say) -> None:
     assert say(f"{BASE}/$state", "init") == ()
     assert say(f"{BASE}/$description", LAMP) == ()
-    device = described(say(f"{BASE}/$state", "ready"))
+    device = device_in(say(f"{BASE}/$state", "ready"))
     assert device.key == BASE
     assert device.name == "Hall lamp"
     assert device.identifiers == ("id:homie/lamp-1",)
@@ -41,12 +36,12 @@ def test_state_and_description_make_a_device(say: Say) -> None:
 
 def test_the_order_does_not_matter(say: Say) -> None:
     say(f"{BASE}/$state", "ready")
-    assert described(say(f"{BASE}/$description", LAMP)).key == BASE
+    assert device_in(say(f"{BASE}/$description", LAMP)).key == BASE
 
 
 def test_a_lost_one_is_there_but_gives_no_sign_of_life(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
-    assert not described(say(f"{BASE}/$state", "lost")).implies_alive
+    assert not device_in(say(f"{BASE}/$state", "lost")).implies_alive
 
 
 def test_a_repeated_document_changes_nothing(say: Say) -> None:
@@ -62,7 +57,7 @@ def test_a_new_description_counts_when_it_is_ready_again(say: Say) -> None:
     say(f"{BASE}/$state", "ready")
     say(f"{BASE}/$state", "init")
     assert say(f"{BASE}/$description", {**LAMP, "version": 2, "name": "Kitchen lamp"}) == ()
-    assert described(say(f"{BASE}/$state", "ready")).name == "Kitchen lamp"
+    assert device_in(say(f"{BASE}/$state", "ready")).name == "Kitchen lamp"
 
 
 def test_an_empty_state_removes_it(say: Say) -> None:
@@ -80,7 +75,7 @@ def test_an_empty_description_withdraws_it(say: Say) -> None:
 
 def test_the_state_determines_the_availability(say: Say) -> None:
     say(f"{BASE}/$description", LAMP)
-    availability = described(say(f"{BASE}/$state", "ready")).availability
+    availability = device_in(say(f"{BASE}/$state", "ready")).availability
     assert availability is not None
     (source,) = availability.sources
     words = (b"ready", b"sleeping", b"init", b"disconnected", b"lost", b"?", b"\xff")
@@ -90,7 +85,7 @@ def test_the_state_determines_the_availability(say: Say) -> None:
 def test_a_child_is_lost_with_its_root(say: Say) -> None:
     child = {**LAMP, "root": "bridge-1", "parent": "bridge-2"}
     say("homie/5/child-1/$description", child)
-    device = described(say("homie/5/child-1/$state", "ready"))
+    device = device_in(say("homie/5/child-1/$state", "ready"))
     assert device.availability is not None
     assert device.availability.mode == "all"
     assert [one.topic for one in device.availability.sources] == ["homie/5/child-1/$state", "homie/5/bridge-1/$state"]
@@ -111,7 +106,7 @@ def test_one_that_offers_nothing_any_more_is_withdrawn(say: Say) -> None:
 
 def test_a_hardware_address_at_the_end_of_the_id_is_an_identifier(say: Say) -> None:
     say("homie/5/relay-a8032abe54dc/$description", LAMP)
-    device = described(say("homie/5/relay-a8032abe54dc/$state", "ready"))
+    device = device_in(say("homie/5/relay-a8032abe54dc/$state", "ready"))
     assert device.identifiers == ("mac:a8032abe54dc", "id:homie/relay-a8032abe54dc")
 
 
@@ -151,9 +146,9 @@ def test_documents_that_wait_for_a_state_have_bounded_room(homie: Homie, say: Sa
         say(f"homie/5/long-{number}/$description", long)
     assert homie.reader.dropped == 7
     assert say("homie/5/long-69/$state", "ready") == ()
-    described(say("homie/5/long-0/$state", "ready"))
+    device_in(say("homie/5/long-0/$state", "ready"))
     say(f"{BASE}/$description", LAMP)
-    described(say(f"{BASE}/$state", "ready"))
+    device_in(say(f"{BASE}/$state", "ready"))
     say("homie/5/long-1/$description", "")
     say("homie/5/long-2/$state", "ready")
     dropped = homie.reader.dropped

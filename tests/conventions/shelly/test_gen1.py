@@ -2,7 +2,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
-from tests.conventions.announced_parts import heard, part_in, told
+from tests.conventions.announced_parts import device_in, heard, part_in, told
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import (
@@ -29,14 +29,8 @@ ROLLER = {"id": "shellyswitch25-033453", "model": "SHSW-25", "mac": "A8032A03345
 BULB = {"id": "shellybulb-099CF9", "model": "SHBLB-1", "mac": "A8032A099CF9"}
 
 
-def described(events: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
-    (device,) = events
-    assert isinstance(device, DeviceAnnounced)
-    return device
-
-
 def ids(events: tuple[AnnouncementEvent, ...]) -> dict[str, str]:
-    return {one.part.id: one.part.service_type for one in described(events).parts}
+    return {one.part.id: one.part.service_type for one in device_in(events).parts}
 
 
 def test_it_is_a_convention(shelly: Shelly) -> None:
@@ -53,7 +47,7 @@ def test_all_are_asked_to_announce_themselves_at_the_start(shelly: Shelly) -> No
 
 
 def test_an_announcement_describes_a_plug(say: Say) -> None:
-    device = described(say("shellies/announce", PLUG))
+    device = device_in(say("shellies/announce", PLUG))
     assert device.key == "shellies/shellyplug-s-122881"
     assert device.identifiers == ("mac:a8032a122881", "id:shellyplug-s-122881")
     assert device.facts["model"] == "SHPLG-S"
@@ -67,10 +61,10 @@ def test_an_announcement_describes_a_plug(say: Say) -> None:
 
 
 def test_the_same_announcement_on_its_second_topic_counts_once(say: Say) -> None:
-    described(say("shellies/announce", PLUG))
+    device_in(say("shellies/announce", PLUG))
     assert say("shellies/shellyplug-s-122881/announce", PLUG) == ()
-    assert described(say("shellies/announce", PLUG)).topic == "shellies/announce"
-    assert described(say("shellies/shellyplug-s-122881/announce", {**PLUG, "fw_ver": "2"})).facts["sw_version"] == "2"
+    assert device_in(say("shellies/announce", PLUG)).topic == "shellies/announce"
+    assert device_in(say("shellies/shellyplug-s-122881/announce", {**PLUG, "fw_ver": "2"})).facts["sw_version"] == "2"
 
 
 BULB_STATUS = '{"ison":true,"mode":"MODE","red":255,"green":128,"blue":0,"gain":30,"brightness":60,"temp":4000}'
@@ -226,7 +220,7 @@ def test_the_other_modes_topics_do_not_count(say: Say) -> None:
 
 def test_an_old_announcement_without_model_is_known_by_its_id(say: Say) -> None:
     heard = say("shellies/announce", {"id": "shellyplug-s-122881", "mac": "A8032A122881"})
-    assert described(heard).facts["model"] == "SHPLG-S"
+    assert device_in(heard).facts["model"] == "SHPLG-S"
     assert ids(heard)["relay:0"] == "plug"
 
 
@@ -240,7 +234,7 @@ def test_an_accessory_is_described_with_its_first_report(say: Say) -> None:
 def test_a_device_without_announcement_is_described_once_online(say: Say) -> None:
     assert say("shellies/hall/relay/0", "on") == ()
     assert ids(say("shellies/hall/online", "true", retained=True)) == {"relay:0": "switch"}
-    assert described(say("shellies/hall/relay/1", "on")).identifiers == ()
+    assert device_in(say("shellies/hall/relay/1", "on")).identifiers == ()
 
 
 def test_a_new_name_replaces_the_old_one(say: Say) -> None:
@@ -250,12 +244,12 @@ def test_a_new_name_replaces_the_old_one(say: Say) -> None:
     assert isinstance(there, DeviceAnnounced)
     assert there.key == "shellies/kitchen"
     assert there.identifiers == ("mac:a8032a122881",)
-    assert described(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"
+    assert device_in(say("shellies/announce", {**PLUG, "fw_ver": "2"})).key == "shellies/kitchen"
 
 
 @pytest.mark.parametrize(("device_id", "model"), [("shellyht-077A17", "SHHT-1"), ("shellysmoke2-077A17", "SHSM-02")])
 def test_a_sleeping_device_has_no_availability(say: Say, device_id: str, model: str) -> None:
-    device = described(say("shellies/announce", {"id": device_id, "model": model}))
+    device = device_in(say("shellies/announce", {"id": device_id, "model": model}))
     assert device.availability is None
 
 

@@ -3,7 +3,7 @@ import json
 from collections.abc import Callable
 
 import pytest
-from tests.conventions.announced_parts import part_in
+from tests.conventions.announced_parts import device_in, part_in
 
 from homebot.conventions.description import (
     AnnouncementEvent,
@@ -78,8 +78,7 @@ def test_a_device_that_comes_online_is_asked_for_its_identity(say: Say) -> None:
 
 
 def test_its_answers_describe_it(say: Say) -> None:
-    (device,) = introduce(say, {"switch:0": SWITCH})
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(introduce(say, {"switch:0": SWITCH}))
     assert device.key == ID
     assert device.name == "Hall"
     assert device.identifiers == ("mac:a8032abe54dc", f"id:{ID}")
@@ -106,8 +105,7 @@ def test_the_same_answer_again_describes_nothing(say: Say) -> None:
 def test_answers_to_one_name_for_all_are_known_by_their_source(say: Say) -> None:
     say(f"{ID}/online", "true")
     say("homebot/rpc", answer(INFO))
-    (device,) = say("homebot/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(say("homebot/rpc", answer({"sys": SYS, "switch:0": SWITCH})))
     assert device.key == ID
 
 
@@ -134,8 +132,7 @@ def test_one_below_shellies_is_known_by_its_notifications(say: Say) -> None:
     (question,) = say("shellies/hall/events/rpc", frame)
     assert isinstance(question, DeviceRequest)
     say("homebot/shellies/hall/rpc", answer(INFO))
-    (device,) = say("homebot/shellies/hall/rpc", answer({"sys": SYS, "switch:0": SWITCH}))
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(say("homebot/shellies/hall/rpc", answer({"sys": SYS, "switch:0": SWITCH})))
     assert device.key == "shellies/hall"
 
 
@@ -154,8 +151,7 @@ def test_a_returned_device_is_asked_again(say: Say) -> None:
 
 def test_a_new_profile_replaces_the_old_one(say: Say) -> None:
     introduce(say, {"switch:0": SWITCH, "switch:1": SWITCH})
-    (device,) = say(f"homebot/{ID}/rpc", answer({"sys": SYS, "cover:0": COVER}))
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(say(f"homebot/{ID}/rpc", answer({"sys": SYS, "cover:0": COVER})))
     assert [one.part.service_type for one in device.parts] == ["window_covering"]
 
 
@@ -217,8 +213,7 @@ def test_a_relay_is_switched_and_read_on_three_topics(say: Say) -> None:
 
 
 def test_the_main_purpose_of_a_device_comes_first(say: Say) -> None:
-    (device,) = introduce(say, {"input:0": {"state": True}, "switch:1": SWITCH, "switch:0": SWITCH, "wifi": {}})
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(introduce(say, {"input:0": {"state": True}, "switch:1": SWITCH, "switch:0": SWITCH, "wifi": {}}))
     assert [one.part.id for one in device.parts if "/" not in one.part.id] == ["switch:0", "switch:1", "input:0"]
 
 
@@ -287,8 +282,7 @@ def test_a_silent_device_is_described_by_its_reports(say: Say) -> None:
 
 def test_answers_are_preferred_to_reports(say: Say) -> None:
     say(f"{ID}/status/switch:7", {"id": 7, "output": True})
-    (described,) = introduce(say, {"switch:0": SWITCH})
-    assert isinstance(described, DeviceAnnounced)
+    described = device_in(introduce(say, {"switch:0": SWITCH}))
     assert "switch:7" not in [one.part.id for one in described.parts]
     assert say(f"{ID}/status/switch:7", {"id": 7, "output": True}) == ()
 

@@ -4,9 +4,9 @@ import json
 from collections.abc import Callable
 
 import pytest
-from tests.conventions.announced_parts import part_in
+from tests.conventions.announced_parts import device_in, part_in
 
-from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceRequest
+from homebot.conventions.description import AnnouncementEvent, DeviceRequest
 
 ID = "shellyblugwg3-a8032abe54dc"
 ANSWERS = f"homebot/{ID}/rpc"
@@ -59,8 +59,7 @@ def test_the_pages_are_asked_for_one_after_the_other_and_count_together(gateway:
     (more,) = gateway(ANSWERS, page(0, 3, sensor(200, 21.5), sensor(201, 4.0)))
     params = {"dynamic_only": True, "include": ["status", "config"], "offset": 2}
     assert asked(more) == [("Shelly.GetComponents", params)]
-    (device,) = gateway(ANSWERS, page(2, 3, sensor(202, -18.0)))
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(gateway(ANSWERS, page(2, 3, sensor(202, -18.0))))
     assert [one.part.id for one in device.parts] == [f"number:{number}" for number in (200, 201, 202)]
     methods = [json.loads(one.payload) for one in device.parts[0].state_requests]
     assert [(one["method"], one.get("params", {}).get("offset")) for one in methods] == [
@@ -91,8 +90,7 @@ def test_the_same_pages_report_the_status(gateway: Say) -> None:
 
 def test_a_removed_component_is_gone_with_the_next_list(gateway: Say) -> None:
     gateway(ANSWERS, page(0, 2, sensor(200, 1.0), sensor(201, 2.0)))
-    (device,) = gateway(ANSWERS, page(0, 1, sensor(201, 2.0)))
-    assert isinstance(device, DeviceAnnounced)
+    device = device_in(gateway(ANSWERS, page(0, 1, sensor(201, 2.0))))
     assert [one.part.id for one in device.parts] == ["number:201"]
 
 

@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
 from homebot.conventions.description import (
     AnnouncementEvent,
@@ -49,12 +50,6 @@ def take(convention: TasmotaDiscovery, kind: str, fields: object, mac: str = MAC
     return convention.read_message(f"tasmota/discovery/{mac}/{kind}", payload, retained=True)
 
 
-def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
-    (device,) = found
-    assert isinstance(device, DeviceAnnounced)
-    return device
-
-
 def ids(device: DeviceAnnounced) -> list[str]:
     return [part.part.id for part in device.parts]
 
@@ -65,7 +60,7 @@ def test_it_listens_to_both_messages_of_each_device() -> None:
 
 
 def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
-    device = one(take(discovery(), "config", config()))
+    device = device_in(take(discovery(), "config", config()))
     assert (device.key, device.name, device.identifiers) == (MAC, "Kitchen plug", ("mac:2462ab000011",))
     assert device.facts == {
         "manufacturer": "Tasmota",
@@ -81,7 +76,9 @@ def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
 
 
 def test_an_address_of_digits_alone_is_an_address() -> None:
-    assert one(take(discovery(), "config", config("240000000011"), "240000000011")).identifiers == ("mac:240000000011",)
+    assert device_in(take(discovery(), "config", config("240000000011"), "240000000011")).identifiers == (
+        "mac:240000000011",
+    )
 
 
 @pytest.mark.parametrize(
@@ -94,35 +91,40 @@ def test_an_address_of_digits_alone_is_an_address() -> None:
     ],
 )
 def test_topics_are_made_as_the_device_was_set_up(full_topic: str, expected: str) -> None:
-    assert one(take(discovery(), "config", config(ft=full_topic))).parts[0].part.writes == (expected,)
+    assert device_in(take(discovery(), "config", config(ft=full_topic))).parts[0].part.writes == (expected,)
 
 
 def test_sensors_come_after_the_config() -> None:
     convention = discovery()
-    assert ids(one(take(convention, "config", config()))) == ["power_1", "wifi"]
-    assert ids(one(take(convention, "sensors", SENSORS))) == ["power_1", "DS18B20_Id", "DS18B20_Temperature", "wifi"]
+    assert ids(device_in(take(convention, "config", config()))) == ["power_1", "wifi"]
+    assert ids(device_in(take(convention, "sensors", SENSORS))) == [
+        "power_1",
+        "DS18B20_Id",
+        "DS18B20_Temperature",
+        "wifi",
+    ]
     assert take(convention, "sensors", SENSORS) == ()
 
 
 def test_sensors_come_before_the_config() -> None:
     convention = discovery()
     assert take(convention, "sensors", SENSORS) == ()
-    assert "DS18B20_Temperature" in ids(one(take(convention, "config", config())))
-    assert "DS18B20_Temperature" in ids(one(take(convention, "config", config())))
+    assert "DS18B20_Temperature" in ids(device_in(take(convention, "config", config())))
+    assert "DS18B20_Temperature" in ids(device_in(take(convention, "config", config())))
 
 
 def test_an_unchanged_config_gives_the_same_description() -> None:
     convention = discovery()
-    device = one(take(convention, "config", config()))
-    assert one(take(convention, "config", config())) is device
-    assert one(take(convention, "config", config(dn="Plug"))).name == "Plug"
+    device = device_in(take(convention, "config", config()))
+    assert device_in(take(convention, "config", config())) is device
+    assert device_in(take(convention, "config", config(dn="Plug"))).name == "Plug"
 
 
 def test_sensors_that_are_removed_leave_the_rest() -> None:
     convention = discovery()
     take(convention, "config", config())
     take(convention, "sensors", SENSORS)
-    assert ids(one(take(convention, "sensors", None))) == ["power_1", "wifi"]
+    assert ids(device_in(take(convention, "sensors", None))) == ["power_1", "wifi"]
 
 
 def test_a_config_that_is_removed_withdraws_the_device() -> None:
@@ -138,9 +140,9 @@ def test_the_oldest_that_waits_is_forgotten_and_counted() -> None:
     for number in range(MAX_WAITING + 1):
         take(convention, "sensors", SENSORS, f"{number:012X}")
     assert convention.reader.forgotten == 1
-    assert "DS18B20_Id" not in ids(one(take(convention, "config", config("0" * 12), "0" * 12)))
+    assert "DS18B20_Id" not in ids(device_in(take(convention, "config", config("0" * 12), "0" * 12)))
     last = f"{MAX_WAITING:012X}"
-    assert "DS18B20_Id" in ids(one(take(convention, "config", config(last), last)))
+    assert "DS18B20_Id" in ids(device_in(take(convention, "config", config(last), last)))
 
 
 def test_one_device_too_many_is_refused() -> None:
@@ -150,7 +152,7 @@ def test_one_device_too_many_is_refused() -> None:
         take(convention, "config", config(mac, rl=[]), mac)
     with pytest.raises(WireError, match="exceeds the limit of 5000 devices"):
         take(convention, "config", config())
-    assert one(take(convention, "config", config("0" * 12), "0" * 12)).key == "0" * 12
+    assert device_in(take(convention, "config", config("0" * 12), "0" * 12)).key == "0" * 12
 
 
 @pytest.mark.parametrize(
@@ -183,7 +185,7 @@ def test_other_topics_say_nothing() -> None:
 
 
 def test_the_last_will_reports_availability() -> None:
-    availability = one(take(discovery(), "config", config(onln="Da", ofln="Weg"))).availability
+    availability = device_in(take(discovery(), "config", config(onln="Da", ofln="Weg"))).availability
     assert availability is not None
     (will,) = availability.sources
     assert will == LastWillAvailability("tele/tasmota_000011/LWT", b"Da", b"Weg")
@@ -191,6 +193,6 @@ def test_the_last_will_reports_availability() -> None:
 
 
 def test_a_sleeper_has_no_last_will_and_is_not_asked() -> None:
-    device = one(take(discovery(), "config", config(dslp=1)))
+    device = device_in(take(discovery(), "config", config(dslp=1)))
     assert device.availability is None
     assert [part.state_requests for part in device.parts] == [(), ()]

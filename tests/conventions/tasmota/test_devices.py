@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.tasmota import TasmotaDiscovery, TasmotaSettings
@@ -37,9 +38,7 @@ def described(device: Device) -> DeviceAnnounced:
     topic = f"tasmota/discovery/{device['config']['mac']}"
     convention.read_message(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
     convention.read_message(f"{topic}/sensors", json.dumps(device["sensors"]).encode(), retained=True)
-    (found,) = convention.read_message(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True)
-    assert isinstance(found, DeviceAnnounced)
-    return found
+    return device_in(convention.read_message(f"{topic}/config", json.dumps(device["config"]).encode(), retained=True))
 
 
 def hear(parts: dict[str, DescribedPart], topic: str, payload: str) -> dict[str, dict[str, PlainValue]]:
@@ -104,6 +103,7 @@ def test_an_attack_is_refused_in_short_words(topic: str, payload: bytes) -> None
 
 def test_names_are_cut_to_a_line() -> None:
     fields = {**DEVICES[0]["config"], "mac": "2462AB000011", "dn": "<b>\x1b[31m" + "n" * 200}
-    (found,) = TasmotaDiscovery(TasmotaSettings()).read_message(CONFIG, json.dumps(fields).encode(), retained=True)
-    assert isinstance(found, DeviceAnnounced)
+    found = device_in(
+        TasmotaDiscovery(TasmotaSettings()).read_message(CONFIG, json.dumps(fields).encode(), retained=True)
+    )
     assert (found.name[:8], len(found.name)) == ("<b> [31m", 120)

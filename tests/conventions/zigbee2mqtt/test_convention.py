@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
@@ -44,12 +45,6 @@ def heard(convention: Zigbee2Mqtt, *entries: object, base: str = "zigbee2mqtt") 
 
 def info(convention: Zigbee2Mqtt, config: object) -> tuple[AnnouncementEvent, ...]:
     return convention.read_message("zigbee2mqtt/bridge/info", json.dumps({"config": config}).encode(), retained=True)
-
-
-def one(found: tuple[AnnouncementEvent, ...]) -> DeviceAnnounced:
-    (device,) = found
-    assert isinstance(device, DeviceAnnounced)
-    return device
 
 
 def sources(device: DeviceAnnounced) -> list[str]:
@@ -93,7 +88,7 @@ def test_it_listens_to_the_two_topics_of_each_bridge_and_not_to_groups() -> None
 
 
 def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
-    device = one(heard(bridge(), COORDINATOR, entry()))
+    device = device_in(heard(bridge(), COORDINATOR, entry()))
     assert (device.key, device.name, device.identifiers) == (LAMP, "kitchen/lamp", ("eui64:00158d0001abcdef",))
     assert device.facts == {
         "manufacturer": "IKEA",
@@ -109,7 +104,7 @@ def test_a_device_is_described_with_its_address_topics_and_facts() -> None:
 
 
 def test_a_device_of_another_bridge_has_the_base_in_its_key_and_topics() -> None:
-    device = one(heard(bridge("zigbee2mqtt", "attic"), entry(), base="attic"))
+    device = device_in(heard(bridge("zigbee2mqtt", "attic"), entry(), base="attic"))
     assert (device.key, device.parts[0].part.reads) == (f"attic/{LAMP}", ("attic/kitchen/lamp",))
 
 
@@ -125,7 +120,7 @@ def test_a_device_that_is_missing_from_the_next_list_is_gone() -> None:
 def test_a_device_that_is_renamed_keeps_its_key_and_gets_new_topics() -> None:
     convention = bridge()
     heard(convention, entry())
-    device = one(heard(convention, entry(name="hall/lamp")))
+    device = device_in(heard(convention, entry(name="hall/lamp")))
     assert (device.key, device.parts[0].part.reads) == (LAMP, ("zigbee2mqtt/hall/lamp",))
 
 
@@ -142,11 +137,11 @@ def test_a_device_that_is_disabled_is_withdrawn_and_comes_back() -> None:
     convention = bridge()
     heard(convention, entry())
     assert heard(convention, entry(disabled=True)) == (DeviceWithdrawn(LAMP, "it was disabled, or its name was taken"),)
-    assert one(heard(convention, entry())).key == LAMP
+    assert device_in(heard(convention, entry())).key == LAMP
 
 
 def test_a_device_unknown_to_the_bridge_shows_its_raw_messages() -> None:
-    device = one(heard(bridge(), entry(definition=None, supported=False, interview_state="IN_PROGRESS")))
+    device = device_in(heard(bridge(), entry(definition=None, supported=False, interview_state="IN_PROGRESS")))
     (part,) = device.parts
     assert part.part.service_type == "x_unknown"
     assert part.codec.read("zigbee2mqtt/kitchen/lamp", b'{"a":1,"b":"x"}', retained=False) == {"raw": "a=1, b=x"}
@@ -157,7 +152,7 @@ def test_a_broken_entry_costs_that_device_alone_and_is_counted() -> None:
     convention = bridge()
     names = ("a/+/b", "bridge/x", "", "kitchen/lamp/set", "a\x00", "n" * 600)
     broken = [{"ieee_address": "0x1"}, "lamp", None, *(entry(PLUG, name) for name in names)]
-    assert one(heard(convention, *broken, entry())).key == LAMP
+    assert device_in(heard(convention, *broken, entry())).key == LAMP
     assert convention.rejected == len(broken)
 
 
@@ -186,7 +181,7 @@ def test_devices_are_left_out_where_those_before_have_all_the_parts() -> None:
 
 def test_a_repeated_name_or_address_is_left_out() -> None:
     convention = bridge()
-    assert one(heard(convention, entry(), entry(PLUG), entry(name="other"))).name == "kitchen/lamp"
+    assert device_in(heard(convention, entry(), entry(PLUG), entry(name="other"))).name == "kitchen/lamp"
     assert convention.rejected == 2
 
 
@@ -212,7 +207,7 @@ def test_other_topics_say_nothing() -> None:
 
 
 def test_a_device_can_be_reached_when_bridge_and_device_say_so() -> None:
-    device = one(heard(bridge(), entry()))
+    device = device_in(heard(bridge(), entry()))
     assert sources(device) == ["zigbee2mqtt/bridge/state", "zigbee2mqtt/kitchen/lamp/availability"]
     assert device.availability is not None
     assert device.availability.mode == "all"
@@ -222,25 +217,25 @@ def test_a_device_can_be_reached_when_bridge_and_device_say_so() -> None:
 def test_where_devices_do_not_tell_it_the_bridges_word_stands_alone(off: object) -> None:
     convention = bridge()
     assert info(convention, off) == ()
-    assert sources(one(heard(convention, entry()))) == ["zigbee2mqtt/bridge/state"]
+    assert sources(device_in(heard(convention, entry()))) == ["zigbee2mqtt/bridge/state"]
 
 
 def test_devices_are_described_anew_when_it_is_learned_later_how_they_tell_it() -> None:
     convention = bridge()
     heard(convention, entry(), entry(PLUG, "plug"))
     config = {"availability": {"enabled": False}, "devices": {LAMP.upper(): {"availability": True}, "odd": 1}}
-    assert sources(one(info(convention, config))) == ["zigbee2mqtt/bridge/state"]
+    assert sources(device_in(info(convention, config))) == ["zigbee2mqtt/bridge/state"]
     assert info(convention, config) == ()
     assert {device.key for device in info(convention, {"availability": {"enabled": True}})} == {PLUG}
 
 
 def test_the_room_that_a_user_gave_a_device_for_home_assistant_is_its_room() -> None:
     convention = bridge()
-    assert one(heard(convention, entry())).area == ""
+    assert device_in(heard(convention, entry())).area == ""
     overrides = {"homeassistant": {"device": {"suggested_area": "Kitchen"}}}
-    assert one(info(convention, {"availability": True, "devices": {LAMP: overrides}})).area == "Kitchen"
-    assert one(heard(convention, entry())).area == "Kitchen"
-    assert one(info(convention, {"availability": True, "devices": {LAMP: {"homeassistant": None}}})).area == ""
+    assert device_in(info(convention, {"availability": True, "devices": {LAMP: overrides}})).area == "Kitchen"
+    assert device_in(heard(convention, entry())).area == "Kitchen"
+    assert device_in(info(convention, {"availability": True, "devices": {LAMP: {"homeassistant": None}}})).area == ""
 
 
 @pytest.mark.parametrize(("payload", "problem"), [(b"{}", "config is None"), (b"{", "JSON")])

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
+from tests.conventions.announced_parts import device_in
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
@@ -33,9 +34,9 @@ def name(model: Model) -> str:
 
 def described(model: Model) -> DeviceAnnounced:
     payload = json.dumps([model["entry"]]).encode()
-    (device,) = Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
-    assert isinstance(device, DeviceAnnounced)
-    return device
+    return device_in(
+        Zigbee2Mqtt(Zigbee2MqttSettings()).read_message("zigbee2mqtt/bridge/devices", payload, retained=True)
+    )
 
 
 def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from pydantic import ValidationError
+from tests.conventions.announced_parts import device_in
 
 from homebot.conventions.description import DeviceAnnounced, DeviceWithdrawn, Publication
 from homebot.devices import Device, DevicePart, Endpoint, Route
@@ -41,9 +42,7 @@ def prop(topic: str, kind: str = "boolean", **more: Any) -> dict[str, Any]:
 
 def take(description: object) -> DeviceAnnounced:
     payload = json.dumps(description).encode()
-    (heard,) = ThingDescriptions(ThingSettings()).read_message(TOPIC, payload, retained=True)
-    assert isinstance(heard, DeviceAnnounced)
-    return heard
+    return device_in(ThingDescriptions(ThingSettings()).read_message(TOPIC, payload, retained=True))
 
 
 def test_a_description_is_a_device() -> None:
