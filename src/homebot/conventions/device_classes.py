@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import lru_cache
 
-from homebot.conventions.units import Quantity, conversion_of, sensor_type
+from homebot.conventions.units import Quantity, conversion_of, measured_in, sensor_type
 from homebot.devices.capabilities import CAPABILITIES
 
 __all__ = ["CLOSURE_CLASSES", "CONDITION_CLASSES", "QUANTITY_CLASSES", "condition_of", "is_quantity", "quantity_of"]
@@ -31,7 +31,7 @@ def quantity_of(device_class: str, unit: str) -> Quantity:
         device_class: Its class; an unknown one is a ``measurement``, and an empty one what the unit alone measures.
         unit: Its unit; an empty one is the vocabulary's own, and an inconvertible one stays.
     """
-    service_type, capability = _CLASSES.get(device_class or _class_of(unit), _OTHER)
+    service_type, capability = _CLASSES.get(device_class or measured_in(unit), _OTHER)
     canonical = CAPABILITIES[capability].unit
     if not canonical or not unit.strip():
         return Quantity(service_type, capability, canonical or unit)
@@ -46,15 +46,6 @@ def condition_of(device_class: str) -> tuple[str, str]:
     return _CONDITIONS.get(device_class, _OTHER_CONDITION)
 
 
-def _class_of(unit: str) -> str:
-    """Return the class of sensors in *unit*; empty if several classes have it, such as ``%`` and ``K``."""
-    return "" if unit in _OF_SEVERAL else next((name for name in _BY_UNIT if conversion_of(name, unit) is not None), "")
-
-
-_BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency")
-"""Classes called as their capability, of which each has units of its own."""
-
-_OF_SEVERAL = frozenset({"", "K"})
 _OTHER = ("x_sensor", "measurement")
 _METER, _AIR = "electrical_meter", "air_quality_sensor"
 _OF_THEIR_OWN = (

@@ -21,7 +21,7 @@ from homebot.conventions.command_values import (
 )
 from homebot.conventions.description import Publications
 from homebot.conventions.light_color import Channels, KelvinRange, from_hue_saturation, to_hue_saturation
-from homebot.conventions.part_builder import PartBuilder
+from homebot.conventions.part_builder import CapabilityFields, PartBuilder
 from homebot.conventions.payload import Readings, shown
 from homebot.devices.value import PlainValue
 from homebot.errors import RefusedError
@@ -73,9 +73,6 @@ class LightCommand(NamedTuple):
         return None if self.white is None else int(self.white)
 
 
-Ability: TypeAlias = tuple[tuple[float, ...], tuple[str, ...]]
-_PLAIN: Ability = (), ()
-
 Publish: TypeAlias = Callable[[LightCommand], Publications]
 
 
@@ -124,29 +121,23 @@ class LightFeatures:
         self.has_effect = self.any_effect or bool(self.effects)
         self.color_mode = next((mode for mode in _PREFERRED if mode in self.modes), "")
 
-    def abilities(self) -> dict[str, Ability]:
+    def abilities(self) -> dict[str, CapabilityFields]:
         """Return the bounds and the options of its capabilities, by name."""
-        found: dict[str, Ability] = {"on_off": _PLAIN}
+        found: dict[str, CapabilityFields] = {"on_off": {}}
         if self.has_level:
-            found["level"] = _PLAIN
+            found["level"] = {}
         if self.has_white:
-            found["color_temperature"] = self.white.bounds, ()
+            found["color_temperature"] = {"bounds": self.white.bounds}
         if self.color_mode:
-            found["color"] = _PLAIN
+            found["color"] = {}
         if self.has_effect:
-            found["effect"] = (), self.effects
+            found["effect"] = {"options": self.effects}
         return found
 
     def add_to(self, part: PartBuilder[MessageT], readable: Container[str], publish: Publish) -> None:
         """Add the capabilities to *part*; *readable* ones are reported, and *publish* encodes a command."""
-        for name, (bounds, options) in self.abilities().items():
-            part.add_capability(
-                name,
-                readable=name in readable,
-                writer=partial(self._write, publish, name),
-                bounds=bounds,
-                options=options,
-            )
+        for name, fields in self.abilities().items():
+            part.add_capability(name, readable=name in readable, writer=partial(self._write, publish, name), **fields)
 
     def command(self, capability: str, value: PlainValue, transition: float = 0.0) -> LightCommand:
         """Return the command that sets *capability*.

@@ -18,6 +18,7 @@ __all__ = [
     "Quantity",
     "celsius_bounds",
     "conversion_of",
+    "measured_in",
     "quantity",
     "sensor_type",
     "to_celsius",
@@ -81,6 +82,15 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
         return known[spelled]
     alike = {one for name, one in known.items() if name.casefold() == spelled.casefold()}
     return alike.pop() if len(alike) == 1 else None
+
+
+def measured_in(unit: str) -> str:
+    """Return the only capability of numbers in *unit*; empty if several have it, such as ``%`` and ``K``, or none."""
+    return "" if unit in {"", "K"} else next((one for one in _BY_UNIT if conversion_of(one, unit) is not None), "")
+
+
+_BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency", "flow")
+"""Capabilities of which each has units of its own."""
 
 
 def to_celsius(fahrenheit: float, digits: int = 6) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 from homebot.conventions.thermostat_modes import climate_type, setpoints_of
-from homebot.conventions.units import conversion_of
+from homebot.conventions.units import measured_in
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.command_description import payload_digest
 from homebot.devices.device_types import DEVICE_TYPES
@@ -25,9 +25,6 @@ _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnosti
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
 _GENERAL = {"bool": ("state", "on_off"), "number": ("measurement", "number"), "text": ("value", "text")}
 """By kind of value: the capability of unknown meaning, read-only and settable."""
-
-_BY_UNIT = ("temperature", "illuminance", "pressure", "power", "energy", "voltage", "current", "frequency", "flow")
-"""Capabilities of which each has units of its own."""
 
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
 _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
@@ -183,10 +180,8 @@ def _is_switch(schema: DataSchema) -> bool:
 
 def _measured(one: _Candidate) -> str:
     """Return the capability that the unit of a number says it is, where that is only read."""
-    unit = unit_of(one.affordance.schema)
-    if one.is_settable or not unit or unit == "K" or _KINDS.get(one.affordance.schema.type) != "number":
-        return ""  # K may be that of white light
-    return next((found for found in _BY_UNIT if conversion_of(found, unit[:40]) is not None), "")
+    is_measured = not one.is_settable and _KINDS.get(one.affordance.schema.type) == "number"
+    return measured_in(unit_of(one.affordance.schema)[:40]) if is_measured else ""
 
 
 def _in_context(capability: str, main: str) -> str:

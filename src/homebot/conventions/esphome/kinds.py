@@ -16,6 +16,7 @@ from homebot.conventions.entity_rows import (
     EntityComponent,
     EntityRow,
     Fields,
+    ReadField,
     alarm_commands,
     class_of,
     condition_component,
@@ -69,7 +70,6 @@ _ALARM_COMMANDS = (
 _PLAYER_OFF = 5
 _PLAYER_STATES = {1: "stopped", 2: "playing", 3: "paused", 4: "playing", _PLAYER_OFF: "stopped", 6: None}
 _PLAYER_VOLUME, _PLAYER_MUTES, _PLAYER_SWITCHES = 4, 8, 128 | 256
-_PLAYER_COMMANDS = {True: {"command": 12}, False: {"command": 13}}
 _PLAYBACKS = {"playing": (16_384, 0), "paused": (1, 1), "stopped": (4096, 2)}
 """The feature and the command of each."""
 
@@ -164,8 +164,13 @@ def _write_playback(info: Fields, value: PlainValue, _code: str) -> Fields:
     return {"command": _PLAYBACKS[require_option("playback", value, _playbacks(info))][1]}
 
 
-def _write_muted(_info: Fields, value: PlainValue, _code: str) -> Fields:
-    return {"command": 3 if require_bool("muted", value) else 4}
+def _player_flag(name: str, read: ReadField, on: int, off: int, feature: int) -> EntityRow:
+    """Return the row of a flag of a player, with the numbers of the commands that turn it on and off."""
+
+    def write(_info: Fields, value: PlainValue, _code: str) -> Fields:
+        return {"command": on if require_bool(name, value) else off}
+
+    return EntityRow(name, read, write, when=has_feature("feature_flags", feature))
 
 
 def _read_update(_info: Fields, state: Fields) -> PlainValue:
@@ -231,14 +236,9 @@ KINDS: Final[Mapping[str, EntityComponent]] = {
     "media_player": EntityComponent(
         "speaker",
         (
-            EntityRow(
-                "on_off",
-                _read_player_on,
-                lambda _info, value, _code: _PLAYER_COMMANDS[require_bool("on_off", value)],
-                when=has_feature("feature_flags", _PLAYER_SWITCHES),
-            ),
+            _player_flag("on_off", _read_player_on, 12, 13, _PLAYER_SWITCHES),
             replace(percent_row("volume", "volume"), when=has_feature("feature_flags", _PLAYER_VOLUME)),
-            EntityRow("muted", read_flag("muted"), _write_muted, when=has_feature("feature_flags", _PLAYER_MUTES)),
+            _player_flag("muted", read_flag("muted"), 3, 4, _PLAYER_MUTES),
             EntityRow("playback", _read_playback, when=lambda info: not _playbacks(info)),
             EntityRow("playback", _read_playback, _write_playback, when=_playbacks, options=_playbacks),
         ),

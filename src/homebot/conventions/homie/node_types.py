@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from homebot.conventions.homie.model import HomieNode
+from homebot.conventions.units import measured_in
 
 __all__ = [
     "KINDS",
@@ -167,20 +168,6 @@ def is_setting(tokens: frozenset[str]) -> bool:
     return not tokens.isdisjoint(_SETTINGS)
 
 
-_UNITS: Mapping[str, tuple[str, ...]] = {
-    "temperature": ("°C", "°F", "C", "F"),
-    "power": ("W", "kW", "mW"),
-    "energy": ("kWh", "Wh", "MWh"),
-    "voltage": ("V", "mV"),
-    "current": ("A", "mA", "kA"),
-    "frequency": ("Hz",),
-    "illuminance": ("lx", "lux"),
-    "pressure": ("hPa", "mbar", "Pa", "kPa", "bar", "psi"),
-    "signal_strength": ("dBm",),
-    "flow": ("m³/h", "L/h", "L/min"),
-}
-_BY_UNIT: Mapping[str, str] = {one: capability for capability, names in _UNITS.items() for one in names}
-
 _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
     ("battery", "battery", frozenset({"", "%"})),
     ("soc", "battery", frozenset({"%"})),
@@ -230,8 +217,10 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
     unit = unit.strip()
     if not tokens.isdisjoint(_RATINGS):
         return "measurement", False
-    if unit in _BY_UNIT:
-        return _BY_UNIT[unit], False
+    if unit == "dBm":
+        return "signal_strength", False
+    if found := measured_in(unit):
+        return found, False
     if not tokens.isdisjoint(_NO_MEASURE):
         return "measurement", False
     for token, capability, units in _BY_TOKEN:

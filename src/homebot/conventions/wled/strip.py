@@ -187,8 +187,5 @@ def preset_names(document: object) -> dict[int, str]:
 
 
 def _lamp(part: str, name: str, advertised: str, features: LightFeatures) -> Part:
-    capabilities = tuple(
-        Capability(name=name, settable=True, bounds=bounds, options=options)
-        for name, (bounds, options) in features.abilities().items()
-    )
+    capabilities = tuple(Capability(name=one, settable=True, **more) for one, more in features.abilities().items())
     return Part(id=part, name=name, service_type="light", advertised=advertised, capabilities=capabilities)

@@ -5,7 +5,7 @@ Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Unpack
@@ -80,11 +80,10 @@ class Zigbee2MqttTopics:
 
     def request_state(self, *features: Expose | None) -> Publications:
         """Return the request of *features*; empty if none can be requested."""
-        keys = self._plain(_gettable(features)) if self.is_awake else {}
-        if not keys:
+        gettable = [one.key for one in features if one is not None and one.is_gettable]
+        if not (gettable and self.is_awake):
             return ()
-        payload = compact_json(keys).encode()
-        return (Publication(f"{self._base}/get", payload),)
+        return (Publication(f"{self._base}/get", compact_json(self._plain(dict.fromkeys(gettable, ""))).encode()),)
 
     @property
     def _base(self) -> str:
@@ -98,10 +97,6 @@ class Zigbee2MqttTopics:
 def _whole_or_not(number: float) -> float | int:
     """Return *number* without a fraction of zero: 21, not 21.0."""
     return int(number) if number.is_integer() else number
-
-
-def _gettable(features: Iterable[Expose | None]) -> dict[str, str]:
-    return {one.key: "" for one in features if one is not None and one.is_gettable}
 
 
 MAX_VALUE = 255
@@ -129,9 +124,7 @@ class Zigbee2MqttPart(JsonPart):
 
     def read_feature(self, feature: Expose, capability: str, meaning: Callable[[object], PlainValue]) -> None:
         """Read the property of *feature*; *meaning* returns None for no value, and null is unknown."""
-        is_number = CAPABILITIES[capability].kind == "number"
-        means_unknown = is_unknown if is_number else _is_null
-        self.read_from(self.topics.state, partial(_read, feature.key, capability, meaning, means_unknown))
+        self.read_from(self.topics.state, partial(_read, feature.key, capability, meaning))
 
     def add_feature(
         self,
@@ -221,21 +214,11 @@ def text_of(value: object) -> str | None:
     return None
 
 
-def _is_null(value: object) -> bool:
-    return value is None
-
-
-def _read(
-    key: str,
-    capability: str,
-    read: Callable[[object], PlainValue],
-    means_unknown: Callable[[object], bool],
-    message: JsonMessage,
-) -> Readings:
+def _read(key: str, capability: str, read: Callable[[object], PlainValue], message: JsonMessage) -> Readings:
     if key not in message:
         return NO_READINGS
     value = message[key]
-    if means_unknown(value):
+    if value is None or (CAPABILITIES[capability].kind == "number" and is_unknown(value)):
         return {capability: None}
     found = read(value)
     return NO_READINGS if found is None else {capability: found}

@@ -128,14 +128,13 @@ class _PartsBuilder:
                 part = build_generic(topics, expose)
             return (part,) if part else ()
         found = [self._specific(topics, expose)]
-        if expose.type == "climate" and not self._has_thermometer():
+        if expose.type == "climate" and not any(
+            one.name in _THERMOMETERS and one.is_published for one in self._exposes
+        ):
             found.append(build_thermometer(topics, expose))
         own = SPECIFIC_TYPES[expose.type]
         found += [build_generic(topics, other) for other in expose.features if other.name not in own]
         return filter(None, found)
-
-    def _has_thermometer(self) -> bool:
-        return any(one.name in _THERMOMETERS and one.is_published for one in self._exposes)
 
     def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
         """Describe a generic expose that is a whole siren, valve or opener; None for any other."""

@@ -98,8 +98,8 @@ def _lamp_row(name: str, read: Callable[[Fields, Fields], PlainValue]) -> Entity
         read,
         _write_lamp(name),
         when=lambda info: name in _lamp(info).abilities(),
-        options=lambda info: _lamp(info).abilities()[name][1],
-        bounds=lambda info: _lamp(info).abilities()[name][0],
+        options=lambda info: _lamp(info).abilities()[name].get("options", ()),
+        bounds=lambda info: _lamp(info).abilities()[name].get("bounds", ()),
     )
 
 
