@@ -148,21 +148,17 @@ _SHORT = {"identifiers": "ids", "connections": "cns", "manufacturer": "mf", "mod
 
 
 class HomeAssistantDialect(Dialect):
-    """Devices of Home Assistant's discovery.
+    """Devices of Home Assistant's discovery: all kinds but robots, for which there is no component.
 
     Args:
         whole_devices: Whether they announce themselves as whole devices, with abbreviated keys, rather than as single
             components.
     """
 
-    def __init__(self, *, whole_devices: bool = False, prefix: str = "homeassistant") -> None:
+    def __init__(self, *, whole_devices: bool = False) -> None:
         self._whole_devices = whole_devices
-        self._prefix = prefix
 
-    @property
-    def kinds(self) -> frozenset[str]:
-        """All but robots, for which there is no component."""
-        return frozenset(COMPONENTS)
+    kinds = frozenset(COMPONENTS)
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands; sensors take none."""
@@ -185,11 +181,11 @@ class HomeAssistantDialect(Dialect):
             "suggested_area": device.room,
         }
         config = {"~": node, **part.config, "name": None}
-        status, topic = f"{node}/status", f"{self._prefix}/{part.component}/{node}/config"
+        status, topic = f"{node}/status", f"homeassistant/{part.component}/{node}/config"
         message: Fields = {**config, "unique_id": f"{node}_{part.component}", "availability_topic": status}
         message["device"] = about
         if self._whole_devices:
-            topic = f"{self._prefix}/device/{node}/config"
+            topic = f"homeassistant/device/{node}/config"
             message = {
                 "dev": {_SHORT.get(key, key): value for key, value in about.items()},
                 "o": {"name": "homebot's simulated house"},

@@ -79,23 +79,17 @@ def _nodes(kind: str) -> dict[str, dict[str, object]]:
 
 
 class HomieDialect(Dialect):
-    """Devices of one Homie domain."""
+    """Devices of the domain ``homie``: all kinds but robots."""
 
-    def __init__(self, domain: str = "homie") -> None:
-        self._domain = domain
-
-    @property
-    def kinds(self) -> frozenset[str]:
-        """All but robots."""
-        return frozenset(ROWS)
+    kinds = frozenset(ROWS)
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where its properties can be set."""
-        return (f"{self._base(device)}/+/+/set",)
+        return (f"{_base(device)}/+/+/set",)
 
     def birth(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its announcement, from init to ready; all retained."""
-        base = self._base(device)
+        base = _base(device)
         description = {"homie": "5.0", "version": 1, "name": device.device_id, "nodes": _nodes(device.kind)}
         return (
             OutgoingMessage(f"{base}/$state", b"init", retain=True),
@@ -105,11 +99,11 @@ class HomieDialect(Dialect):
 
     def will(self, device: SimulatedDeviceInfo) -> OutgoingMessage:
         """Return that it is lost, kept."""
-        return OutgoingMessage(f"{self._base(device)}/$state", b"lost", retain=True)
+        return OutgoingMessage(f"{_base(device)}/$state", b"lost", retain=True)
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its properties, kept, each on its own topic."""
-        base = self._base(device)
+        base = _base(device)
         return tuple(
             OutgoingMessage(f"{base}/{node}/{prop}", value(state).encode(), retain=True)
             for node, prop, _, value in ROWS[device.kind]
@@ -131,11 +125,8 @@ class HomieDialect(Dialect):
             target=to_number(text) if property_id == "set-temperature" else None,
         )
 
-    def _base(self, device: SimulatedDeviceInfo) -> str:
-        return f"{self._domain}/5/{_id(device)}"
 
-
-def _id(device: SimulatedDeviceInfo) -> str:
+def _base(device: SimulatedDeviceInfo) -> str:
     name = f"{device.home}-{device.device_id}"
     plain = re.sub(r"[^a-z0-9-]", "-", name.lower())
-    return plain if plain == name else f"{plain}-{hardware_address(device)[-6:]}"
+    return f"homie/5/{plain if plain == name else f'{plain}-{hardware_address(device)[-6:]}'}"

@@ -45,12 +45,9 @@ _MODELS: Mapping[str, _Model] = MappingProxyType(
 
 
 class ShellyDialect(Dialect):
-    """Devices with the topics that they have out of the box."""
+    """Lamps, motors, contacts and meters with the topics that they have out of the box."""
 
-    @property
-    def kinds(self) -> frozenset[str]:
-        """Lamps, motors, contacts and meters."""
-        return frozenset(_MODELS)
+    kinds = frozenset(_MODELS)
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands, and where all Shellys do."""

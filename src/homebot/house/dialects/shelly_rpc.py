@@ -21,12 +21,9 @@ COMPONENTS = {"lamp": "light:0", "window": "cover:0", "cover": "cover:0"}
 
 
 class ShellyRpcDialect(Dialect):
-    """Devices with the topics that they have out of the box."""
+    """Lamps and motors with the topics that they have out of the box."""
 
-    @property
-    def kinds(self) -> frozenset[str]:
-        """Lamps and motors."""
-        return frozenset(MODELS)
+    kinds = frozenset(MODELS)
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes calls."""

@@ -31,15 +31,9 @@ SENSORS = {"lux": ("BH1750", "Illuminance"), "power_meter": ("ENERGY", "Power")}
 
 
 class TasmotaDialect(Dialect):
-    """Devices with Tasmota's default topics."""
+    """Lamps, motors, contacts, motion sensors, light sensors and meters with Tasmota's default topics."""
 
-    def __init__(self, prefix: str = "tasmota/discovery") -> None:
-        self._prefix = prefix
-
-    @property
-    def kinds(self) -> frozenset[str]:
-        """Lamps, motors, contacts, motion sensors, light sensors and meters."""
-        return frozenset({*RELAYS, *SWITCHES, *SENSORS})
+    kinds = frozenset({*RELAYS, *SWITCHES, *SENSORS})
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands."""
@@ -52,9 +46,10 @@ class TasmotaDialect(Dialect):
     def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
         """Return its two announcements, kept."""
         mac = hardware_address(device).upper()
-        return (
-            OutgoingMessage(f"{self._prefix}/{mac}/config", as_json(_config(device, mac)), retain=True),
-            OutgoingMessage(f"{self._prefix}/{mac}/sensors", as_json({"sn": _sensors(device), "ver": 1}), retain=True),
+        messages = {"config": _config(device, mac), "sensors": {"sn": _sensors(device), "ver": 1}}
+        return tuple(
+            OutgoingMessage(f"tasmota/discovery/{mac}/{name}", as_json(message), retain=True)
+            for name, message in messages.items()
         )
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:

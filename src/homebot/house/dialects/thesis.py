@@ -10,10 +10,10 @@ __all__ = ["ThesisDialect"]
 class ThesisDialect(Dialect):
     """Every kind of device; the layout announces none."""
 
-    @property
-    def kinds(self) -> frozenset[str]:
-        """All."""
-        return _KINDS
+    kinds = frozenset(
+        {"lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot", "tag"}
+    )
+    """The kinds of :data:`homebot.house.kinds.KINDS`, which is loaded for described houses only."""
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return its ``in``."""
@@ -27,12 +27,6 @@ class ThesisDialect(Dialect):
         """Return the payload as text; invalid UTF-8 becomes U+FFFD."""
         del device, topic
         return (payload.decode(errors="replace"),)
-
-
-_KINDS = frozenset(
-    ("lamp", "window", "cover", "lock", "contact", "motion", "lux", "power_meter", "thermostat", "robot", "tag"),
-)
-"""The kinds of :data:`homebot.house.kinds.KINDS`, which is loaded for described houses only."""
 
 
 def _base(device: SimulatedDeviceInfo) -> str:

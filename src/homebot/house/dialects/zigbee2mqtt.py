@@ -105,36 +105,26 @@ MIRED = 1e6
 
 
 class Zigbee2MqttDialect(Dialect):
-    """Devices of one bridge.
+    """Devices of one bridge: all kinds but robots."""
 
-    Args:
-        base: The bridge's base topic.
-    """
-
-    def __init__(self, base: str = "zigbee2mqtt") -> None:
-        self._base = base
-
-    @property
-    def kinds(self) -> frozenset[str]:
-        """All but robots."""
-        return frozenset(EXPOSES)
+    kinds = frozenset(EXPOSES)
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
         """Return where it takes commands and questions."""
-        topic = self._topic(device)
+        topic = _topic(device)
         return (f"{topic}/set", f"{topic}/set/+", f"{topic}/get")
 
     def availability(self, device: SimulatedDeviceInfo) -> tuple[str, bytes, bytes]:
         """Return the topic on which the bridge reports sooner or later that it is offline."""
-        return f"{self._topic(device)}/availability", b'{"state":"online"}', b'{"state":"offline"}'
+        return f"{_topic(device)}/availability", b'{"state":"online"}', b'{"state":"offline"}'
 
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
         """Return its whole state."""
-        return (OutgoingMessage(self._topic(device), as_json(_STATES[device.kind](state))),)
+        return (OutgoingMessage(_topic(device), as_json(_STATES[device.kind](state))),)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
         """Return the command in a payload: an object of properties, one value, or a text for its state."""
-        base, _, rest = topic.removeprefix(self._topic(device)).removeprefix("/").partition("/")
+        base, _, rest = topic.removeprefix(_topic(device)).removeprefix("/").partition("/")
         if base != "set":
             return ()
         return _parsed(device.kind, {rest or "state": as_text(payload), **({} if rest else as_object(payload))})
@@ -144,7 +134,7 @@ class Zigbee2MqttDialect(Dialect):
     ) -> tuple[OutgoingMessage, ...]:
         """Return its state where it was asked for."""
         del payload
-        return self.state_messages(device, state) if topic == f"{self._topic(device)}/get" else ()
+        return self.state_messages(device, state) if topic == f"{_topic(device)}/get" else ()
 
     def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge:
         """Return the bridge, which knows itself and *devices*."""
@@ -159,17 +149,18 @@ class Zigbee2MqttDialect(Dialect):
             "definition": None,
         }
         listed = as_json([itself, *(_entry(device) for device in devices)])
-        state = f"{self._base}/bridge/state"
+        state = "zigbee2mqtt/bridge/state"
         return Bridge(
             birth=(
                 OutgoingMessage(state, b'{"state":"online"}', retain=True),
-                OutgoingMessage(f"{self._base}/bridge/devices", listed, retain=True),
+                OutgoingMessage("zigbee2mqtt/bridge/devices", listed, retain=True),
             ),
             will=OutgoingMessage(state, b'{"state":"offline"}', retain=True),
         )
 
-    def _topic(self, device: SimulatedDeviceInfo) -> str:
-        return f"{self._base}/{device.device_id}"
+
+def _topic(device: SimulatedDeviceInfo) -> str:
+    return f"zigbee2mqtt/{device.device_id}"
 
 
 def _entry(device: SimulatedDeviceInfo) -> dict[str, object]:
