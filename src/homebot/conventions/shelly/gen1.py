@@ -24,8 +24,7 @@ from homebot.conventions.description import (
 )
 from homebot.conventions.payload import clean_text, parse_object, shown, text_of
 from homebot.conventions.shelly.gen1_controls import NO_VALVE, Presses
-from homebot.conventions.shelly.gen1_models import Gen1Model, find_model
-from homebot.conventions.shelly.gen1_parts import build_parts, is_known_topic
+from homebot.conventions.shelly.gen1_parts import Gen1Model, build_parts, find_model, is_known_topic
 from homebot.devices.identity import identifiers, in_pairs
 from homebot.errors import WireError
 
