@@ -14,18 +14,13 @@ from homebot.graph import Graph, Node
 pytestmark = pytest.mark.virtual_time
 
 
-async def test_a_device_is_found_by_its_address(home: Home) -> None:
-    lamp = (await home.lamp("on_off")).device
-    addresses = DeviceLookup(home.app)
-    assert await addresses.device_at("memory", lamp.endpoints[0].command_address) == lamp.id
-    assert await addresses.device_at("mqtt", lamp.endpoints[0].command_address) == ""
-
-
 async def test_a_device_is_found_by_what_its_parts_take(home: Home) -> None:
     part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": ("kettle/set",)})
     home.gateway.devices.put(GatewayDevice("kettle", "Kettle", (part,)), "the test says so")
     kettle = (await home.handle(Light)).device
-    assert await DeviceLookup(home.app).device_at("memory", "kettle/set") == kettle.id
+    addresses = DeviceLookup(home.app)
+    assert await addresses.device_at("memory", "kettle/set") == kettle.id
+    assert await addresses.device_at("mqtt", "kettle/set") == ""
 
 
 async def test_a_device_that_appears_later_is_found_a_second_later(home: Home) -> None:

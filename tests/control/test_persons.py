@@ -85,15 +85,6 @@ async def test_a_lamp_is_as_honest_as_before_after_a_person_rejected_two_command
         await anyio.sleep(30)
 
 
-async def test_a_person_who_undoes_a_command_is_not_told_to_be_the_device(home: Home) -> None:
-    lamp = await home.lamp("on_off", behaviour=report((0.1, True), (3.1, False)))
-    await lamp.turn_on()
-    await anyio.sleep(5)
-    (event,) = home.events
-    assert event.result.outcome == "reverted"
-    assert event.result.text == "changed back after 3 s, by a hand or by itself"
-
-
 async def press(home: Home, lamp: Light, delay: float = 0.0) -> list[str]:
     """Press the remote, to which an app answers with "off"; return the outcomes."""
     outcomes: list[str] = []
