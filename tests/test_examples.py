@@ -128,7 +128,7 @@ async def test_the_app_of_the_readme_commands_nothing_at_a_heartbeat(monkeypatch
 @pytest.mark.parametrize(
     ("folder", "flags"),
     [
-        pytest.param("02_window_light", (), id="window light"),
+        pytest.param("02_window_light", (), id="window light", marks=nightly),  # tests of a guide run it as well
         pytest.param("02_window_light", BARE, id="window light, no plug-in"),
         pytest.param("02_window_light", BARE[2:], id="window light, pytest-asyncio alone", marks=nightly),
         pytest.param("05_random_days", (), id="random days"),
