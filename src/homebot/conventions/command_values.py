@@ -18,6 +18,7 @@ __all__ = [
     "moment_text",
     "number_writer",
     "option_writer",
+    "percent_writer",
     "push_writer",
     "require_bool",
     "require_color",
@@ -115,6 +116,11 @@ def number_writer(
     """Return a writer of numbers within the *bounds*, without transition."""
     least, most = bounds
     return lambda value, _transition: publish(require_number(capability, value, least, most, unit))
+
+
+def percent_writer(capability: str, publish: Callable[[float], Publications]) -> Writer:
+    """Return a writer of percent, without transition."""
+    return number_writer(capability, (0.0, 100.0), "%", publish)
 
 
 def option_writer(capability: str, options: Iterable[str], publish: Callable[[str], Publications]) -> Writer:

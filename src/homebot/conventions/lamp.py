@@ -98,8 +98,6 @@ class LightFeatures:
         is_dimmable: Whether lamps with colours have a brightness.
         only_in_bounds: Whether a white beyond its bounds is refused, rather than left to the device.
         most_seconds: The longest transition; a longer one is refused.
-        has_level: Whether its brightness can be set.
-        has_white: Whether its colour temperature can be set.
         color_mode: The channels of commanded colours; empty for a lamp without colours.
     """
 

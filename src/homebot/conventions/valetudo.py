@@ -37,7 +37,6 @@ class VacuumSegment(NamedTuple):
 
     Attributes:
         id: Its number, as text; it changes where the map is segmented anew.
-        name: Its name; empty without one.
         rows: Its pixels: in each row the columns at which it begins and ends, by turns.
     """
 
@@ -53,7 +52,6 @@ class VacuumMap(NamedTuple):
     Attributes:
         vendor_id: The vacuum's own number of the map; empty without one.
         pixel: Metres of a pixel.
-        height: Metres of the map.
         robot: Where the robot is; None where that is not stated.
     """
 

@@ -35,7 +35,6 @@ class BTHomeObject:
         name: The property, for example ``temperature``; several ids may have the same.
         capability: Its capability in the vocabulary; empty for objects that are no value of a part.
         size: Bytes of its data; 0 if the first byte of the data is their number.
-        signed: Whether the number may be negative.
         factor: By which the number is multiplied, as text, so that no digit is lost: ``0.01``.
         unit: The unit of the product, where the vocabulary has none for the capability.
         is_diagnostic: Whether it is an observation of the device itself.

@@ -62,7 +62,6 @@ class BTHomeFrame:
     """The outside of a packet.
 
     Attributes:
-        flags: The first byte.
         address: The address in the packet; empty if it has none.
         body: The rest: the objects, plain or encrypted.
     """

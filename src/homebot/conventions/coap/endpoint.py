@@ -42,8 +42,6 @@ class CoapEndpoint:
     Attributes:
         key: The key of its first device: its name in a resource directory, else its address. A name has no slash.
         base: Its address: ``coap://192.168.1.20``.
-        name: Its name for people, if that is known.
-        description: The address of its Thing Description, if that is known.
         is_registered: Whether it is in a resource directory, which says when it is gone.
         source: Its directory, or the path of its registration at homebot's own; :data:`CONFIGURED`, or empty for one
             that answered by itself. Its key belongs to it until it is gone.

@@ -39,7 +39,6 @@ class EndpointRegistration:
     Attributes:
         path: Where it can be renewed and deleted: ``/rd/1``.
         parameters: The parameters of its endpoint: ``ep``, ``d``, ``base``, ``lt``, ``et``.
-        source: The host that it came from.
         expires_at: Reading of the monotonic clock at which it ends.
     """
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Container, Mapping
 
-from homebot.conventions.command_values import bool_writer, number_writer, option_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.homeassistant.components import MOWER_ACTIONS, MOWER_STATES, VACUUM_ACTIONS, VACUUM_STATES
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -30,7 +30,6 @@ from homebot.errors import RefusedError, WireError
 
 __all__ = ["build_fan", "build_humidifier", "build_lawn_mower", "build_siren", "build_vacuum"]
 
-_PERCENT = (0.0, 100.0)
 _LONGEST_MODE = 120
 _DIRECTIONS = ("forward", "reverse")
 _EMPTY_PAYLOADS = (b"", b"None")
@@ -84,7 +83,7 @@ def _add_speed(entity: Entity, config: DiscoveryConfig) -> None:
     def publish(percent: float) -> Publications:
         return command.publish(math.ceil(scale.value(round(percent)))) if command else ()
 
-    writer = number_writer("fan_speed", _PERCENT, "%", publish) if command else None
+    writer = percent_writer("fan_speed", publish) if command else None
     entity.add_value("fan_speed", config.value_source("percentage"), read, command, writer)
 
 
@@ -160,7 +159,7 @@ def build_siren(config: DiscoveryConfig) -> DescribedPart:
         writer = option_writer("siren_tone", tones, lambda tone: publish(tone=tone))
         entity.add_capability("siren_tone", readable=readable, writer=writer, options=tones)
     if has_volume:
-        writer = number_writer("volume", _PERCENT, "%", lambda percent: publish(volume_level=percent / 100))
+        writer = percent_writer("volume", lambda percent: publish(volume_level=percent / 100))
         entity.add_capability("volume", readable=readable, writer=writer)
     entity.add_commands(on_command)
     return entity.build()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from homebot.conventions.command_values import Writer, number_writer, option_writer, require_number, require_option
+from homebot.conventions.command_values import Writer, option_writer, percent_writer, require_number, require_option
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.entity_rows import opening_type
 from homebot.conventions.homeassistant.config import DiscoveryConfig
@@ -156,7 +156,7 @@ def _setter(name: str, variable: str, command: CommandTopic, scale: Scale, varia
         percent = round(number)
         return command.publish(round(scale.value(percent)), {variable: percent, **variables})
 
-    return number_writer(name, (0, 100), "%", publish)
+    return percent_writer(name, publish)
 
 
 def build_valve(config: DiscoveryConfig) -> DescribedPart:

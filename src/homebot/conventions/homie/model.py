@@ -107,7 +107,6 @@ class HomieProperty:
     """One value of a device.
 
     Attributes:
-        id: Its id, unique in its node.
         datatype: One of versions 3 to 5, but an enum of two states is a boolean.
         topic: The topic of its value; commands go to ``<topic>/set``.
         options: The options of an enum, or the forms of a colour.
@@ -163,7 +162,6 @@ class HomieDevice:
     """A device.
 
     Attributes:
-        id: Its id, unique in its domain.
         topic: The topic above all its topics.
         root: The topic of its root device; empty for none.
         ignored: Number of its invalid nodes and properties.

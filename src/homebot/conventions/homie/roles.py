@@ -218,7 +218,6 @@ class Role:
 
     Attributes:
         name: One of :data:`CONTROLS`, or the reported capability; empty for a setting.
-        is_guess: Whether it is guessed from the property.
     """
 
     name: str

@@ -29,9 +29,7 @@ class Loop:
     """A compiled loop.
 
     Attributes:
-        values: The values to run over.
         test: Its filter; None for none.
-        otherwise: Its statements for no values.
         weight: Nodes of one turn.
     """
 

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import bool_writer, number_writer, option_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange, read_lamp, read_rgb
 from homebot.conventions.part_builder import BytesPart
@@ -36,7 +36,6 @@ _SWITCHED: Mapping[bytes, PlainValue] = {b"on": True, b"off": False, b"overpower
 _MOVEMENTS: Mapping[bytes, PlainValue] = {b"open": "opening", b"close": "closing", b"stop": "stopped"}
 _COMMANDS = {"open": b"open", "closed": b"close", "stopped": b"stop"}
 _ENDS: Mapping[float, str] = {0.0: "closed", 100.0: "open"}
-_PERCENT = (0.0, 100.0)
 
 
 def build_relay(base: str, index: int, *, is_plug: bool) -> BytesPart:
@@ -57,7 +56,7 @@ def build_roller(base: str, index: int) -> BytesPart:
     topic, reader = f"{base}/roller/{index}", _RollerReader()
     command = f"{topic}/command"
     mover = option_writer("movement", _COMMANDS, lambda movement: (Publication(command, _COMMANDS[movement]),))
-    pos = number_writer("position", _PERCENT, "%", lambda to: (Publication(f"{command}/pos", b"%d" % round(to)),))
+    pos = percent_writer("position", lambda to: (Publication(f"{command}/pos", b"%d" % round(to)),))
     part = BytesPart(f"roller:{index}", "window_covering", advertised="roller")
     part.read_from(topic, reader.read_movement)
     part.read_from(f"{topic}/pos", reader.read_position)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping
 from functools import partial
 
-from homebot.conventions.command_values import Writer, number_writer, option_writer
+from homebot.conventions.command_values import Writer, number_writer, option_writer, percent_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.lamp import LIGHT_CAPABILITIES, LightCommand, LightFeatures, WhiteRange, read_lamp, read_rgb
 from homebot.conventions.part_builder import JsonPart
@@ -52,9 +52,7 @@ def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
 
 
 def _position_writer(component: ShellyComponent, capability: str, param: str) -> Writer:
-    return number_writer(
-        capability, _PERCENT, "%", lambda percent: component.call("Cover.GoToPosition", **{param: round(percent)})
-    )
+    return percent_writer(capability, lambda percent: component.call("Cover.GoToPosition", **{param: round(percent)}))
 
 
 def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:

@@ -198,13 +198,9 @@ class Gen2Device:
     """The answers of one device so far.
 
     Attributes:
-        prefix: The beginning of its topics.
-        info: The answer to ``Shelly.GetDeviceInfo``.
-        config: The answer to ``Shelly.GetConfig``.
         status: The answer to ``Shelly.GetStatus``, or the status sent at wake-up; before both, the reported components.
         added: Components in the answer to ``Shelly.GetComponents``, added by users and gateways.
         pages_asked: Requested further pages of that answer.
-        sizes: Bytes of each stored answer.
         signs_of_life: Messages before its description.
         described: Its last description, and those of the devices behind it, by key.
     """
@@ -303,9 +299,7 @@ class Gen2Device:
         """Describe it, and the Bluetooth devices behind it.
 
         Args:
-            client: The client id of homebot.
             topic: The topic of its last message.
-            device_id: Its id in that message.
             needs_parts: Whether it is no device as long as neither it nor a device behind it has parts.
 
         Returns:

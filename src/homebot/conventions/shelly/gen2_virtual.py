@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from homebot.conventions.command_values import number_writer, option_writer, push_writer
+from homebot.conventions.command_values import option_writer, percent_writer, push_writer
 from homebot.conventions.description import Publications
 from homebot.conventions.part_builder import JsonPart
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, text_of
@@ -128,7 +128,7 @@ def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
     writer = option_writer("valve", _VALVES, lambda state: publish(100.0 if state == "open" else 0.0))
     component.add_control(part, "valve", writer, options=_VALVES)
     if has_position:
-        component.add_control(part, "position", number_writer("position", (0.0, 100.0), "%", publish))
+        component.add_control(part, "position", percent_writer("position", publish))
     return part
 
 

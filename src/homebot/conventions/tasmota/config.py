@@ -35,7 +35,6 @@ class TasmotaConfig:
     Attributes:
         mac: Its hardware address, 12 upper-case digits.
         output_names: Names of its outputs; empty for an output without one.
-        command_base: The beginning of its command topics.
         result_base: The beginning of its topics of answers.
         telemetry_base: The beginning of its topics of periodic reports.
         state_texts: Its texts for off, on, toggle and hold.
@@ -48,7 +47,6 @@ class TasmotaConfig:
         light_type: 0 none or on and off only, 1 dimmer, 2 whites, 3 colours, 4 colours and white, 5 colours and whites.
         is_linked: Whether colours and whites are one lamp.
         is_tuya: Whether another processor drives it.
-        is_fan: Whether it is an iFan.
         is_sleeper: Whether it sleeps most of the time, so that its last will has no meaning.
         shutter_options: Bits for each shutter; 1 inverts its positions.
         tilts: The tilt of each shutter; None for a shutter without.

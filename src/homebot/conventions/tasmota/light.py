@@ -138,8 +138,6 @@ class _TasmotaLamp:
     """Reader and writers of one lamp.
 
     Attributes:
-        dimmer: The command of its brightness.
-        dimmer_key: The key of its brightness in messages.
         last_state: Its last reported state, on which the fade speed depends.
     """
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 from itertools import chain
 
-from homebot.conventions.command_values import bool_writer, number_writer, option_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer
 from homebot.conventions.description import AutoExpiry, DescribedPart, Publications
 from homebot.conventions.part_builder import JsonPart, with_own_ids
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings, as_fields, clean_text
@@ -36,8 +36,6 @@ _MIDDLE = 2
 _PERCENTS = (0.0, 33.0, 66.0, 100.0)
 """The largest percentage of each speed."""
 
-_PERCENT = (0.0, 100.0)
-
 
 def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
     """Add the capabilities of a fan. Switched on, it gets its last reported speed, for which it has no command."""
@@ -57,7 +55,7 @@ def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
     for topic in config.states(_COMMAND):
         part.read_from(topic, read)
     part.add_capability("on_off", writer=bool_writer("on_off", lambda on: config.publish(_COMMAND, last if on else 0)))
-    part.add_capability("fan_speed", writer=number_writer("fan_speed", _PERCENT, "%", set_speed))
+    part.add_capability("fan_speed", writer=percent_writer("fan_speed", set_speed))
     part.add_command_topics(config.topic(_COMMAND))
     part.add_state_request(*config.state_requests)
 
@@ -91,12 +89,12 @@ def _add_shutter(part: JsonPart, config: TasmotaConfig, index: int) -> tuple[obj
     for topic in (*config.results("Shutter"), *config.sensors):
         part.read_from(topic, partial(_read_shutter, f"Shutter{number}", is_inverted, tilt))
     part.add_capability("movement", writer=option_writer("movement", _COMMANDS, move))
-    part.add_capability("position", writer=number_writer("position", _PERCENT, "%", set_position))
+    part.add_capability("position", writer=percent_writer("position", set_position))
     part.add_command_topics(*(config.topic(f"Shutter{name}{number}") for name in (*_COMMANDS.values(), "Position")))
     if tilt is not None:
         command, way = f"ShutterTilt{number}", tilt.most - tilt.least
-        writer = number_writer(
-            "tilt", _PERCENT, "%", lambda percent: config.publish(command, round(tilt.least + percent * way / 100))
+        writer = percent_writer(
+            "tilt", lambda percent: config.publish(command, round(tilt.least + percent * way / 100))
         )
         part.add_capability("tilt", writer=writer)
         part.add_command_topics(config.topic(command))

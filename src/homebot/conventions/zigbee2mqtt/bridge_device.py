@@ -107,8 +107,6 @@ class BridgeDevice:
 
     Attributes:
         ieee: Its address, ``0x`` and 16 lower-case digits.
-        name: Its friendly name.
-        topic: The topic of its state.
         is_coordinator: Whether it is the bridge's own radio.
         is_awake: Whether it receives at any time; a device with a battery does not.
         exposes: Its exposes, not yet checked; None if the bridge does not know them (yet).
@@ -116,7 +114,6 @@ class BridgeDevice:
         takes_transition: Whether the bridge lists a transition among the model's options.
         bare_endpoints: Numbers of its endpoints without a name.
         scenes: Names of the scenes that are stored in it, by number.
-        facts: Such as ``manufacturer`` and ``model``.
     """
 
     ieee: str

@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
-from homebot.conventions.command_values import bool_writer, number_writer, option_writer, push_writer
+from homebot.conventions.command_values import bool_writer, option_writer, percent_writer, push_writer
 from homebot.conventions.description import DescribedPart, Publications
 from homebot.conventions.payload import NO_READINGS, JsonMessage, Readings
 from homebot.conventions.zigbee2mqtt.expose import Expose
@@ -33,13 +33,10 @@ def build_cover(part: Zigbee2MqttPart, cover: Expose, motor: Expose | None) -> D
     for name, feature in (("position", position), ("tilt", tilt)):
         if feature is not None:
             part.read_feature(feature, name, _percent)
-            writer = number_writer(name, _PERCENT, "%", partial(_set, topics, feature.key))
+            writer = percent_writer(name, partial(_set, topics, feature.key))
             part.add_capability(name, readable=feature.is_published, writer=writer if feature.is_settable else None)
     part.request(state, position, tilt)
     return part.build()
-
-
-_PERCENT = (0.0, 100.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +164,7 @@ def _add_speed_steps(part: Zigbee2MqttPart, mode: Expose, speeds: Sequence[str])
     def publish(percent: float) -> Publications:
         return part.topics.publish({mode.key: speeds[math.ceil(percent * steps / 100)]})
 
-    writer = number_writer("fan_speed", _PERCENT, "%", publish) if mode.is_settable else None
+    writer = percent_writer("fan_speed", publish) if mode.is_settable else None
     part.add_feature(mode, "fan_speed", percent_of, writer)
 
 
@@ -184,7 +181,7 @@ def _add_speed_range(part: Zigbee2MqttPart, speed: Expose) -> None:
     def publish(percent: float) -> Publications:
         return part.topics.publish({speed.key: math.ceil(percent * steps / 100 + least - 1) if percent else 0})
 
-    writer = number_writer("fan_speed", _PERCENT, "%", publish) if speed.is_settable else None
+    writer = percent_writer("fan_speed", publish) if speed.is_settable else None
     part.add_feature(speed, "fan_speed", percent_of, writer)
 
 
@@ -241,7 +238,7 @@ def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:
         writer = option_writer("siren_tone", tones, warn)
         part.add_capability("siren_tone", readable=False, writer=writer, options=tones)
     if warning.feature("level") is not None:
-        part.add_capability("volume", readable=False, writer=number_writer("volume", _PERCENT, "%", set_volume))
+        part.add_capability("volume", readable=False, writer=percent_writer("volume", set_volume))
     part.add_command_topics(part.topics.command)
     return part.build()
 

@@ -50,8 +50,6 @@ class Expose:
         access: The sum of 1 (published), 2 (settable) and 4 (can be requested).
         value_on: The true value of a binary; None for none.
         least: Smallest number; None if undeclared.
-        values: The values of an enum.
-        features: The members of a specific type or a composite.
     """
 
     type: str

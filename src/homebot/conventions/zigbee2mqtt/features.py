@@ -62,7 +62,6 @@ class Zigbee2MqttTopics:
         """Return the command that sets each property of *message*.
 
         Args:
-            message: Values by property.
             transition: Seconds, ignored if the device takes none; 0 leaves it to the device.
 
         Raises:

@@ -81,7 +81,6 @@ def lamp_order(
 
     Args:
         brightness: 0 to 1; above 0 lights it, as lamps of all families do.
-        kelvin: Its colour temperature.
     """
     warmth = () if kelvin is None else (f"{number_text(kelvin)} K",)
     if is_on is False:
@@ -105,8 +104,6 @@ def device_orders(
 
     Args:
         is_on: See :func:`lamp_order`, also for the next two.
-        brightness: From 0 to 1.
-        kelvin: A colour temperature.
         position: Of a motor, from 0 to 1.
         action: ``open``, ``close`` or ``stop`` of a motor, ``lock`` or ``unlock`` of a lock, in any case.
         target: Of a thermostat, in °C.

@@ -31,9 +31,7 @@ class _Known:
     """A known kind of resource.
 
     Attributes:
-        name: Its meaning, as a property name.
         member: The member of the object that has the value.
-        settable: Whether there are actuators of this kind.
         semantic: The semantic type, where the name does not say it.
         enum: The two spellings of no and yes, for a boolean that is spelt as text.
         unit_member: The member of the object that names another unit.
