@@ -8,8 +8,7 @@ from tests.conventions.shelly.rpc_documents import MODELS
 from tests.fuzz.conftest import Fuzz
 
 from homebot.conventions.payload import as_fields, parse_object
-from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, is_setup_change
-from homebot.conventions.shelly.rpc_login import RpcLogin
+from homebot.conventions.shelly.gen2_rpc import Gen2RpcDevice, RpcLogin, is_setup_change
 from homebot.errors import RefusedError, WireError
 
 CHALLENGE = '{"auth_type":"digest","nonce":1625038762,"nc":1,"realm":"shellypro4pm-f008d1d8b8b8","algorithm":"SHA-256"}'

@@ -50,14 +50,18 @@ class CapabilityFields(TypedDict, total=False):
 class PartBuilder(Generic[MessageT]):
     """Builder of a part.
 
+    Args:
+        commands: The topic of commands of all its settable capabilities, if they have only one.
+
     Attributes:
         parse_payload: Parses a payload into the message of the readers.
     """
 
     parse_payload: PayloadParser[MessageT]
 
-    def __init__(self, part_id: str, service_type: str, **fields: Unpack[PartFields]) -> None:
+    def __init__(self, part_id: str, service_type: str, *, commands: str = "", **fields: Unpack[PartFields]) -> None:
         self._id = part_id
+        self._commands = (commands,) if commands else ()
         self._service_type = service_type
         self._fields = fields
         self._capabilities: dict[str, Capability] = {}
@@ -85,6 +89,7 @@ class PartBuilder(Generic[MessageT]):
         self._capabilities[name] = make(name=name, readable=readable, settable=writer is not None, **fields)
         if writer is not None:
             self._writers[name] = writer
+            self.add_command_topics(*self._commands)
 
     def add_coded_capability(
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()

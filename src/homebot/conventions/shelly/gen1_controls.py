@@ -42,9 +42,8 @@ def build_relay(base: str, index: int, *, is_plug: bool) -> BytesPart:
     """Describe a relay, or a plug if it is a socket."""
     topic = f"{base}/relay/{index}"
     command = f"{topic}/command"
-    part = BytesPart(f"relay:{index}", "plug" if is_plug else "switch", advertised="relay")
+    part = BytesPart(f"relay:{index}", "plug" if is_plug else "switch", commands=command, advertised="relay")
     part.read_from(topic, meaning_reader("on_off", _SWITCHED))
-    part.add_command_topics(command)
     part.add_capability(
         "on_off", writer=bool_writer("on_off", lambda on: (Publication(command, b"on" if on else b"off"),))
     )
@@ -81,9 +80,8 @@ def build_gas_valve(base: str, index: int) -> BytesPart:
     """Describe the valve that a gas detector closes."""
     command = f"{base}/valve/{index}/command"
     writer = option_writer("valve", _TURNS, lambda target: (Publication(command, _TURNS[target]),))
-    part = BytesPart(f"valve:{index}", "water_valve", advertised="valve", tag="gas")
+    part = BytesPart(f"valve:{index}", "water_valve", commands=command, advertised="valve", tag="gas")
     part.read_from(f"{base}/valve/{index}/state", meaning_reader("valve", _VALVES))
-    part.add_command_topics(command)
     part.add_capability("valve", writer=writer, options=("open", "closed", "opening", "closing"))
     return part
 

@@ -160,10 +160,9 @@ def build_valve(base: str) -> tuple[JsonPart, ...]:
         degrees = to_fahrenheit(celsius) if is_fahrenheit else celsius
         return (Publication(topic, f"{round(degrees, 1):g}".encode()),)
 
-    part = JsonPart("thermostat:0", "thermostat", advertised="thermostat", tag="radiator_valve")
+    part = JsonPart("thermostat:0", "thermostat", commands=topic, advertised="thermostat", tag="radiator_valve")
     part.read_from(f"{base}/status", read)
     part.read_from(f"{base}/info", read)
-    part.add_command_topics(topic)
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
     part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
     part.add_capability("local_temperature")

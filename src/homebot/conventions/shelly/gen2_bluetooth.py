@@ -154,10 +154,10 @@ def _valve_part(component: ShellyComponent) -> JsonPart:
         params = {"id": 0, "target_C": round(celsius, 1)}
         return component.call("BluTRV.Call", method="TRV.SetTarget", params=params)
 
-    part = JsonPart("thermostat", "thermostat", tag="radiator_valve")
+    part = JsonPart("thermostat", "thermostat", commands=component.commands, tag="radiator_valve")
     component.read_status(part, reader_of("target_C", "heating_setpoint"))
     writer = number_writer("heating_setpoint", _VALVE_BOUNDS, "°C", set_target)
-    component.add_control(part, "heating_setpoint", writer, bounds=_VALVE_BOUNDS)
+    part.add_capability("heating_setpoint", writer=writer, bounds=_VALVE_BOUNDS)
     component.add_value(part, "local_temperature", "current_C")
     component.add_value(part, "position", "pos")
     return part

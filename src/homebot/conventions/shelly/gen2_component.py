@@ -14,7 +14,7 @@ from typing import Final, Unpack
 
 from homebot.conventions.command_values import Writer, bool_writer, number_writer, option_writer
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.part_builder import CapabilityFields, JsonPart, PartFields
+from homebot.conventions.part_builder import JsonPart, PartFields
 from homebot.conventions.payload import NO_READINGS, Readings, as_fields, compact_json, shown, text_of
 from homebot.conventions.shelly.status import LONGEST_TEXT, NO_FIELDS, Fields, StatusDecoder, reader_of, value_at
 from homebot.devices.capabilities import CAPABILITIES
@@ -135,7 +135,7 @@ class ShellyComponent:
         """Return a part without capabilities; its *suffix* is empty for the main part of the component."""
         part_id = f"{self.key}/{suffix}" if suffix else self.key
         fields["name"], fields["advertised"] = f"{self.name} {fields.get('name', '')}".strip(), self.kind
-        return JsonPart(part_id, service_type, **fields)
+        return JsonPart(part_id, service_type, commands=self.commands, **fields)
 
     def read_status(self, part: JsonPart, decode: StatusDecoder, key: str = "") -> None:
         """Read the component, or the one called *key*, with *decode*."""
@@ -169,24 +169,10 @@ class ShellyComponent:
             key: The name of another component that reports it; empty for this one.
         """
         self.read_status(part, reader_of(path, capability, factor), key)
+        writer = None
         if method:
             writer = _writer(capability, bounds, options, lambda value: self.call(method, **more, **{param: value}))
-            self.add_control(part, capability, writer, unit=unit, bounds=bounds, options=options)
-        else:
-            part.add_capability(capability, unit=unit, bounds=bounds, options=options)
-
-    def add_control(
-        self,
-        part: JsonPart,
-        capability: str,
-        writer: Writer,
-        *,
-        readable: bool = True,
-        **fields: Unpack[CapabilityFields],
-    ) -> None:
-        """Add *capability*, set by calls of *writer*."""
-        part.add_command_topics(self.commands)
-        part.add_capability(capability, readable=readable, writer=writer, **fields)
+        part.add_capability(capability, writer=writer, unit=unit, bounds=bounds, options=options)
 
     def add_presses(self, part: JsonPart, presses: Mapping[str, str], index: int | None = None) -> None:
         """Add ``press``, read from the component's events, which *presses* translates.

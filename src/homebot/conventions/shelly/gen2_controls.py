@@ -42,12 +42,12 @@ def build_cover(component: ShellyComponent) -> tuple[JsonPart, ...]:
     part = component.part("", "window_covering")
     component.read_status(part, _decode_cover)
     mover = option_writer("movement", _COMMANDS, lambda movement: component.call(_COMMANDS[movement]))
-    component.add_control(part, "movement", mover, options=_MOVEMENTS)
+    part.add_capability("movement", writer=mover, options=_MOVEMENTS)
     if component.status.get("pos_control") is not False:
-        component.add_control(part, "position", _position_writer(component, "position", "pos"))
+        part.add_capability("position", writer=_position_writer(component, "position", "pos"))
     slat = as_fields(component.config.get("slat"))
     if component.status.get("slat_pos") is not None or slat.get("enable") is True:
-        component.add_control(part, "tilt", _position_writer(component, "tilt", "slat_pos"))
+        part.add_capability("tilt", writer=_position_writer(component, "tilt", "slat_pos"))
     return (part,)
 
 
@@ -69,10 +69,10 @@ def build_thermostat(component: ShellyComponent) -> tuple[JsonPart, ...]:
     target_writer = number_writer(
         setpoint, _THERMOSTAT_BOUNDS, "°C", lambda celsius: configure(target_C=round(celsius, 1))
     )
-    component.add_control(part, setpoint, target_writer, bounds=_THERMOSTAT_BOUNDS)
+    part.add_capability(setpoint, writer=target_writer, bounds=_THERMOSTAT_BOUNDS)
     component.add_value(part, "local_temperature", "current_C")
     mode_writer = option_writer("thermostat_mode", modes, lambda chosen: configure(enable=chosen == mode))
-    component.add_control(part, "thermostat_mode", mode_writer, options=modes)
+    part.add_capability("thermostat_mode", writer=mode_writer, options=modes)
     part.add_capability("thermostat_action", options=(action, "idle"))
     return (part,)
 
@@ -140,7 +140,6 @@ def build_light(component: ShellyComponent) -> tuple[JsonPart, ...]:
     )
     part = component.part("", "light")
     component.read_status(part, partial(_decode_light, features))
-    part.add_command_topics(component.commands)
     features.add_to(part, LIGHT_CAPABILITIES, partial(_set_light, component))
     return (part,)
 

@@ -78,7 +78,7 @@ def build_virtual_button(component: ShellyComponent) -> Parts:
     """Describe a button that can be pressed by command."""
     part = component.part("", "generic_switch")
     writer = push_writer("push", lambda: component.call("Button.Trigger", event="single_push"))
-    component.add_control(part, "push", writer, readable=False)
+    part.add_capability("push", writer=writer, readable=False)
     return (part,)
 
 
@@ -126,9 +126,9 @@ def _build_valve(component: ShellyComponent, role: str) -> JsonPart:
     part = component.part("", "water_valve", tag=role)
     component.read_status(part, decode)
     writer = option_writer("valve", _VALVES, lambda state: publish(100.0 if state == "open" else 0.0))
-    component.add_control(part, "valve", writer, options=_VALVES)
+    part.add_capability("valve", writer=writer, options=_VALVES)
     if has_position:
-        component.add_control(part, "position", percent_writer("position", publish))
+        part.add_capability("position", writer=percent_writer("position", publish))
     return part
 
 
