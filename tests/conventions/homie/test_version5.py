@@ -3,7 +3,6 @@ from collections.abc import Callable
 import pytest
 from tests.conventions.announced_parts import device_in
 
-from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.errors import WireError
@@ -14,13 +13,6 @@ Say = Callable[..., tuple[AnnouncementEvent, ...]]
 SWITCH = {"type": "hc-smarthome/v2/cap/switch", "properties": {"state": {"datatype": "boolean", "settable": True}}}
 LAMP = {"homie": "5.0", "version": 1, "name": "Hall lamp", "nodes": {"switch": SWITCH}}
 BASE = "homie/5/lamp-1"
-
-
-def test_it_is_a_convention(homie: Homie) -> None:
-    same: Convention = homie
-    assert same.name == "homie"
-    assert same.birth_messages() == ()
-    assert Homie.Settings is HomieSettings
 
 
 def test_state_and_description_make_a_device(say: Say) -> None:

@@ -4,7 +4,6 @@ from typing import Any
 import pytest
 from tests.conventions.announced_parts import device_in, heard, part_in, told
 
-from homebot.conventions.convention import Convention
 from homebot.conventions.description import (
     AnnouncementEvent,
     DeviceAnnounced,
@@ -31,12 +30,6 @@ BULB = {"id": "shellybulb-099CF9", "model": "SHBLB-1", "mac": "A8032A099CF9"}
 
 def ids(events: tuple[AnnouncementEvent, ...]) -> dict[str, str]:
     return {one.part.id: one.part.service_type for one in device_in(events).parts}
-
-
-def test_it_is_a_convention(shelly: Shelly) -> None:
-    same: Convention = shelly
-    assert same.name == "shelly"
-    assert Shelly.Settings is ShellySettings
 
 
 def test_all_are_asked_to_announce_themselves_at_the_start(shelly: Shelly) -> None:

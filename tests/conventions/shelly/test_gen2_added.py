@@ -5,11 +5,10 @@ from collections.abc import Callable
 
 import pytest
 from tests.conventions.announced_parts import device_in, part_in
+from tests.conventions.shelly.rpc_documents import ANSWERS, ID
 
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest
 
-ID = "shellyblugwg3-a8032abe54dc"
-ANSWERS = f"homebot/{ID}/rpc"
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
@@ -27,18 +26,6 @@ def asked(request: AnnouncementEvent) -> list[tuple[str, object]]:
     assert isinstance(request, DeviceRequest)
     frames = [json.loads(one.payload) for one in request.publications]
     return [(frame["method"], frame.get("params")) for frame in frames]
-
-
-@pytest.fixture
-def gateway(say: Say) -> Say:
-    """A gateway that was asked and answered all but the last question."""
-    for result in (
-        {"id": ID, "mac": "A8032ABE54DC", "gen": 3, "app": "BluGwG3"},
-        {"sys": {"device": {"name": "Gateway"}}},
-        {"sys": {"mac": "A8032ABE54DC"}, "wifi": {}},
-    ):
-        say(ANSWERS, {"id": 1, "src": ID, "result": result})
-    return say
 
 
 def test_an_added_component_is_a_part_with_its_given_name(gateway: Say) -> None:

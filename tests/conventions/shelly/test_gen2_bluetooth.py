@@ -8,13 +8,12 @@ import json
 from collections.abc import Callable, Mapping
 
 import pytest
+from tests.conventions.shelly.rpc_documents import ANSWERS, ID
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
 from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced, DeviceWithdrawn
 
-ID = "shellyblugwg3-a8032abe54dc"
-ANSWERS = f"homebot/{ID}/rpc"
 TRV, DOOR, REMOTE, OLD = "f8:44:77:1d:05:54", "3c:2e:f5:71:d5:2a", "7c:c6:b6:a5:c9:3d", "7c:c6:b6:a5:c9:3e"
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
@@ -58,17 +57,6 @@ def devices(events: tuple[AnnouncementEvent, ...]) -> dict[str, DeviceAnnounced]
 
 def parts(device: DeviceAnnounced) -> dict[str, DescribedPart]:
     return {one.part.id: one for one in device.parts}
-
-
-@pytest.fixture
-def gateway(say: Say) -> Say:
-    for result in (
-        {"id": ID, "mac": "A8032ABE54DC", "gen": 3, "app": "BluGwG3"},
-        {"sys": {"device": {"name": "Gateway"}}},
-        {"sys": {"mac": "A8032ABE54DC"}, "wifi": {}},
-    ):
-        say(ANSWERS, {"id": 1, "src": ID, "result": result})
-    return say
 
 
 def test_each_is_a_device_with_its_own_identity_and_is_reachable_while_the_shelly_is(gateway: Say) -> None:

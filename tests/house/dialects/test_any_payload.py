@@ -12,7 +12,6 @@ from homebot.house.dialects import DIALECTS
 from homebot.house.dialects.wire import as_object, device_orders, hardware_address, lamp_order, node_name
 from homebot.house.simulated_device import SimulatedDevice
 from homebot.mqtt.topics import validate_topic
-from homebot.support.numbers import to_number
 
 pytestmark = pytest.mark.slow
 
@@ -57,14 +56,6 @@ def test_no_message_and_no_word_is_too_odd(name: str, payload: bytes, level: str
 )
 def test_another_value_is_an_empty_object(payload: bytes, found: dict[str, object]) -> None:
     assert as_object(payload) == found
-
-
-@pytest.mark.parametrize(
-    ("value", "found"),
-    [(1, 1.0), ("2.5", 2.5), (True, None), ("inf", None), (10**400, None), ("x", None), (None, None), ([1], None)],
-)
-def test_only_finite_numbers_are_numbers(value: object, found: float | None) -> None:
-    assert to_number(value) == found
 
 
 def test_a_message_to_a_lamp_may_hold_several_commands() -> None:
