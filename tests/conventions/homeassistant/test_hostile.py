@@ -16,17 +16,12 @@ DEVICE = {"identifiers": ["i"], "name": "n"}
 @pytest.mark.parametrize(
     "payload",
     [
-        b"x" * 5_000_000,
-        b'{"a":' * 10_000,
-        b"[" * 10_000 + b"]" * 10_000,
-        b'{"command_topic": NaN}',
-        b'{"command_topic": "\\ud800"}',
         json.dumps({"cmps": {f"c{n}": {"p": "switch", "cmd_t": "a"} for n in range(10_000)}, "dev": DEVICE}).encode(),
         json.dumps({"command_topic": "a", "device": {"identifiers": [str(n) for n in range(10_000)]}}).encode(),
         json.dumps({"command_topic": "a/+/set"}).encode(),
         json.dumps({"command_topic": "a" * 70_000}).encode(),
     ],
-    ids=range(9),
+    ids=range(4),
 )
 @pytest.mark.parametrize("topic", ["homeassistant/switch/x/config", "homeassistant/device/x/config"])
 def test_an_attack_is_refused(topic: str, payload: bytes) -> None:

@@ -1,4 +1,3 @@
-import contextlib
 import json
 from collections.abc import Callable
 
@@ -299,14 +298,3 @@ def test_reports_of_a_silent_device_are_bounded(shelly: Shelly, say: Say) -> Non
     assert isinstance(described, DeviceAnnounced)
     assert {one.part.id for one in described.parts} == {"switch:10", *(f"switch:{number}" for number in range(6))}
     assert shelly.reader.dropped == 4
-
-
-@pytest.mark.parametrize(
-    "payload",
-    [b"[" * 100_000, b"{" * 5_000_000, b'{"src":"x","result":' + b'{"a":' * 10_000],
-    ids=["list", "long", "deep"],
-)
-@pytest.mark.parametrize("topic", ["homebot/x/rpc", "x/events/rpc", "shellies/announce"])
-def test_a_long_or_deep_message_describes_nothing(shelly: Shelly, topic: str, payload: bytes) -> None:
-    with contextlib.suppress(WireError):
-        assert shelly.read_message(topic, payload, retained=False) == ()
