@@ -5,7 +5,8 @@ from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
 import anyio
-from tests.conventions.shelly.test_gen2_bluetooth import DOOR, DOOR_PARTS, ID, TRV, component, valve
+from tests.conventions.shelly.rpc_documents import ID
+from tests.conventions.shelly.test_gen2_bluetooth import DOOR, DOOR_PARTS, TRV, component, valve
 from tests.gateways.mdns.lamp import Publisher, publisher
 from tests.gateways.served import served
 from tests.loopback import alone_on_loopback
