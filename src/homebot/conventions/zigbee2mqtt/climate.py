@@ -51,7 +51,6 @@ class _Mode:
         part.read_from(part.topics.state, self._read)
         part.add_capability("thermostat_mode", writer=self._write, options=self._options)
         part.add_capability("on_off", writer=self._write_switch)
-        part.add_command_topics(part.topics.command)
 
     def _read(self, message: JsonMessage) -> Readings:
         if self._program.key not in message:

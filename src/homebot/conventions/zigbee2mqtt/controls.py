@@ -25,7 +25,6 @@ def build_cover(part: Zigbee2MqttPart, cover: Expose, motor: Expose | None) -> D
     """Describe a cover; *motor* is the enum of its motor's direction."""
     state, position, tilt = (cover.feature(name) for name in ("state", "position", "tilt"))
     topics = part.topics
-    part.add_command_topics(topics.command)
     if state is not None:
         part.read_from(topics.state, _Movement(state.key, position.key if position else "", motor).read)
         writer = option_writer("movement", _COMMANDS, lambda movement: topics.publish({state.key: _COMMANDS[movement]}))
@@ -110,7 +109,6 @@ def build_lock(part: Zigbee2MqttPart, lock: Expose) -> DescribedPart:
         writer = part.state_writer(state, "lock", {"locked": state.value_on, "unlocked": state.value_off})
     is_readable = any(one is not None and one.is_published for one in (state, bolt))
     part.add_capability("lock", readable=is_readable, writer=writer, options=("locked", "unlocked"))
-    part.add_command_topics(part.topics.command)
     part.request(state)
     return part.build()
 
@@ -190,7 +188,6 @@ def build_opener(part: Zigbee2MqttPart, trigger: Expose, contact: Expose, *, is_
 
     A trigger that gives a pulse moves the door with any value, so it is a push.
     """
-    part.add_command_topics(part.topics.command)
     if is_pulse:
         writer = push_writer("push", lambda: part.topics.publish({trigger.key: trigger.value_on}))
         part.add_capability("push", readable=False, writer=writer)
@@ -239,7 +236,6 @@ def build_siren(part: Zigbee2MqttPart, warning: Expose) -> DescribedPart:
         part.add_capability("siren_tone", readable=False, writer=writer, options=tones)
     if warning.feature("level") is not None:
         part.add_capability("volume", readable=False, writer=percent_writer("volume", set_volume))
-    part.add_command_topics(part.topics.command)
     return part.build()
 
 

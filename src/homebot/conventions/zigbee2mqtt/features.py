@@ -110,7 +110,7 @@ class Zigbee2MqttPart(JsonPart):
     def __init__(
         self, topics: Zigbee2MqttTopics, part_id: str, service_type: str, **fields: Unpack[PartFields]
     ) -> None:
-        super().__init__(part_id, service_type, **fields)
+        super().__init__(part_id, service_type, commands=topics.command, **fields)
         self.topics = topics
 
     @classmethod
@@ -138,8 +138,6 @@ class Zigbee2MqttPart(JsonPart):
         if readable:
             self.read_feature(feature, capability, meaning)
         self.add_capability(capability, readable=readable, writer=writer, **fields)
-        if writer is not None:
-            self.add_command_topics(self.topics.command)
 
     def add_flag(self, feature: Expose | None, capability: str) -> None:
         """Add a boolean *capability* from a binary *feature*: true is its ``value_on``."""

@@ -189,7 +189,6 @@ def _add_options(part: Zigbee2MqttPart, expose: Expose) -> None:
     push = "locate" if expose.name == "identify" else "push"
     writer = push_writer(push, lambda: part.topics.publish({expose.key: actions[0]}))
     part.add_capability(push, readable=False, writer=writer)
-    part.add_command_topics(part.topics.command)
 
 
 def _actions(expose: Expose) -> list[Scalar]:

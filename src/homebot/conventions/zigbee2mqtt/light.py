@@ -26,7 +26,6 @@ def build_light(part: Zigbee2MqttPart, light: Expose, effect: Expose | None) -> 
     features = {one.name: one for one in light.own_features}
     lamp = _Zigbee2MqttLamp(part.topics, features, light.suffix, _color_mode(light), effect)
     part.read_from(part.topics.state, lamp.read)
-    part.add_command_topics(part.topics.command)
     modes = {name for name in ("brightness", "color_temp") if name in features} | ({lamp.mode} if lamp.mode else set())
     white = features.get("color_temp")
     LightFeatures(

@@ -207,7 +207,6 @@ def _scene(topics: Zigbee2MqttTopics, number: int, name: str) -> DescribedPart:
     part = Zigbee2MqttPart(topics, f"scene_{number}", "x_scene", name=clean_text(name), advertised="scene")
     writer = push_writer("scene", lambda: topics.publish({"scene_recall": number}))
     part.add_capability("scene", readable=False, writer=writer)
-    part.add_command_topics(topics.command)
     return part.build()
 
 
