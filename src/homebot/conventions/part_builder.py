@@ -61,7 +61,7 @@ class PartBuilder(Generic[MessageT]):
 
     def __init__(self, part_id: str, service_type: str, *, commands: str = "", **fields: Unpack[PartFields]) -> None:
         self._id = part_id
-        self._commands = (commands,) if commands else ()
+        self._commands = commands
         self._service_type = service_type
         self._fields = fields
         self._capabilities: dict[str, Capability] = {}
@@ -89,7 +89,8 @@ class PartBuilder(Generic[MessageT]):
         self._capabilities[name] = make(name=name, readable=readable, settable=writer is not None, **fields)
         if writer is not None:
             self._writers[name] = writer
-            self.add_command_topics(*self._commands)
+            if self._commands:
+                self._writes[self._commands] = None
 
     def add_coded_capability(
         self, name: str, writer: CodedWriter, *, readable: bool = True, options: tuple[str, ...] = ()
