@@ -41,12 +41,12 @@ _SLOW = {
         *("packages", "system", "testing"),
     )
 }
-"""Folders of slow tests: programs, real sockets, whole days and generated cases."""
+"""Folders of slow tests: programs, real sockets, whole days and generated cases; so are the contracts of gateways."""
 
 
 @functools.cache
 def _is_slow(path: Path) -> bool:
-    return not _SLOW.isdisjoint(path.parents)
+    return path.name.startswith("test_contract_") or not _SLOW.isdisjoint(path.parents)
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:

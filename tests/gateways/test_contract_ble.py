@@ -17,8 +17,6 @@ from homebot.house.virtual_bleak import backend_of
 from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRadio
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
-pytestmark = pytest.mark.slow
-
 SERVICE = "6e1d0001-0000-4000-8000-0123456789ab"
 COMMAND = "6e1d0002-0000-4000-8000-0123456789ab"
 STATE = "6e1d0003-0000-4000-8000-0123456789ab"

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 import aiocoap
 import anyio
-import pytest
 from aiocoap import resource
 from aiocoap.cli.rd import StandaloneResourceDirectory
 from anyio.abc import TaskGroup, TaskStatus
@@ -21,8 +20,6 @@ from homebot.graph import Node
 from homebot.house.coap_devices import CoapDevice
 from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 
 async def serve(port: int, site: resource.Site | None, *, task_status: TaskStatus[None]) -> None:

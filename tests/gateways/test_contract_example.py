@@ -18,8 +18,6 @@ from homebot.plugins import load_plugin
 from homebot.testing import TestHouse
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
-pytestmark = pytest.mark.slow
-
 EXAMPLE = Path(__file__).parent.parent.parent / "examples" / "06_gateway"
 CLASS = "json_folder:FolderGateway"
 

@@ -20,8 +20,6 @@ from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
 from homebot.testing.gateway_contract import GatewayContract, Lamp
 
-pytestmark = pytest.mark.slow
-
 INFO = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "hall")
 MORE = {"supported_color_modes": ["color_temp", "hs"], "supported_features": 4, "effect_list": ["rainbow", "off"]}
 """The lamp of the house is white; this one has hue, saturation and effects as well."""

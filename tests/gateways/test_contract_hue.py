@@ -8,7 +8,6 @@ from tempfile import TemporaryDirectory
 from typing import ClassVar
 
 import anyio.to_thread
-import pytest
 from anyio.abc import TaskGroup
 from tests.gateways.hue.bridges import bridge_with_certificate, pairings_of
 from tests.gateways.served import ServedLamp, with_server
@@ -21,8 +20,6 @@ from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.hue import HueHouseDevice, SimulatedHueBridge
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 INFO = SimulatedDeviceInfo("home", "lamp", "Hall", "lights", "")
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from contextlib import AbstractAsyncContextManager
 from typing import ClassVar
 
-import pytest
 from anyio.abc import TaskGroup
 from tests.gateways.served import ServedLamp, with_server
 
@@ -16,8 +15,6 @@ from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
 from homebot.house.matter import ServedMatterNode, SimulatedMatterServer
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 
 class RecordingNode(ServedMatterNode):

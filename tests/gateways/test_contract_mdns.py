@@ -5,7 +5,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-import pytest
 from tests.gateways.mdns.lamp import DRIVER, LOOPBACK, SERVICE_TYPE, LampServer, Publisher, publisher
 from tests.gateways.mdns.packets import answer, pointer
 
@@ -14,8 +13,6 @@ from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInter
 from homebot.gateways.mdns.network import Interfaces
 from homebot.graph import Node
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 
 class Cable(NetworkInterfaces):

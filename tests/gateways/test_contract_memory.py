@@ -16,8 +16,6 @@ from homebot.graph import Node
 from homebot.testing.gateway_contract import GatewayContract, Lamp, Neighbour
 from homebot.testing.gateway_contract.steps import kept, listen, value
 
-pytestmark = pytest.mark.slow
-
 UNPLUGGED = "the radio is unplugged"
 
 

@@ -19,8 +19,6 @@ from homebot.mqtt.memory_broker import MemoryBroker
 from homebot.mqtt.options import MqttOptions
 from homebot.testing.gateway_contract import GatewayContract, Lamp, Neighbour
 
-pytestmark = pytest.mark.slow
-
 CONFIG = {
     "name": "Hall",
     "unique_id": "hall",

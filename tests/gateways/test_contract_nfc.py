@@ -4,7 +4,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-import pytest
 from tests.gateways.nfc.world import UID, uri
 from tests.patience import PATIENCE
 
@@ -17,8 +16,6 @@ from homebot.gateways.nfc.reader import ReaderDesk, TagReader, TagReaders
 from homebot.graph import Node
 from homebot.house.nfc import TagField, Type4Card
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 MESSAGE = uri("homebot:device/lights/hall")
 

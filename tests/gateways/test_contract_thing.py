@@ -5,7 +5,6 @@ from contextlib import asynccontextmanager
 from typing import ClassVar
 
 import anyio
-import pytest
 from tests.gateways.lamp_orders import INFO, OrderedLamp
 from tests.gateways.mdns.lamp import LOOPBACK, SERVICE_TYPE, Publisher, publisher
 from tests.gateways.test_contract_mdns import Cable, MdnsLamp
@@ -17,8 +16,6 @@ from homebot.gateways.mdns import MdnsGateway, MdnsGatewaySettings, NetworkInter
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 
 class AnnouncedThingDriver(ThingDriver):

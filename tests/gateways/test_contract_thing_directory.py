@@ -4,7 +4,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import anyio
-import pytest
 from tests.gateways.lamp_orders import INFO, OrderedLamp
 from tests.gateways.test_contract_coap import Background
 from tests.things.directory import ThingDirectoryServer
@@ -15,8 +14,6 @@ from homebot.gateways.thing_directory import ThingDirectoryGateway, ThingDirecto
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState
 from homebot.testing.gateway_contract import GatewayContract, Lamp
-
-pytestmark = pytest.mark.slow
 
 
 class ListedLamp(OrderedLamp):
