@@ -1,7 +1,5 @@
 """Entities that describe themselves, as parts: rows of a capability with its reader and its writer. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial

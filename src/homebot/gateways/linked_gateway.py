@@ -1,7 +1,5 @@
 """The base of gateways that reach all their devices by one link: to a server, a hub, a directory."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import ClassVar, Final
 

@@ -4,8 +4,6 @@ Source: HomeKit Accessory Protocol Specification, Non-Commercial Version, Releas
 (accessory objects), 6.6 (JSON).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias
 

@@ -6,8 +6,6 @@ Source: HomeKit Accessory Protocol Specification R2, 8.18 (Heater Cooler), 8.19 
 (Thermostat).
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Final
 

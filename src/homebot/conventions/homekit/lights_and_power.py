@@ -4,8 +4,6 @@ Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9
 8.13 Fan, 8.23 Light Bulb, 8.29 Outlet, 8.36 Speaker, 8.38 Switch.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final
 

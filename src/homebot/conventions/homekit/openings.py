@@ -4,8 +4,6 @@ Source: HomeKit Accessory Protocol Specification R2, 8.11 (Door), 8.16 (Garage D
 (Security System), 8.41 (Valve), 8.42 (Window), 8.43 (Window Covering).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

@@ -4,8 +4,6 @@ Source: HomeKit Accessory Protocol Specification R2, chapter 8 (services), among
 (Battery) and 8.37 (Stateless Programmable Switch); 9.62 (Name), 9.91 (Service Label Index).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final

@@ -1,7 +1,5 @@
 """Devices of a Hue bridge, with their parts, made of its resources. Pure."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from itertools import count

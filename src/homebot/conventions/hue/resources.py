@@ -3,8 +3,6 @@
 Source: Philips Hue, CLIP API v2: ``GET /clip/v2/resource``, and the events ``add``, ``update`` and ``delete``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeAlias

@@ -9,8 +9,6 @@ Source: Philips Hue, CLIP API v2 reference, resources ``light``, ``motion``, ``c
 ``relative_rotary``, ``scene`` and ``smart_scene``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Final

@@ -5,8 +5,6 @@ A preset of a thermostat, such as *Home* and *Away*, is a named temperature.
 Source: Matter 1.4 Application Clusters, 4.3 (Thermostat; 4.3.9, presets), 4.4 (Fan Control).
 """
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Rows: the capabilities of clusters, with their readers and encoders. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias

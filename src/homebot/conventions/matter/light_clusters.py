@@ -3,8 +3,6 @@
 Source: Matter 1.4 Application Clusters, 1.5 (On/Off), 1.6 (Level Control), 3.2 (Color Control).
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 from homebot.conventions.command_values import require_transition

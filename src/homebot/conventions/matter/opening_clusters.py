@@ -7,8 +7,6 @@ Source: Matter 1.4 Application Clusters, 5.2 (Door Lock), 5.3 (Window Covering),
 Control), 5.5 (Closure Dimension).
 """
 
-from __future__ import annotations
-
 import base64
 from functools import partial
 from typing import Final

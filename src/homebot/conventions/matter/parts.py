@@ -5,8 +5,6 @@ The tables of device types are the vocabulary's.
 Source: Matter 1.4 Core Specification, 9.5.5 (TagList), 9.8 (Fixed Label), 9.9 (User Label); Standard Namespaces.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Final
 

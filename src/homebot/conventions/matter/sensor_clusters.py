@@ -4,8 +4,6 @@ Source: Matter 1.4 Application Clusters, 1.2 (Identify), 1.13 (Switch), chapter 
 Specification, 11.7 (Power Source).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 from typing import Final

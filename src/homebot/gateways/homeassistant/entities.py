@@ -3,8 +3,6 @@
 The entities of one device of Home Assistant are the parts of one device; an entity without a device is one by itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

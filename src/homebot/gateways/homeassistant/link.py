@@ -5,8 +5,6 @@ Frames are taken in the order in which they come; an event waits until the one b
 Source: Home Assistant core 2024.3, ``components/websocket_api``; https://developers.home-assistant.io/docs/api/websocket
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import asynccontextmanager
 from typing import Final, TypeAlias

@@ -1,7 +1,5 @@
 """The table ``[gateways.NAME]`` of a Home Assistant gateway."""
 
-from __future__ import annotations
-
 from typing import Annotated, Final, Self
 from urllib.parse import urlsplit
 

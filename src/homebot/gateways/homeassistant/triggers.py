@@ -4,8 +4,6 @@ Source: Home Assistant core 2024.3, ``components/device_automation`` and ``webso
 administrator may follow triggers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Final
 

@@ -5,8 +5,6 @@ then: some have no events, and it shows whether the accessory is still there. Va
 they came; if too many events wait, one more is dropped, and all values are read.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping
 from functools import partial

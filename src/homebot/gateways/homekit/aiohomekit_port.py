@@ -4,8 +4,6 @@ The library would connect again by itself, repeat a written value as an event, a
 request. So a connection is used once: it is closed in one piece when it is lost, or when an answer is too late.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import socket

@@ -4,8 +4,6 @@ The mDNS gateway finds the accessories; this one follows its sightings on the gr
 paired with homebot. The keys stay in a file; the setup codes are forgotten.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial

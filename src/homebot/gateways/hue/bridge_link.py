@@ -7,8 +7,6 @@ busy for is sent again; a command without an answer is not.
 Source: Philips Hue, CLIP API v2, "Getting started" (system performance), and its reference.
 """
 
-from __future__ import annotations
-
 import ssl
 from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager

@@ -4,8 +4,6 @@ A bridge is found by an mDNS gateway, whose sightings this gateway follows on th
 It is a device before it is paired, so that ``homebot pair`` can name it.
 """
 
-from __future__ import annotations
-
 import re
 import socket
 from collections.abc import Awaitable, Callable

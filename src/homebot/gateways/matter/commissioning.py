@@ -1,7 +1,5 @@
 """The services of a Matter gateway that commission and remove nodes; the Matter server does the work."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Annotated

@@ -1,7 +1,5 @@
 """The Matter gateway: the nodes of a Matter server, over its WebSocket."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Final
 from urllib.parse import urlsplit
 

@@ -7,8 +7,6 @@ Source: Matter 1.4 Core Specification, 9.2 (composition), 9.5 (Descriptor), 9.12
 Information), 11.1 (Basic Information), 11.12 (General Diagnostics).
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import re

@@ -1,7 +1,5 @@
 """The entities of simulated devices, as a simulated Home Assistant has them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3, ``components/websocket_api`` and ``components/config``.
 """
 
-from __future__ import annotations
-
 import secrets
 import time
 from abc import ABC, abstractmethod

@@ -3,8 +3,6 @@
 Source: HomeKit Accessory Protocol Specification R2, chapters 8 (services) and 9 (characteristics).
 """
 
-from __future__ import annotations
-
 import asyncio
 import json
 import socket

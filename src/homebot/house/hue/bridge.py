@@ -3,8 +3,6 @@
 Source: Philips Hue, CLIP API v2 reference; the old API for its configuration and new application keys.
 """
 
-from __future__ import annotations
-
 import os
 import ssl
 from collections.abc import AsyncIterator, Mapping

@@ -1,7 +1,5 @@
 """Simulated devices behind the Hue bridge of a house."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from homebot.conventions.hue.resources import at

@@ -3,8 +3,6 @@
 Source: Philips Hue, CLIP API v2 reference.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping
 from typing import Final, TypeAlias

@@ -3,8 +3,6 @@
 Source: Matter 1.4 Application Clusters and Device Library.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType

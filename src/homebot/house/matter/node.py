@@ -1,7 +1,5 @@
 """Simulated devices in the fabric of a simulated Matter server: nodes of their own, a bridge, and devices behind it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Final
 

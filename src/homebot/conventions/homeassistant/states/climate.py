@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3, ``components``: climate, fan, humidifier and water_heater.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final
 

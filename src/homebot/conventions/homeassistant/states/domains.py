@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3, ``components``: ``const.py``, ``__init__.py`` and ``services.yaml`` of each domain.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from typing import Final

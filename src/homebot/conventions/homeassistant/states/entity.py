@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3, ``helpers/entity.py`` and ``const.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from datetime import datetime
 from typing import Final, NamedTuple

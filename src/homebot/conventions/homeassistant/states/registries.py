@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3, ``components/config/*_registry.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Final, NamedTuple
 

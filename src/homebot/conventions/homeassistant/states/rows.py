@@ -4,8 +4,6 @@ Each reads the attributes of an entity with its state as ``state``, and writes t
 service as ``service``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TypeAlias
