@@ -11,7 +11,7 @@ from tests.gateways.http_servers import serving
 from tests.patience import PATIENCE
 
 from homebot.errors import LinkError, PeerError, RefusedError
-from homebot.gateways.address_guard import AddressGuard, guard_for
+from homebot.gateways.address_guard import AddressGuard, OwnAddressError, guard_for
 from homebot.gateways.coap.aiocoap_client import CoapClient
 from homebot.gateways.http_client import HttpClient
 
@@ -99,6 +99,17 @@ async def test_no_coap_client_of_strangers_sends_to_this_computer(
         with pytest.raises(BlockingIOError):
             udp_canary.recv(100)
         assert connected == []
+
+
+@pytest.mark.parametrize("zone", [1, 2, 99])
+def test_a_zone_hides_no_address_of_this_computer(zone: int) -> None:
+    """The kernel looks at the zone of link-local addresses alone."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as routed:
+        if routed.connect_ex(("203.0.113.7", 9)):
+            pytest.skip("this computer has no address")
+        own = routed.getsockname()[0]
+    with pytest.raises(OwnAddressError):
+        AddressGuard().check((f"::ffff:{own}", 80, 0, zone))
 
 
 async def test_a_redirect_is_judged_by_the_address_that_it_leads_to() -> None:

@@ -117,6 +117,8 @@ def _is_own(text: str, scope: int) -> bool:
         known = IPv4Address(known.packed[-4:])
     if known is None or known.is_loopback or known.is_unspecified or known.is_multicast:
         return True  # all hosts of a group are meant: this one, and those of others
+    if known.version == 4 or not known.is_link_local:
+        scope = 0  # the kernel looks at it for no other address
     try:
         return _route_kind(known.packed, scope) in _ROUTES_HERE
     except (AttributeError, OSError):  # not on Linux, or not allowed
