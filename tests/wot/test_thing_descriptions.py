@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from homebot.devices import Device, DevicePart, Endpoint, Fact, Route
+from homebot.devices import Device, DevicePart, Endpoint
 from homebot.devices.capabilities import CAPABILITIES
 from homebot.devices.device_types import DEVICE_TYPES
 from homebot.devices.names import text_address
@@ -50,74 +50,8 @@ def device(*parts: DevicePart, **more: Any) -> Device:
     return made.model_copy(update=more)
 
 
-LAMP = DevicePart(
-    id="light",
-    part=Part(
-        id="light",
-        service_type="light",
-        capabilities=(Capability(name="on_off", settable=True), Capability(name="level", settable=True)),
-        reads=("zigbee2mqtt/lamp",),
-        writes=("zigbee2mqtt/lamp/set",),
-    ),
-    routes=(Route(gateway="mqtt", key="zigbee2mqtt:0x1", part="light", convention="zigbee2mqtt"),),
-)
-
-
-def test_a_device_becomes_a_description_with_the_topics_to_read_and_write() -> None:
-    """Golden: everything that a consumer of Thing Descriptions looks at."""
-    fact = Fact(name="model", value="X1", gateway="mqtt", convention="c", key="k", said_at=NOW)
-    made = to_thing(
-        device(LAMP, area="Kitchen", identifiers=("eui64:00158d0001abcdef",), facts=(fact,)), MqttForms(BROKERS)
-    )
-    heard = {
-        "href": "mqtt://broker:1883/zigbee2mqtt/lamp",
-        "contentType": "application/vnd.homebot.zigbee2mqtt",
-        "op": ["observeproperty", "unobserveproperty"],
-        "mqv:controlPacket": "subscribe",
-        "mqv:filter": "zigbee2mqtt/lamp",
-    }
-    told = {
-        "href": "mqtt://broker:1883/zigbee2mqtt/lamp/set",
-        "contentType": "application/vnd.homebot.zigbee2mqtt",
-        "op": "writeproperty",
-        "mqv:controlPacket": "publish",
-        "mqv:topic": "zigbee2mqtt/lamp/set",
-    }
-    level = {
-        "title": "level",
-        "description": "brightness or strength; 0 only when off",
-        "type": "number",
-        "readOnly": False,
-        "writeOnly": False,
-        "observable": True,
-        "@type": "BrightnessProperty",
-        "unit": "%",
-        "minimum": 0.0,
-        "maximum": 100.0,
-        "homebot:capability": "level",
-        "homebot:serviceType": "light",
-        "homebot:part": "light",
-        "forms": [heard, told],
-    }
-    properties = made.pop("properties")
-    assert isinstance(properties, dict)
-    assert list(properties) == ["light_on_off", "light_level"]
-    assert properties["light_level"] == level
-    assert made == {
-        "@context": [
-            CONTEXT,
-            "https://webthings.io/schemas",
-            {"mqv": "https://www.w3.org/2019/wot/mqtt#", "homebot": "urn:homebot:td#"},
-        ],
-        "@type": ["Thing", "Light"],
-        "id": "urn:homebot:kitchen%2Flamp%201",
-        "title": "Kitchen lamp",
-        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-        "security": "nosec_sc",
-        "homebot:area": "Kitchen",
-        "homebot:identifiers": ["eui64:00158d0001abcdef"],
-        "homebot:facts": {"model": "X1"},
-    }
+def test_an_id_is_spelt_for_an_address() -> None:
+    assert to_thing(device(), MqttForms(BROKERS))["id"] == "urn:homebot:kitchen%2Flamp%201"
 
 
 @pytest.mark.parametrize(

@@ -16,10 +16,10 @@ from typing import Any, TypeAlias
 
 import pytest
 from tests.conventions.announced_parts import device_in
+from tests.conventions.home_assistant_answers import check_commands, check_messages
 
 from homebot.conventions.description import DescribedPart, DeviceAnnounced
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
-from homebot.devices.value import PlainValue
 
 Model: TypeAlias = dict[str, Any]
 
@@ -39,20 +39,15 @@ def described(model: Model) -> DeviceAnnounced:
     )
 
 
-def same(ours: PlainValue, theirs: PlainValue | list[float]) -> bool:
-    """Home Assistant shows whole percents, 255 steps and rounded hues."""
-    if isinstance(ours, tuple) and isinstance(theirs, list):
-        return ours == pytest.approx(theirs, abs=2)
-    return ours == (theirs if isinstance(theirs, bool | str | None) else pytest.approx(theirs, abs=0.6, rel=0.01))
-
-
 @pytest.mark.parametrize("model", MODELS, ids=name)
 def test_a_device_is_described_read_and_commanded_as_by_home_assistant(model: Model) -> None:
     parts = described(model).parts
     if model["types"]:
         check_types(parts, set(model["types"]))
-    check_messages(parts, model)
-    check_commands({one.part.id: one for one in described(model).parts}, model)
+    topic = f"zigbee2mqtt/{model['entry']['friendly_name']}"
+    check_messages({one.part.id: one for one in parts}, [(topic, *said) for said in model["says"]])
+    orders = [(*order[:-1], f"{topic}/set", order[-1]) for order in model["told"]]
+    check_commands({one.part.id: one for one in described(model).parts}, orders)
 
 
 def check_types(parts: Sequence[DescribedPart], types: set[str]) -> None:
@@ -61,27 +56,3 @@ def check_types(parts: Sequence[DescribedPart], types: set[str]) -> None:
     assert found <= types
     missing = types - found
     assert not missing or (missing == {"switch"} and settings)  # a binary that can be set is a setting to us
-
-
-def check_messages(parts: Sequence[DescribedPart], model: Model) -> None:
-    topic = f"zigbee2mqtt/{model['entry']['friendly_name']}"
-    known: dict[str, dict[str, PlainValue]] = {one.part.id: {} for one in parts}
-    for payload, expected in model["says"]:
-        for one in parts:
-            known[one.part.id].update(one.codec.read(topic, payload.encode(), retained=False))
-        wrong = [
-            (part, capability, known[part].get(capability), value)
-            for part, values in expected.items()
-            for capability, value in values.items()
-            if not same(known[part].get(capability), value)
-        ]
-        assert wrong == []
-
-
-def check_commands(parts: dict[str, DescribedPart], model: Model) -> None:
-    for part, capability, value, transition, expected in model["told"]:
-        plain = tuple(value) if isinstance(value, list) else value
-        (publication,) = parts[part].codec.write(capability, plain, transition=transition)
-        assert publication.topic == f"zigbee2mqtt/{model['entry']['friendly_name']}/set"
-        assert json.loads(publication.payload) == expected
-        assert not publication.retain
