@@ -33,6 +33,14 @@ class BoundedDict(Generic[T]):
         value = self._pinned.get(name)
         return self._unpinned.get(name) if value is None else value
 
+    def find(self, name: str, make: Callable[[], T]) -> T | None:
+        """Return the value of *name*, made if there is none; None if there is no room for it."""
+        value = self.get(name)
+        if value is None:
+            value = make()
+            return value if self.add(name, value) else None
+        return value
+
     def add(self, name: str, value: T) -> bool:
         """Add *value*; return False if all values are pinned."""
         if len(self) >= self._room:

@@ -116,15 +116,11 @@ class Version4(Registry[_Homie4Device]):
             return ()
         text = _legal_text(device_id, attribute, payload)
         name = f"{domain}/{device_id}"
-        device = self.devices.get(name)
         if not text and attribute in {"$state", "$homie"}:
-            return self._removed(name, device)
+            return self._removed(name)
         _check(attribute, text)
-        if device is None:
-            device = _Homie4Device()
-            if not self.devices.add(name, device):
-                return ()
-        if not self._record(device, attribute, text) or not _may_be_complete(device, attribute):
+        device = self.devices.find(name, _Homie4Device)
+        if device is None or not self._record(device, attribute, text) or not _may_be_complete(device, attribute):
             return ()
         return self._describe(device, domain, device_id)
 
@@ -161,10 +157,10 @@ class Version4(Registry[_Homie4Device]):
         )
         return self.announce(device, whole, domain, state)
 
-    def _removed(self, name: str, device: _Homie4Device | None) -> tuple[AnnouncementEvent, ...]:
+    def _removed(self, name: str) -> tuple[AnnouncementEvent, ...]:
+        device = self.devices.remove(name)
         if device is None:
             return ()
-        self.devices.remove(name)
         self.reserve(device, 0)
         return self.withdraw(device, name, "its state was removed", is_final=True)
 

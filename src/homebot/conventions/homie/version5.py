@@ -97,11 +97,9 @@ class Version5(Registry[_Homie5Device]):
         name = f"{domain}/5/{device_id}"
         if not payload:
             return self._removed(name, attribute)
-        device = self.devices.get(name)
+        device = self.devices.find(name, _Homie5Device)
         if device is None:
-            device = _Homie5Device()
-            if not self.devices.add(name, device):
-                return ()
+            return ()
         read = self._on_state if attribute == "$state" else self._on_document
         document = read(device, domain, device_id, payload)
         if document is None:

@@ -195,12 +195,7 @@ class Gen1:
         return self._described(device, topic) if is_news else ()
 
     def _device(self, name: str) -> _Gen1Device | None:
-        device = self._devices.get(name)
-        if device is None:
-            device = _Gen1Device(name, find_model("", name))
-            if not self._devices.add(name, device):
-                return None
-        return device
+        return self._devices.find(name, lambda: _Gen1Device(name, find_model("", name)))
 
     def _renamed(self, mac: str, name: str) -> tuple[AnnouncementEvent, ...]:
         if not mac:

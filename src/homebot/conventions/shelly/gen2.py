@@ -156,12 +156,7 @@ class Gen2:
         return device.add_page(page, start, size)
 
     def _device(self, prefix: str) -> Gen2Device | None:
-        device = self._devices.get(prefix)
-        if device is None and is_prefix(prefix):
-            device = Gen2Device(prefix)
-            if not self._devices.add(prefix, device):
-                return None
-        return device
+        return self._devices.find(prefix, lambda: Gen2Device(prefix)) if is_prefix(prefix) else None
 
     def _requests(self, device: Gen2Device) -> tuple[AnnouncementEvent, ...]:
         """Return a request at the first, second, fourth, eighth … sign of life: it may be no Shelly at all."""

@@ -56,7 +56,6 @@ def _add_fan(part: JsonPart, config: TasmotaConfig) -> None:
         part.read_from(topic, read)
     part.add_capability("on_off", writer=bool_writer("on_off", lambda on: config.publish(_COMMAND, last if on else 0)))
     part.add_capability("fan_speed", writer=percent_writer("fan_speed", set_speed))
-    part.add_command_topics(config.topic(_COMMAND))
     part.add_state_request(*config.state_requests)
 
 
@@ -164,16 +163,15 @@ def _outputs(config: TasmotaConfig) -> Iterable[DescribedPart]:
         part = JsonPart(f"shutter_{index + 1}", "window_covering", advertised="shutter", tag="shutter")
         yield part.build(_add_shutter(part, config, index))
     if config.is_fan:
-        part = JsonPart("fan", "fan", advertised="fan")
+        part = JsonPart("fan", "fan", commands=config.topic(_COMMAND), advertised="fan")
         _add_fan(part, config)
         yield part.build()
 
 
 def _relay(config: TasmotaConfig, index: int, service_type: str, name: str) -> DescribedPart:
-    part = JsonPart(f"power_{index + 1}", service_type, name=name, advertised="relay")
-    _add_power(part, config, index, "on_off")
     command = f"Power{index + 1}"
-    part.add_command_topics(config.topic(command))
+    part = JsonPart(f"power_{index + 1}", service_type, commands=config.topic(command), name=name, advertised="relay")
+    _add_power(part, config, index, "on_off")
     switch = bool_writer("on_off", lambda on: config.publish(command, config.state_text(on)))
     part.add_capability("on_off", writer=switch)
     return part.build()
