@@ -1,7 +1,7 @@
 """Parts that a convention describes, of devices that are announced with a few fields."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from homebot.conventions.convention import Convention
 from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced
@@ -11,16 +11,22 @@ from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 
+Say = Callable[..., tuple[AnnouncementEvent, ...]]
+
+
+def spoken_to(convention: Convention, *, is_retained: bool = True) -> Say:
+    """A function that reads a message; a payload that is no text is spelled in JSON."""
+
+    def say(topic: str, payload: object, *, retained: bool = is_retained) -> tuple[AnnouncementEvent, ...]:
+        text = payload if isinstance(payload, str) else json.dumps(payload)
+        return convention.read_message(topic, text.encode(), retained=retained)
+
+    return say
+
 
 def announced(convention: Convention, *messages: tuple[str, object]) -> list[DeviceAnnounced]:
-    """The devices that *messages* announce; a payload that is no text is spelled in JSON."""
-    heard = [
-        one
-        for topic, payload in messages
-        for one in convention.read_message(
-            topic, (payload if isinstance(payload, str) else json.dumps(payload)).encode(), retained=True
-        )
-    ]
+    """The devices that *messages* announce, spelled as for :func:`spoken_to`."""
+    heard = [one for topic, payload in messages for one in spoken_to(convention)(topic, payload)]
     return [one for one in heard if isinstance(one, DeviceAnnounced)]
 
 

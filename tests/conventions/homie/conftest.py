@@ -1,13 +1,10 @@
-import json
 from collections.abc import Callable
 
 import pytest
-from tests.conventions.announced_parts import device_in
+from tests.conventions.announced_parts import Say, device_in, spoken_to
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart
+from homebot.conventions.description import DescribedPart
 from homebot.conventions.homie import Homie, HomieSettings
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 @pytest.fixture
@@ -17,13 +14,7 @@ def homie() -> Homie:
 
 @pytest.fixture
 def say(homie: Homie) -> Say:
-    """Return a function that reads a message; a payload that is no text is spelled in JSON."""
-
-    def say(topic: str, payload: object) -> tuple[AnnouncementEvent, ...]:
-        text = payload if isinstance(payload, str) else json.dumps(payload)
-        return homie.read_message(topic, text.encode(), retained=True)
-
-    return say
+    return spoken_to(homie)
 
 
 @pytest.fixture

@@ -1,15 +1,13 @@
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from itertools import permutations
 
 import pytest
-from tests.conventions.announced_parts import device_in
+from tests.conventions.announced_parts import Say, device_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn, Publication
 from homebot.conventions.homie import Homie
 from homebot.errors import WireError
 from homebot.mqtt.topics import topic_matches
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 BASE = "homie/hall-lamp"
 LAMP = {

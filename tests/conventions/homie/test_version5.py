@@ -1,14 +1,10 @@
-from collections.abc import Callable
-
 import pytest
-from tests.conventions.announced_parts import device_in
+from tests.conventions.announced_parts import Say, device_in
 
-from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn
+from homebot.conventions.description import DeviceWithdrawn
 from homebot.conventions.homie import Homie, HomieSettings
 from homebot.errors import WireError
 from homebot.mqtt.topics import topic_matches
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 SWITCH = {"type": "hc-smarthome/v2/cap/switch", "properties": {"state": {"datatype": "boolean", "settable": True}}}
 LAMP = {"homie": "5.0", "version": 1, "name": "Hall lamp", "nodes": {"switch": SWITCH}}

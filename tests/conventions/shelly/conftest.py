@@ -1,13 +1,8 @@
-import json
-from collections.abc import Callable
-
 import pytest
+from tests.conventions.announced_parts import Say, spoken_to
 from tests.conventions.shelly.rpc_documents import ANSWERS, ID
 
-from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.shelly import Shelly, ShellySettings
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 @pytest.fixture
@@ -17,13 +12,7 @@ def shelly() -> Shelly:
 
 @pytest.fixture
 def say(shelly: Shelly) -> Say:
-    """Says a message to the convention; what is no text is spelled in JSON."""
-
-    def say(topic: str, payload: object, *, retained: bool = False) -> tuple[AnnouncementEvent, ...]:
-        text = payload if isinstance(payload, str) else json.dumps(payload)
-        return shelly.read_message(topic, text.encode(), retained=retained)
-
-    return say
+    return spoken_to(shelly, is_retained=False)
 
 
 @pytest.fixture

@@ -1,8 +1,8 @@
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import pytest
-from tests.conventions.announced_parts import device_in, heard, part_in, told
+from tests.conventions.announced_parts import Say, device_in, heard, part_in, told
 
 from homebot.conventions.description import (
     AnnouncementEvent,
@@ -13,8 +13,6 @@ from homebot.conventions.description import (
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.errors import RefusedError, WireError
 from homebot.mqtt.topics import topic_matches
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 PLUG = {
     "id": "shellyplug-s-122881",

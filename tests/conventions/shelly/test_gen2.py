@@ -1,8 +1,7 @@
 import json
-from collections.abc import Callable
 
 import pytest
-from tests.conventions.announced_parts import device_in, part_in
+from tests.conventions.announced_parts import Say, device_in, part_in
 
 from homebot.conventions.description import (
     AnnouncementEvent,
@@ -14,8 +13,6 @@ from homebot.conventions.description import (
 from homebot.conventions.shelly import Shelly, ShellySettings
 from homebot.errors import RefusedError, WireError
 from homebot.mqtt.topics import topic_matches
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 ID = "shellyplus2pm-a8032abe54dc"
 INFO = {

@@ -1,15 +1,12 @@
 """Components that people and gateways added to a device, which it tells page by page when it is asked for them."""
 
 import json
-from collections.abc import Callable
 
 import pytest
-from tests.conventions.announced_parts import device_in, part_in
+from tests.conventions.announced_parts import Say, device_in, part_in
 from tests.conventions.shelly.rpc_documents import ANSWERS, ID
 
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 def sensor(number: int, value: float) -> dict[str, object]:

@@ -5,9 +5,10 @@ The components are those of real gateways with BLU TRV, BLU Door/Window and BLU 
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import pytest
+from tests.conventions.announced_parts import Say
 from tests.conventions.shelly.rpc_documents import ANSWERS, ID
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, full_uuid
@@ -15,7 +16,6 @@ from homebot.conventions.bthome.parser import BTHomeParser
 from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced, DeviceWithdrawn
 
 TRV, DOOR, REMOTE, OLD = "f8:44:77:1d:05:54", "3c:2e:f5:71:d5:2a", "7c:c6:b6:a5:c9:3d", "7c:c6:b6:a5:c9:3e"
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 def component(

@@ -1,14 +1,11 @@
 import json
-from collections.abc import Callable
 from typing import Any
 
 import pytest
-from tests.conventions.announced_parts import heard, part_in, told
+from tests.conventions.announced_parts import Say, heard, part_in, told
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced
 from homebot.errors import RefusedError
-
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
 
 def introduce(say: Say, key: str, status: object, config: object) -> tuple[AnnouncementEvent, ...]:

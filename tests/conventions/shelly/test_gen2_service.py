@@ -1,13 +1,13 @@
 """Devices of the second generation with components of their own: thermostats of makers, and diffusers."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import pytest
+from tests.conventions.announced_parts import Say
 
-from homebot.conventions.description import AnnouncementEvent, DescribedPart, DeviceAnnounced, Publication
+from homebot.conventions.description import DescribedPart, DeviceAnnounced, Publication
 
-Say = Callable[..., tuple[AnnouncementEvent, ...]]
 Fields = Mapping[str, object]
 
 
