@@ -125,10 +125,8 @@ class Schedule:
                     "a durable timer needs a name, and a method of the app as its handler: "
                     "it is found by them after a restart"
                 )
-            is_first = name in self._resumed
-            self._resumed.discard(name)
-            if is_first and name in self._jobs and CURRENT_CAUSE.get() is None:  # the app begins; nothing happened
-                return self._jobs[name]
+            if (resumed := self._taken_over(name)) is not None:
+                return resumed
         elif late:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
         job = self._interval(self._name(name, handler, text, is_timer=True), text, handler, seconds, None)
@@ -136,6 +134,12 @@ class Schedule:
         kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late}
         self._keep(_TIMERS, job.name, kept if durable else None)
         return job
+
+    def _taken_over(self, name: str) -> Job | None:
+        """Return the timer from before a restart, for an app that begins: nothing has asked for it anew."""
+        is_first = name in self._resumed
+        self._resumed.discard(name)
+        return self._jobs.get(name) if is_first and CURRENT_CAUSE.get() is None else None
 
     def every(self, period: Length, handler: RunHandler, name: str | None, offset: Length, mode: RunMode) -> Job:
         """See :meth:`homebot.App.every`."""

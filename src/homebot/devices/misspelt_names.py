@@ -99,10 +99,8 @@ class ConfiguredNames:
         stated = self._read()
         async for problem in self._unknown_rooms(stated.rooms[:_MOST]):
             yield problem
-        for key, name in stated.devices[:_MOST]:
-            if not any(fold(name) in map(fold, _names(device)) for device in await self._fitting(NameIs(fold(name)))):
-                names = [name for device in await self._fitting() for name in _names(device)]
-                yield f"{key}: there is no device {name!r}; {_hint(name, names, '`homebot devices` lists all')}"
+        async for problem in self._unknown_devices(stated.devices[:_MOST]):
+            yield problem
         for key, text, query in stated.queries[:_MOST]:
             answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))
             if not answer.total:
@@ -117,6 +115,12 @@ class ConfiguredNames:
             if fold(name) not in map(fold, stated) and not await self._is_area(name):
                 areas = {device.area for device in await self._fitting()} - {""}
                 yield f"{key}: there is no room {name!r}; {_hint(name, [*stated, *areas], 'no device is in it')}"
+
+    async def _unknown_devices(self, devices: Sequence[tuple[str, str]]) -> AsyncIterator[str]:
+        for key, name in devices:
+            if not any(fold(name) in map(fold, _names(device)) for device in await self._fitting(NameIs(fold(name)))):
+                names = [name for device in await self._fitting() for name in _names(device)]
+                yield f"{key}: there is no device {name!r}; {_hint(name, names, '`homebot devices` lists all')}"
 
     async def _mistake(self, query: Query) -> str:
         answer = await self._query.call(QueryDevices.Request(query=query_terms(query), limit=1))

@@ -82,11 +82,10 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
     for one in found:
         _find_meaning(one, main)
     found = _with_lock_actions(found)
-    main_is_guess = not main
+    unknown, main_is_guess = [one for one in found if not one.service_type], not main
     if main_is_guess:
-        unknown = [one for one in found if not one.service_type]
         main = "thermostat" if _assign_thermostat(unknown) else _guess(unknown, thing.title)
-    kind = _climate_type([one for one in found if not one.service_type]) if main == "thermostat" else main
+    kind = _climate_type(unknown) if main == "thermostat" else main
     owned = _owned(found, main)
     groups: dict[str, list[_Candidate]] = {}
     for one in found:

@@ -124,14 +124,7 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
     if asked.state:
         request = {"device": device.id, "state": asked.state}
         wanted = cast("ExplainMissingStateResponse", await _answered(home, names.EXPLAIN_MISSING_STATE, request))
-        chains, is_so = chains_of(wanted.entries), wanted.is_so
-        steps = [
-            f"{clock_text(one[0].at, now)} {issuer_text(one[0].issuer)}: {result_text(one, now)}" for one in chains
-        ]
-        newest = steps[-1] if steps else "no command asked for that"
-        reason = "it is so" if is_so else wanted.problem or newest
-        if chains and not is_so and was_obeyed(chains[-1]):
-            reason += "; it changed after that: a question without a state has the reason"
+        is_so, (reason, steps) = wanted.is_so, _why_not(wanted, now)
     else:
         found = cast("ExplainDeviceResponse", await _answered(home, names.EXPLAIN_DEVICE, {"device": device.id}))
         named = {device.id: device.name, **{one.key: one.value for one in found.names}}
@@ -147,6 +140,18 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
         steps=tuple(steps[-_MOST_STEPS:]),
         more=max(0, len(steps) - _MOST_STEPS),
     )
+
+
+def _why_not(wanted: ExplainMissingStateResponse, now: float) -> tuple[str, list[str]]:
+    """Return why a device is not in a state, and the commands that asked for it."""
+    chains = chains_of(wanted.entries)
+    steps = [f"{clock_text(one[0].at, now)} {issuer_text(one[0].issuer)}: {result_text(one, now)}" for one in chains]
+    if wanted.is_so:
+        return "it is so", steps
+    reason = wanted.problem or (steps[-1] if steps else "no command asked for that")
+    if chains and was_obeyed(chains[-1]):
+        reason += "; it changed after that: a question without a state has the reason"
+    return reason, steps
 
 
 async def history(home: HomeCalls, asked: shapes.HistoryQuestion) -> shapes.HistoryAnswer:
