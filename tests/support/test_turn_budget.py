@@ -1,6 +1,6 @@
 """Turn budget: whatever is asked of a server, its share of one turn is bounded, and each client has its part of it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 
@@ -141,3 +141,20 @@ def test_a_job_that_fails_costs_none_of_the_others() -> None:
         loop.turn()
     loop.turn()
     assert called == ["job"]
+
+
+def test_steps_are_taken_in_their_order_and_as_many_in_a_turn_as_there_is_time_for() -> None:
+    loop = Loop()
+    taken: list[int] = []
+
+    def steps() -> Iterator[None]:
+        for number in range(200):
+            loop.work()
+            taken.append(number)
+            yield
+
+    loop.budget.run(steps())
+    assert 10 < len(taken) < 60
+    while loop.budget.waiting:
+        assert loop.turn() < SHARE + 0.0003
+    assert taken == list(range(200))

@@ -200,6 +200,24 @@ def test_floods_of_48_clients_share_one_turn(broker: AttackedBroker, listeners: 
     recovered(broker, before)
 
 
+def test_48_publishers_that_go_with_much_held_back_share_one_turn(broker: AttackedBroker) -> None:
+    before = broker.toll()
+    slow = subscribed(broker, "slow", "t", 1)
+    groups = broker.client("groups")
+    groups.send(Subscribe(1, tuple(MqttSubscription(f"$share/{number}/t", 0) for number in range(20))))
+    publishers = [broker.client(f"p{number}") for number in range(49)]
+    with closing([each.socket for each in (slow, groups, *publishers)]):
+        for each, count in zip(publishers, (7600, *[300] * 48), strict=True):
+            each.send(*(Publish("t", b"x", 1, packet_id=number + 1) for number in range(count)), Pingreq())
+            while not isinstance(each.take(), Pingresp):
+                pass
+        assert broker.toll().stats.holds == 49
+        for each in publishers:
+            each.close()
+        withstood(broker, before, "48 publishers that have gone, with 300 messages each that were held back")
+    assert recovered(broker, before).turn < LONGEST_TURN * slowness()
+
+
 def test_twenty_replays_of_many_retained_messages_share_one_turn(broker: AttackedBroker) -> None:
     count = size(10_000, 50_000)
     keeper = broker.client("keeper")

@@ -8,7 +8,7 @@ one share. Time is measured, not estimated, so that the share is as long on a sl
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Final, TypeAlias, final
 
 __all__ = ["SHARE", "Job", "TurnBudget"]
@@ -66,6 +66,19 @@ class TurnBudget:
         """Call *job* in a later turn, once, however often it is deferred; it asks :meth:`has_time` itself."""
         self._queue[job] = None
         self._schedule()
+
+    def run(self, steps: Iterator[object]) -> None:
+        """Take *steps* one after the other, as many as there is time for, the others in later turns."""
+
+        def go_on() -> None:
+            while self.has_time():
+                try:
+                    next(steps)
+                except StopIteration:
+                    return
+            self.defer(go_on)
+
+        go_on()
 
     def forget(self, job: Job) -> None:
         """Do not call *job* any more."""

@@ -6,7 +6,7 @@ its acknowledgements and pings are still handled, everything else waits in its o
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final, final
 
@@ -131,28 +131,26 @@ class ClientPackets:
         else:
             self._act(packet)
 
-    def stop(self) -> PacketError | None:
-        """End with the connection: forward the messages that were held back, as far as there is room.
-
-        The publisher cannot wait any more.
-
-        Returns:
-            The fault of one of them, or None.
-        """
+    def stop(self) -> None:
+        """End with the connection; the messages that were held back are left to :meth:`forward_held`."""
         self._stopped = True
         self._holding.stop()
         self._holding.paused = False
         self._state.turn.forget(self._go_on)
         self._filters.stop()
-        try:
-            while (packet := self._holding.pop()) is not None:
-                if isinstance(packet, Publish):
-                    self._publish(packet)
-        except PacketError as error:
-            return error
-        finally:
-            self._holding.packets.clear()
-        return None
+
+    def forward_held(self) -> Iterator[None]:
+        """Forward the messages that were held back, one in each step, as far as there is room.
+
+        Their publisher has gone and cannot wait any more.
+
+        Raises:
+            PacketError: The client must not have sent one of them.
+        """
+        while (packet := self._holding.pop()) is not None:
+            yield
+            if isinstance(packet, Publish):
+                self._publish(packet)
 
     def _act(self, packet: Packet) -> None:
         if type(packet) is Publish:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, final
 
@@ -44,6 +43,7 @@ class MessageRouter:
 
     Attributes:
         crowded: Connected sessions with a queue three quarters full, until it is half empty.
+        ended: Sessions that have ended and of which something is left.
     """
 
     def __init__(
@@ -59,10 +59,9 @@ class MessageRouter:
         self._counters = counters
         self._on_message = on_message
         self._turn = turn
-        self._ended: deque[BrokerSession] = deque()
-        self._unsent: deque[Iterator[QueuedMessage]] = deque()  # of ended sessions
         self.subscriptions = SubscriptionTree()
         self.crowded: dict[BrokerSession, None] = {}
+        self.ended: dict[BrokerSession, None] = {}
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
     def publish(self, message: BrokerMessage) -> Receipt:
@@ -153,34 +152,21 @@ class MessageRouter:
         self.subscriptions.forget_routes()
         for name in [name for name, each in session.subscriptions.items() if each.share is not None]:
             self.unsubscribe(session, name)
-        self._ended.append(session)
-        self._remove_some()
-        self._unsent.append(session.unsent())
-        self._hand_on()
+        self.ended[session] = None
+        self._turn.run(self._remove(session))
 
-    def _hand_on(self) -> None:
-        """Deliver as many shared messages of ended sessions to others as may be delivered now."""
-        while self._unsent:
-            for message, qos, _, _, share in self._unsent[0]:
-                group = None if share is None or not qos else self.subscriptions.group(share)
-                if group is not None:
-                    _deliver_to_one(group, message, message.size >= BULKY)
-                if not self._turn.has_time():
-                    self._turn.defer(self._hand_on)
-                    return
-            self._unsent.popleft()
-
-    def _remove_some(self) -> None:
-        """Remove as many subscriptions of ended sessions as may be removed now."""
-        while self._ended:
-            left = self._ended[0].subscriptions
-            while left:
-                if not self._turn.has_time():
-                    self._turn.defer(self._remove_some)
-                    return
-                _, subscription = left.popitem()
-                self.subscriptions.remove(self._ended[0], subscription)
-            self._ended.popleft()
+    def _remove(self, session: BrokerSession) -> Iterator[None]:
+        """Remove the subscriptions of an ended session and deliver its shared messages to others, one in each step."""
+        while session.subscriptions:
+            _, subscription = session.subscriptions.popitem()
+            self.subscriptions.remove(session, subscription)
+            yield
+        for message, qos, _, _, share in session.unsent():
+            group = None if share is None or not qos else self.subscriptions.group(share)
+            if group is not None:
+                _deliver_to_one(group, message, message.size >= BULKY)
+            yield
+        del self.ended[session]
 
     def _retain(self, message: BrokerMessage) -> bool:
         if self.retained.store(message, self._clock.monotonic()):

@@ -17,8 +17,8 @@ class BrokerLimits:
     """The bounds of one broker; sizes in bytes, times in seconds, all above 0.
 
     Attributes:
-        max_connections: Clients connected at once; one more is refused (0x97). Twice as many sockets may be
-            open; one more costs the oldest that only waits for its end, or is closed at once.
+        max_connections: Clients connected at once, or gone with messages left to forward; one more is refused (0x97).
+            Twice as many sockets may be open; one more costs the oldest that only waits for its end, or is closed.
         max_sessions: Sessions kept, connected or not; one more pushes out the one that was left longest ago.
         max_subscriptions: Subscriptions of one session; one more is refused (0x97). The gateway of homebot needs one
             for each topic that devices publish their state on.

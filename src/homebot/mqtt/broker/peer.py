@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final
 
@@ -10,7 +11,7 @@ from homebot.mqtt.broker.authentication import host_of
 from homebot.mqtt.broker.client_packets import ClientPackets
 from homebot.mqtt.broker.deadlines import Deadline
 from homebot.mqtt.broker.outbound import Outbound, goodbye, unread_connect_answer
-from homebot.mqtt.broker.ports import Transport
+from homebot.mqtt.broker.ports import ConnectedClient, Transport
 from homebot.mqtt.broker.session import BrokerSession
 from homebot.mqtt.broker.sessions import will_size
 from homebot.mqtt.broker.state import BrokerState, short
@@ -56,6 +57,7 @@ class Peer:
         self.client_id: str | None = None
         self._connect: Connect | None = None  # that has to wait
         self._retry: Deadline | None = None
+        self._newcomer: ConnectedClient | None = None  # that takes over when all is done
         self.failure: PacketError | None = None
         self._started = False
         self._closed = False
@@ -122,6 +124,30 @@ class Peer:
         self._state.counters.logins_pushed_out += 1
         self._push_out()
 
+    def make_way(self, newcomer: ConnectedClient) -> bool:
+        """End the connection, because *newcomer* has the same client id; False if it has to wait to be called."""
+        self.end(ReasonCode.SESSION_TAKEN_OVER)
+        if self._is_gone:
+            return True
+        if self._newcomer is not None:
+            self._newcomer.end(ReasonCode.SESSION_TAKEN_OVER)
+        self._newcomer = newcomer
+        return False
+
+    def log_in(self) -> None:
+        """Handle the CONNECT that had to wait."""
+        packet, self._connect = self._connect, None
+        if packet is None:
+            return
+        self._link.resume_reading()
+        try:
+            self._login(packet)
+        except PacketError as error:
+            self._fail(error)
+            return
+        if not self._is_deferred and not self._closed:
+            self._go_on()
+
     def _go_on(self) -> None:
         """Handle the packets that have come; those for which there is no time in this turn wait for a later one."""
         try:
@@ -167,20 +193,7 @@ class Peer:
         self._state.counters.logins_slowed += 1
         self._connect = packet
         self._link.pause_reading()
-        self._retry = self._state.deadlines.at(until, self._log_in_again)
-
-    def _log_in_again(self) -> None:
-        packet, self._connect = self._connect, None
-        if packet is None:
-            return
-        self._link.resume_reading()
-        try:
-            self._login(packet)
-        except PacketError as error:
-            self._fail(error)
-            return
-        if not self._is_deferred and not self._closed:
-            self._go_on()
+        self._retry = self._state.deadlines.at(until, self.log_in)
 
     def _login(self, packet: Packet) -> None:
         if not isinstance(packet, Connect):
@@ -199,27 +212,22 @@ class Peer:
             self._welcome(packet)
 
     def _welcome(self, packet: Connect) -> None:
-        """Open the client's session; a connection of the same client id ends."""
+        """Open the client's session; a connection of the same client id ends before."""
         state = self._state
         self._reader.max_packet_size = state.limits.max_packet_size
         self._reader.max_control_size = state.limits.max_control_size
         wanted = login.accept(packet, state)
         other = state.peers.get(wanted.client_id)
-        if other is not None:
-            other.end(ReasonCode.SESSION_TAKEN_OVER)
+        if other is not None and not other.make_way(self):
+            self._connect = packet
+            self._link.pause_reading()
+            return
         session, present = state.sessions.open(
             wanted.client_id, clean_start=packet.clean_start, host=host_of(self.address)
         )
         session.expiry = wanted.expiry
-        outbound = Outbound(
-            self._link,
-            state.clock,
-            state.counters,
-            packet.version,
-            self._warn_too_large,
-            wanted.max_packet_size,
-            wanted.alias_maximum,
-        )
+        sizes = (wanted.max_packet_size, wanted.alias_maximum)
+        outbound = Outbound(self._link, state.clock, state.counters, packet.version, self._warn_too_large, *sizes)
         packets = ClientPackets(state, session, outbound, self._leave, self._fail, is_bridge=packet.is_bridge)
         self._client = _Client(wanted, session, outbound, packets, packet.will)
         self.client_id = wanted.client_id
@@ -290,8 +298,7 @@ class Peer:
         self._link.close(linger=False)
 
     def _fail(self, error: PacketError) -> None:
-        state = self._state
-        state.counters.connections_failed += 1
+        self._state.counters.connections_failed += 1
         self.failure = error
         self._warn_failure(error)
         if self._client is None:
@@ -349,12 +356,31 @@ class Peer:
         self._reader = _NOTHING_MORE
         self._state.turn.forget(self._go_on_later)
         if client is not None:
-            error = client.packets.stop()
-            if error is not None:
-                self.failure = error
-                self._warn_failure(error)
-            del self._state.peers[client.session.client_id]
-            self._state.sessions.detach(client.session, client.will if publish_will else None)
+            client.session.outbound = None
+            client.packets.stop()
+            self._state.turn.run(self._depart(client, client.will if publish_will else None))
+
+    def _depart(self, client: _Client, will: Will | None) -> Iterator[None]:
+        """Do what is left when *client* has gone: its held messages, its will, its session; then another may log in."""
+        client.session.detach()
+        try:
+            for _ in client.packets.forward_held():
+                yield
+                if self._is_gone:
+                    break
+        except PacketError as error:
+            self.failure = error
+            self._warn_failure(error)
+        if self._is_gone:  # with all that the broker knew
+            return
+        del self._state.peers[client.session.client_id]
+        self._state.sessions.detach(client.session, will)
+        if self._newcomer is not None:
+            self._newcomer.log_in()
+
+    @property
+    def _is_gone(self) -> bool:
+        return self.client_id is None or self._state.peers.get(self.client_id) is not self
 
 
 _NOTHING_MORE = PacketReader()

@@ -105,6 +105,14 @@ class ConnectedClient(Protocol):
         """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
         ...
 
+    def make_way(self, newcomer: ConnectedClient) -> bool:
+        """End the connection, because *newcomer* has the same client id; False if it has to wait to be called."""
+        ...
+
+    def log_in(self) -> None:
+        """Log in, after a wait."""
+        ...
+
 
 class BrokerPolicy(Protocol):
     """Answers for each request of a logged-in client."""

@@ -94,7 +94,6 @@ class Sessions:
         Args:
             will: The will to publish after its delay or at the end of the session, or None.
         """
-        session.detach()
         absence = _Absence(will)
         self._away[session.client_id] = absence
         if session.expiry <= 0:
@@ -102,12 +101,14 @@ class Sessions:
             return
         now = self._clock.monotonic()
         if session.expiry < inf:
-            absence.end = self._deadlines.at(now + session.expiry, lambda: self.end(session.client_id))
+            absence.end = self._plan(now + session.expiry, session.client_id, lambda: self.end(session.client_id))
         delay = will.properties.will_delay_interval if will is not None else None
         if will is not None and not delay:
             self._publish_will(session.client_id, absence)
         elif delay and delay < session.expiry:
-            absence.will_due = self._deadlines.at(now + delay, lambda: self._publish_will(session.client_id, absence))
+            absence.will_due = self._plan(
+                now + delay, session.client_id, lambda: self._publish_will(session.client_id, absence)
+            )
 
     def end(self, client_id: str) -> None:
         """Forget the session of an absent client; a will that waits is published now."""
@@ -120,16 +121,28 @@ class Sessions:
         self._publish_will(client_id, absence)
 
     def end_all(self) -> None:
-        """Forget all sessions of absent clients and their wills unpublished."""
-        for client_id, absence in list(self._away.items()):
-            absence.will = None
-            self.end(client_id)
+        """Forget all sessions, and their wills unpublished; nothing else follows."""
+        for absence in self._away.values():
+            absence.over()
+        for session in self._sessions.values():
+            self._exchange.forget(session)
 
     def _least_missed(self) -> str:
         """Return the one left longest ago by a client of the host that has left most of them."""
         hosts = [self._sessions[client_id].host for client_id in self._away]
         most = Counter(hosts).most_common(1)[0][0]
         return next(client_id for client_id, host in zip(self._away, hosts, strict=True) if host == most)
+
+    def _plan(self, when: float, client_id: str, act: Callable[[], None]) -> Deadline:
+        """Plan to *act* in the first turn from *when* on that has time for it, unless the client comes back before."""
+        absence = self._away[client_id]
+
+        def steps() -> Iterator[None]:
+            if self._away.get(client_id) is absence:
+                act()
+            yield
+
+        return self._deadlines.at(when, lambda: self._turn.run(steps()))
 
     def _publish_will(self, client_id: str, absence: _Absence) -> None:
         will, absence.will = absence.will, None

@@ -102,10 +102,12 @@ class BrokerState:
             retained_messages=len(self.exchange.retained),
             retained_bytes=self.exchange.retained.size,
             queued_messages=self.sessions.queued,
+            waiting_work=self.turn.waiting,
         )
 
     def forget(self) -> None:
         """Forget all sessions, wills and retained messages, once no client is connected any more."""
+        self.peers.clear()  # of those that have left, messages may be left
         self.sessions.end_all()
         self._clear()
 

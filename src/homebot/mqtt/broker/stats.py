@@ -52,7 +52,9 @@ class BrokerStats(Counters):
     """A snapshot of the broker: the :class:`Counters` and its present content.
 
     Attributes:
+        clients: Those connected, and those that have gone and of which held messages are still to be forwarded.
         retained_bytes: Their topics, payloads and properties, in bytes.
+        waiting_work: The pieces of work that wait for a later turn of the event loop.
     """
 
     clients: int
@@ -61,6 +63,7 @@ class BrokerStats(Counters):
     retained_messages: int
     retained_bytes: int
     queued_messages: int
+    waiting_work: int
 
     @classmethod
     def of(cls, counters: Counters, **held: int) -> BrokerStats:
