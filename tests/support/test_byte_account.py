@@ -70,3 +70,32 @@ def test_a_client_that_cannot_shed_is_passed_over() -> None:
     account.add(500)
     assert [client.size for client in clients] == [0, 0]
     assert account.used == 1200
+
+
+def test_without_time_the_rest_is_for_later() -> None:
+    account, clients = make("abc")
+    account.on_overrun = lambda: None
+    for client in clients:
+        client.hold(900)
+    times = iter([True, False])
+    assert not account.relieve(lambda: next(times))
+    assert [client.size for client in clients] == [0, 900, 900]
+    assert account.relieve()
+    assert [client.size for client in clients] == [0, 0, 900]
+
+
+def test_a_client_that_may_lose_more_is_asked_again_before_a_smaller_one() -> None:
+    sizes = {"large": 900, "small": 500}
+    shed: list[str] = []
+
+    def lose(name: str) -> bool:
+        shed.append(name)
+        if shed == ["large"]:
+            return True
+        account.add(-sizes[name])
+        sizes[name] = 0
+        return False
+
+    account: ByteAccount[str] = ByteAccount(1000, lambda: sizes, sizes.__getitem__, lose)
+    account.add(1400)
+    assert shed == ["large", "large"]

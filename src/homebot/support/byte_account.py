@@ -17,7 +17,8 @@ class ByteAccount(Generic[Client]):
     Args:
         clients: Returns the clients, the oldest first: of equal ones it loses first.
         size_of: Returns the bytes of a client now.
-        shed: Drops some of a client's bytes, or the client, and subtracts them with :meth:`add`.
+        shed: Drops some of a client's bytes, or the client, and subtracts them with :meth:`add`; returns True if the
+            client may lose more although it has lost none yet.
 
     Attributes:
         used: The bytes now.
@@ -34,7 +35,7 @@ class ByteAccount(Generic[Client]):
         shed: Callable[[Client], object],
     ) -> None:
         self.used = 0
-        self.on_overrun: Callable[[], None] = self.relieve
+        self.on_overrun: Callable[[], object] = self.relieve
         self._most = most
         self._clients = clients
         self._size_of = size_of
@@ -47,17 +48,20 @@ class ByteAccount(Generic[Client]):
         if self.used > self._most and size > 0 and not self._is_relieving:
             self.on_overrun()
 
-    def relieve(self) -> None:
-        """Drop bytes of the largest client, again and again, until the bound is kept."""
+    def relieve(self, has_time: Callable[[], bool] = lambda: True) -> bool:
+        """Drop bytes of the largest client, again and again, until the bound is kept; False if there was no time."""
         if self.used <= self._most:
-            return
+            return True
         self._is_relieving = True
         try:
             sizes = {client: self._size_of(client) for client in self._clients()}
             while self.used > self._most and any(sizes.values()):
+                if not has_time():
+                    return False
                 largest = max(sizes, key=sizes.__getitem__)
-                before = self.used
-                self._shed(largest)
-                sizes[largest] = self._size_of(largest) if self.used < before else 0
+                may_lose_more = self._shed(largest)
+                left = self._size_of(largest)
+                sizes[largest] = left if may_lose_more or left < sizes[largest] else 0
         finally:
             self._is_relieving = False
+        return True

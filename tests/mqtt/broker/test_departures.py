@@ -161,6 +161,32 @@ def test_a_broker_that_forgets_all_forgets_the_messages_of_those_who_left(state:
     assert (state.stats.clients, state.stats.sessions, state.queued.used) == (0, 0, 0)
 
 
+@pytest.mark.parametrize("kept", [0, 60])
+@pytest.mark.parametrize("unacknowledged", [1, 500])
+def test_only_those_for_which_most_waits_lose_something_while_others_leave(
+    new_state: NewState, join: Join, kept: int, unacknowledged: int
+) -> None:
+    """What one that leaves does not give back at once is not asked of all the others."""
+    state = new_state(max_inflight=unacknowledged, max_all_queued_bytes=200_000)
+    honest = join("honest", at=state, to="h")
+    greedy = join("greedy", at=state, session_expiry_interval=kept, to="g")
+    publisher = join("p", at=state)
+    publisher.publish("h", bytes(2000), 1, 1)
+    publisher.publish("h", b"2", 1, 2)
+    while state.turn.has_time():  # whatever comes next has to wait
+        pass
+    for number in range(200):
+        publisher.peer.receive(mqtt.encode(mqtt.Publish("g", bytes(2000), 1, packet_id=number + 3), publisher.version))
+    finish(state)
+    turn(state)
+    finish(state)
+    assert greedy.link.closed
+    assert not honest.link.closed
+    assert state.stats.clients_stalled == 1
+    assert state.queued.used <= 200_000
+    assert drain(honest) == [bytes(2000), b"2"]
+
+
 def test_wills_and_sessions_that_are_due_together_take_their_turns(
     state: BrokerState, join: Join, clock: StepClock
 ) -> None:

@@ -23,7 +23,7 @@ from homebot.mqtt.broker.stats import BrokerStats, Counters
 from homebot.mqtt.packets import ReasonCode
 from homebot.support.byte_account import ByteAccount
 from homebot.support.logger import get_logger
-from homebot.support.turn_budget import TurnBudget
+from homebot.support.turn_budget import SHARE, TurnBudget
 
 __all__ = ["BrokerState", "short"]
 
@@ -75,7 +75,10 @@ class BrokerState:
         self.waiting_logins = WaitingLogins(limits.max_waiting_logins)
         self.throttle = LoginThrottle(clock)
         self.queued = ByteAccount(
-            limits.max_all_queued_bytes, lambda: self.sessions, lambda session: session.size, self._relieve
+            limits.max_all_queued_bytes,
+            lambda: (*self.sessions, *self.exchange.ended),
+            lambda session: session.size,
+            self._relieve,
         )
         self.queued.on_overrun = self._plan_relief
         self._is_relief_planned = False
@@ -153,10 +156,12 @@ class BrokerState:
 
     def _relieve_queues(self) -> None:
         self._is_relief_planned = False
-        self.queued.relieve()
+        ends = self.clock.monotonic() + SHARE
+        if not self.queued.relieve(lambda: self.clock.monotonic() < ends):
+            self._plan_relief()
 
-    def _relieve(self, session: BrokerSession) -> None:
-        """Make room: a session loses its connection first, then its oldest messages."""
+    def _relieve(self, session: BrokerSession) -> bool:
+        """Make room: a session loses its connection first, then its oldest messages; True after the former."""
         if session.outbound is not None:
             self.counters.clients_stalled += 1
             self.warn(
@@ -167,11 +172,15 @@ class BrokerState:
                 queued=session.queued,
             )
             self.peers[session.client_id].end(ReasonCode.QUOTA_EXCEEDED)
-        elif session.queued:
+            return True
+        if session.queued:
             session.shrink()
+        elif session.has_ended or session.client_id in self.peers:  # it goes, but not yet
+            self.counters.dropped_offline += len(session.in_flight.clear())
         else:
             self.counters.sessions_evicted += 1
             self.sessions.end(session.client_id)
+        return False
 
     def _clear(self) -> None:
         self.exchange = MessageRouter(self.clock, self.limits, self.counters, self.turn, self._on_message)
