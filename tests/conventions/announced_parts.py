@@ -10,6 +10,8 @@ from homebot.conventions.homie import Homie, HomieSettings
 from homebot.conventions.zigbee2mqtt import Zigbee2Mqtt, Zigbee2MqttSettings
 from homebot.devices.value import PlainValue
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
+from homebot.wot.parse import CONTEXT
+from homebot.wot.thing import NO_SECURITY
 
 Say = Callable[..., tuple[AnnouncementEvent, ...]]
 
@@ -102,11 +104,6 @@ def thing_part(capability: str, types: str, schema: Mapping[str, object]) -> Des
         {"href": "mqtt://b", "op": "observeproperty", "mqv:filter": "t"},
         {"href": "mqtt://b", "op": "writeproperty", "mqv:topic": "t/set"},
     ]
-    description = {
-        "@context": "https://www.w3.org/2022/wot/td/v1.1",
-        "title": "T",
-        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-        "security": "nosec_sc",
-        "properties": {"p": {"@type": types, "forms": forms, **schema}},
-    }
+    properties = {"p": {"@type": types, "forms": forms, **schema}}
+    description = {"@context": CONTEXT, "title": "T", **NO_SECURITY, "properties": properties}
     return part_with(capability, ThingDescriptions(ThingSettings()), ("homebot/things/x/td", description))

@@ -8,8 +8,9 @@ from homebot.devices.text.commands import decode_command
 from homebot.errors import RefusedError
 from homebot.wot.binding import ClassifiedPart, RequestBinding
 from homebot.wot.classify import parts_of
-from homebot.wot.parse import read_thing
+from homebot.wot.parse import CONTEXT, read_thing
 from homebot.wot.payload import decode_document, encode_document
+from homebot.wot.thing import NO_SECURITY
 
 HTTP = RequestBinding(frozenset({"http"}))
 
@@ -18,11 +19,10 @@ def parts(
     properties: dict[str, Any], types: tuple[str, ...] = (), title: str = "T", **actions: str
 ) -> tuple[ClassifiedPart, ...]:
     described = {
-        "@context": "https://www.w3.org/2022/wot/td/v1.1",
+        "@context": CONTEXT,
         "title": title,
         "@type": list(types),
-        "securityDefinitions": {"none": {"scheme": "nosec"}},
-        "security": "none",
+        **NO_SECURITY,
         "properties": {name: {"forms": [{"href": f"http://h/{name}"}], **one} for name, one in properties.items()},
         "actions": {name: {"@type": kind, "forms": [{"href": f"http://h/{name}"}]} for name, kind in actions.items()},
     }

@@ -16,19 +16,13 @@ from homebot.messages import Time
 from homebot.wot.export import MqttForms, to_thing
 from homebot.wot.mqtt import ThingDescriptions, ThingSettings
 from homebot.wot.parse import CONTEXT
+from homebot.wot.thing import NO_SECURITY
 
 TOPIC = "homebot/things/lamp/td"
 
 
 def thing(properties: dict[str, Any], *types: str, **more: Any) -> dict[str, Any]:
-    return {
-        "@context": CONTEXT,
-        "title": "Lamp",
-        "@type": list(types),
-        "securityDefinitions": {"nosec_sc": {"scheme": "nosec"}},
-        "security": "nosec_sc",
-        "properties": properties,
-    } | more
+    return {"@context": CONTEXT, "title": "Lamp", "@type": list(types), **NO_SECURITY, "properties": properties} | more
 
 
 def prop(topic: str, kind: str = "boolean", **more: Any) -> dict[str, Any]:
