@@ -53,17 +53,9 @@ def test_a_filter_is_read_after_the_exact_topic() -> None:
     assert codec.read("c/d", b"", retained=False) == {}
 
 
-def test_an_object_is_opened_for_its_readers() -> None:
-    assert of_objects().read("t", b'{"state":"ON"}', retained=False) == {"on_off": True}
-
-
 @pytest.mark.parametrize("payload", [b"", b"ON", b"[1]", b"\xff", b"{" * 9_999, b"{}" + b" " * 300_000])
 def test_another_response_is_no_refusal(payload: bytes) -> None:
     assert of_objects().read("t", payload, retained=False) == {}
-
-
-def test_a_command_goes_to_the_writer_of_its_capability() -> None:
-    assert of_bytes().write("on_off", value=True, transition=2.0) == (Publication("t/set", b"True in 2"),)
 
 
 def test_an_unknown_capability_is_refused_with_the_known_ones() -> None:

@@ -17,31 +17,6 @@ def read(part: TextCodec, payload: bytes, *, retained: bool = False) -> dict[str
     return dict(part.read("x/out", payload, retained=retained))
 
 
-def test_it_speaks_on_its_own_topic() -> None:
-    assert codec("lights").topics() == ("x/out",)
-
-
-def test_the_same_text_again_is_no_news_until_another_one_came() -> None:
-    lamp = codec("lights")
-    assert [read(lamp, one) for one in (b"on", b"on", b"off", b"on")] == [
-        {"on_off": True},
-        {},
-        {"on_off": False},
-        {"on_off": True},
-    ]
-
-
-def test_a_retained_text_is_read_again_when_it_is_live() -> None:
-    lamp = codec("lights")
-    told = [read(lamp, b"on", retained=one) for one in (True, True, False, False, True)]
-    assert [bool(one) for one in told] == [True, False, True, False, False]
-
-
-@pytest.mark.parametrize("payload", [b"2" * 5000, b"\xff", b"purple", b"1e999"])
-def test_an_unknown_text_is_ignored(payload: bytes) -> None:
-    assert read(codec("lights"), payload) == {}
-
-
 def test_a_part_of_unknown_type_has_no_capabilities() -> None:
     coffee = codec("coffee")
     assert read(coffee, b"on") == {}
