@@ -73,7 +73,9 @@ async def test_connections_beyond_the_limit_are_refused_until_others_close(serve
 async def test_connections_without_a_request_or_with_a_wrong_token_keep_no_client_out(served_house: OpenHouse) -> None:
     async with served_house(max_clients=5, token="right") as house, AsyncExitStack() as opened:
         right = b"GET /things HTTP/1.1\r\n" + HOST + b"Authorization: Bearer right\r\n\r\n"
-        for request in (b"", b"GET /things HTTP/1.1\r\nHost: 127", b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n"):
+        preflight = b"OPTIONS /things HTTP/1.1\r\n" + HOST + b"Access-Control-Request-Method: GET\r\n\r\n"
+        wrong = b"GET /things HTTP/1.1\r\n" + HOST + b"\r\n"
+        for request in (b"", b"GET /things HTTP/1.1\r\nHost: 127", wrong, preflight):
             for _ in range(5):
                 stream = await opened.enter_async_context(await anyio.connect_tcp("127.0.0.1", house.bridge.port))
                 await stream.send(request)

@@ -226,7 +226,8 @@ class BoundedServer(web.Server):
 
     async def _serve(self, request: web.BaseRequest) -> web.StreamResponse:
         self.counters.requests += 1
-        self._silent.pop(request.protocol, None)  # from now on the library itself limits silence
+        if request.method != "OPTIONS":  # which is answered without a token
+            self._silent.pop(request.protocol, None)  # from now on the library itself limits silence
         if request.version.major != 1:
             self.counters.turned_away += 1
             if request.transport is not None:
