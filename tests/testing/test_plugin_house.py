@@ -15,7 +15,7 @@ pytest_plugins = ["pytester"]
 # A run inside the process forgets what was imported in it: what is loaded here is loaded once.
 for name in (
     *("apps.jobs", "apps.light_service", "apps.reactions", "bridges.rosapi", "control.control_layer", "control.learnt"),
-    *("conventions.secrets", "devices.commander", "devices.hold", "devices.outcomes", "devices.text_sender"),
+    *("conventions.secrets", "devices.commander", "devices.hold", "devices.outcomes", "devices.command_sender"),
     *("mqtt.client.aiomqtt_adapter", "testing.event_log", "testing.house_marks", "testing.mqtt"),
 ):
     import_module(f"homebot.{name}")
