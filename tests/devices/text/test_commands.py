@@ -242,6 +242,8 @@ def test_a_value_without_a_word_is_refused_with_the_words_that_there_are(capabil
 
 def test_a_bare_number_sets_the_only_number_of_a_part() -> None:
     assert decode_command("21", part("color_temperature", "temperature")) == ("temperature", 21.0)
+    with pytest.raises(RefusedError, match="'21' was refused"):
+        decode_command("21", part("humidity", "temperature"))
 
 
 def test_a_number_that_would_be_taken_for_another_one_is_refused() -> None:

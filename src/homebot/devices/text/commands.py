@@ -50,6 +50,7 @@ _NUMBERS = (
     "humidity_setpoint",
     "volume",
     "tilt",
+    "number",
 )
 """The capabilities that a bare number sets before others; it sets the first that the part has."""
 
@@ -168,7 +169,8 @@ def _number_command(text: str, settable: Mapping[str, Capability]) -> tuple[str,
 
 def _number_in(settable: Mapping[str, Capability]) -> str | None:
     numbers = [one for one in settable if one != "color_temperature" and CAPABILITIES.get(one, OWN).kind == "number"]
-    return next((one for one in (*_NUMBERS, *numbers) if one in numbers), None)
+    only = numbers if len(numbers) == 1 else ()
+    return next((one for one in (*_NUMBERS, *only) if one in numbers), None)
 
 
 def _known(settable: Mapping[str, Capability]) -> str:
