@@ -218,7 +218,8 @@ class CommandExecutor:
             self._on_cancelled(opened)
             raise
         finally:
-            self.witnesses.end(witnesses)
+            for witness in witnesses:
+                witness.stop_watch()
             del self._open[command.id]
 
     def _on_cancelled(self, opened: OpenCommand) -> None:

@@ -21,6 +21,7 @@ from homebot.devices import Device, DevicePart
 from homebot.devices.capabilities import MOMENTARY
 from homebot.devices.client_rights import is_client
 from homebot.devices.command_messages import CommandRequest, Setting
+from homebot.devices.device import target_of
 from homebot.devices.lease_messages import (
     EndLeasesRequest,
     GetLeasesRequest,
@@ -266,8 +267,7 @@ class LeaseService:
         self._journal.lease(step, lease.part, lease.setting, issuer, text, trigger)
 
     def _log(self, event: str, lease: Lease, text: str) -> None:
-        device, part = lease.part
-        self._node.log.info(event, message=f"{device}#{part} {text}" if part else f"{device} {text}", device=device)
+        self._node.log.info(event, message=f"{target_of(*lease.part)} {text}", device=lease.part[0])
 
 
 def _resolved(request: HoldRequest, device: Device, part: DevicePart) -> HoldRequest:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from datetime import tzinfo
 from functools import lru_cache, partial
 from typing import Final, TypeAlias, final
 from zoneinfo import ZoneInfo
@@ -84,7 +83,8 @@ class PolicyEngine(HouseWatcher):
 
     def update(self, settings: PolicySettings) -> None:
         """Use the policies of *settings*, and the scopes in the mapping of grants as they are now."""
-        self._settings, self._policies, self._zone = settings, Policies(settings), _zone(settings.time_zone)
+        self._settings, self._policies = settings, Policies(settings)
+        self._zone = ZoneInfo(settings.time_zone) if settings.time_zone else None
         self.rights.cache_clear()
         if self._watches or settings.needs_house:
             self._watch()
@@ -219,7 +219,3 @@ class Policies:
 
 def _first_of(names: Sequence[str]) -> str:
     return ", ".join(names[:_MOST_NAMED]) + (", …" if len(names) > _MOST_NAMED else "")
-
-
-def _zone(name: str) -> tzinfo | None:
-    return ZoneInfo(name) if name else None

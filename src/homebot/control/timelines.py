@@ -19,7 +19,7 @@ from homebot.control.timeline.progress import CommandProgress
 from homebot.control.values import related
 from homebot.devices import Device, DevicePart, KeyValue, State
 from homebot.devices.capabilities import SETTABLE
-from homebot.devices.device import Route
+from homebot.devices.device import Route, target_of
 from homebot.devices.value import PlainValue
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
@@ -79,7 +79,7 @@ class Timelines:
             for part in device.parts
             if len(part.routes) > 1
             for route in part.routes
-            if route.name in self._profiles.of(_target(device, part)).ineffective
+            if route.name in self._profiles.of(target_of(device.id, part.id)).ineffective
         )
 
     def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
@@ -107,7 +107,7 @@ class Timelines:
         return self._entries[place].timeline.cause_of(fact)
 
     def _create(self, place: PartRef, device: Device, part: DevicePart) -> _TrackedPart:
-        target = _target(device, part)
+        target = target_of(device.id, part.id)
         timeline = PartTimeline(self._profiles.of(target), self._timeout, self._settle)
         _seed(timeline, device, part, self._clock.now(), self._clock.monotonic())
         timeline.on_report, timeline.on_end, timeline.on_undone = self.on_report, self.on_end, self._on_undone
@@ -167,11 +167,6 @@ class Timelines:
             for listener in tuple(entry.listeners):
                 listener(capability, entry.timeline.value(capability), attribution)
         self.on_undone(progress)
-
-
-def _target(device: Device, part: DevicePart) -> str:
-    """Return the name of the profile of a part."""
-    return f"{device.id}#{part.id}" if part.id else device.id
 
 
 def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:

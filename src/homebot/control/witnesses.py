@@ -88,7 +88,7 @@ class Witnesses:
         return TrustDeviceResponse(witnesses=tuple([self.contradicted.pop(one) for one in places]))
 
     async def begin(self, opened: OpenCommand) -> list[Witness]:
-        """Return the witnesses of a command that is about to be sent; :meth:`end` must follow."""
+        """Return the witnesses of a command that is about to be sent; each one watches until its ``stop_watch``."""
         command = opened.command
         if rises(command.settings) is None or not (wanted := sensed_by(command.settings)):
             return []
@@ -97,11 +97,6 @@ class Witnesses:
             on_report = partial(self._on_report, witness, opened.wake)
             witness.stop_watch = self._feed.watch(witness.part.routes, on_report)
         return found
-
-    def end(self, witnesses: Iterable[Witness]) -> None:
-        """Ask *witnesses* no more."""
-        for one in witnesses:
-            one.stop_watch()
 
     async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
         """Return *outcome*, or a better one by a witness; a named one is awaited."""
@@ -130,17 +125,13 @@ class Witnesses:
             now = self._clock.monotonic()
         return newest  # a newer command, or the device went back
 
-    def _name_for(self, command: IssuedCommand) -> str | None:
-        """Return the sensor that the owner names for a part; empty for none, None for no statement."""
-        facets = PartFacets(command.device, command.part)
-        return next((name for query, name in self._named if fits(query, facets)), None)
-
     async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[Witness]:
         """Return the named sensor, or the meters of the same device."""
-        name = self._name_for(command) if self._named else None
+        part = PartFacets(command.device, command.part)
+        name = next((name for query, name in self._named if fits(query, part)), None)
         if name is None:
             return _sensors(command.device, wanted & _METERS, is_named=False)
-        if not name:
+        if not name:  # the owner wants none
             return []
         try:
             devices = await self._lookup.called(name)

@@ -30,6 +30,7 @@ __all__ = [
     "StateChange",
     "is_commanded",
     "part_names",
+    "target_of",
 ]
 
 Freshness: TypeAlias = Literal["fresh", "unconfirmed", "stale"]
@@ -316,6 +317,11 @@ def part_names(devices: Iterable[Device]) -> dict[str, str]:
         if len(parts) > 1:
             names |= {f"{device.id}#{one.id}": f"{device.name} {one.part.name or one.id}".rstrip() for one in parts}
     return names
+
+
+def target_of(device_id: str, part_id: str) -> str:
+    """Return the name of a part: the id of its device, with ``#`` and the id of the part if it has one."""
+    return f"{device_id}#{part_id}" if part_id else device_id
 
 
 def is_commanded(part: Part) -> bool:

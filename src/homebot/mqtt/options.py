@@ -20,10 +20,6 @@ MqttProtocol = Literal["auto", "5", "3.1.1"]
 _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
 
 
-def _random_client_id() -> str:
-    return f"homebot-{secrets.token_hex(4)}"
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MqttOptions:
     """Address, login and limits of one MQTT connection; checked where it is made.
@@ -65,7 +61,7 @@ class MqttOptions:
     key_file: Path | None = None
     user: str | None = None
     password: SecretStr | None = None
-    client_id: str = field(default_factory=_random_client_id)
+    client_id: str = field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
     keep_alive: int = 30
     timeout: float = 10.0
     session_expiry: int = 0

@@ -34,6 +34,13 @@ def put_hall(home: Home) -> None:
     home.put("motion", "occupancy_sensor", readable=("occupancy",), area="hall")
 
 
+@pytest.fixture
+async def lamp(home: Home) -> Light:
+    """A lamp in the hall, where a motion sensor is."""
+    put_hall(home)
+    return await home.handle(Light, "lamp")
+
+
 async def leave(home: Home) -> None:
     """Let there be motion, and then none for as long as it takes to be sure."""
     await detect(home)
@@ -76,23 +83,18 @@ async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(home: Home)
         assert await refusal(lamp.turn_off()) == reason
 
 
-async def test_level_0_is_off(home: Home) -> None:
-    put_hall(home)
+async def test_level_0_is_off(home: Home, lamp: Light) -> None:
     await home.report("motion", "occupancy", True)
-    assert isinstance(await (await home.handle(Light, "lamp")).set_level(0), Refused)
+    assert isinstance(await lamp.set_level(0), Refused)
 
 
-async def test_it_may_be_turned_on_and_dimmed(home: Home) -> None:
-    put_hall(home)
+async def test_it_may_be_turned_on_and_dimmed(home: Home, lamp: Light) -> None:
     await home.report("motion", "occupancy", True)
-    lamp = await home.handle(Light, "lamp")
     assert (await lamp.turn_on()).succeeded
     assert (await lamp.set_level(20)).succeeded
 
 
-async def test_somebody_who_sits_still_is_there_for_a_while(home: Home) -> None:
-    put_hall(home)
-    lamp = await home.handle(Light, "lamp")
+async def test_somebody_who_sits_still_is_there_for_a_while(home: Home, lamp: Light) -> None:
     await detect(home)
     await home.report("motion", "occupancy", False)
     await anyio.sleep(299)
@@ -133,33 +135,29 @@ async def test_a_hand_at_the_switch_is_somebody_although_no_sensor_tells(home: H
     assert isinstance(await lamp.turn_off(), Confirmed)
 
 
-async def test_the_first_report_after_a_start_is_no_hand(home: Home) -> None:
+async def test_the_first_report_after_a_start_is_no_hand(home: Home, lamp: Light) -> None:
     """A lamp that says how it is may have been so for long."""
-    put_hall(home)
     await leave(home)
     await home.report("lamp", "on_off", True)
     await anyio.sleep(10)
     await home.report("lamp", "on_off", True)
-    assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Confirmed)
+    assert isinstance(await lamp.turn_off(), Confirmed)
 
 
 @pytest.mark.parametrize(("told_for", "is_hand"), [(590.0, False), (700.0, True)])
 async def test_the_first_level_of_a_lamp_that_was_told_to_be_on_for_long_is_a_hand(
-    home: Home, told_for: float, *, is_hand: bool
+    home: Home, lamp: Light, told_for: float, *, is_hand: bool
 ) -> None:
     """A text such as ``0.5`` of a lamp that said nothing but ``on`` before; soon after a start all is told."""
-    put_hall(home)
     await leave(home)
     await home.report("lamp", "on_off", True)
     await anyio.sleep(told_for)
     await home.report("lamp", "level", 50.0)
-    assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused if is_hand else Confirmed)
+    assert isinstance(await lamp.turn_off(), Refused if is_hand else Confirmed)
 
 
-async def test_what_a_command_did_is_no_hand(home: Home) -> None:
-    put_hall(home)
+async def test_what_a_command_did_is_no_hand(home: Home, lamp: Light) -> None:
     await leave(home)
-    lamp = await home.handle(Light, "lamp")
     home.behaviours["lamp"] = report_both
     assert (await lamp.turn_on()).succeeded
     await anyio.sleep(1)
@@ -193,10 +191,8 @@ async def report_both(home: Home, command: Command) -> None:
     await home.report(command.key, "level", 70.0 if command.value.plain() else 0.0)
 
 
-async def test_what_undoes_a_command_is_a_hand(home: Home) -> None:
-    put_hall(home)
+async def test_what_undoes_a_command_is_a_hand(home: Home, lamp: Light) -> None:
     await leave(home)
-    lamp = await home.handle(Light, "lamp")
     assert (await lamp.turn_off()).succeeded
     await anyio.sleep(5)
     await home.report("lamp", "on_off", True)
@@ -214,16 +210,13 @@ async def test_a_device_without_a_room_is_not_turned_off(home: Home) -> None:
     assert "the room of the device is unknown" in await refusal((await home.lamp("on_off")).turn_off())
 
 
-async def test_a_sensor_that_reported_nothing_tells_nothing(home: Home) -> None:
-    put_hall(home)
-    assert "no current occupancy of motion" in await refusal((await home.handle(Light, "lamp")).turn_off())
+async def test_a_sensor_that_reported_nothing_tells_nothing(home: Home, lamp: Light) -> None:
+    assert "no current occupancy of motion" in await refusal(lamp.turn_off())
 
 
-async def test_a_sensor_that_never_detected_anybody_tells_nothing(home: Home) -> None:
+async def test_a_sensor_that_never_detected_anybody_tells_nothing(home: Home, lamp: Light) -> None:
     """It may look at a wall."""
-    put_hall(home)
     await home.report("motion", "occupancy", False)
-    lamp = await home.handle(Light, "lamp")
     await anyio.sleep(301)
     assert await refusal(lamp.turn_off()) == (
         "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"
@@ -243,12 +236,11 @@ async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anyb
     assert (await home.control.health(HealthRequest())).notes == ()
 
 
-async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(home: Home) -> None:
-    put_hall(home)
+async def test_one_of_two_sensors_that_never_detected_anybody_makes_the_room_unknown(home: Home, lamp: Light) -> None:
     home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
     await home.report("other", "occupancy", False)
     await leave(home)
-    assert isinstance(await (await home.handle(Light, "lamp")).turn_off(), Refused)
+    assert isinstance(await lamp.turn_off(), Refused)
 
 
 async def test_a_sensor_that_was_removed_has_to_detect_somebody_again(home: Home) -> None:
@@ -289,26 +281,20 @@ async def test_what_commands_taught_is_kept_beside_it(open_home: OpenHome) -> No
     assert {(kind, name) for kind, name in store.rows} == {("profile", "plug"), ("detection", "motion")}
 
 
-async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(home: Home) -> None:
-    put_hall(home)
+async def test_one_of_two_sensors_that_went_silent_makes_the_room_unknown(home: Home, lamp: Light) -> None:
     home.put("other", "occupancy_sensor", readable=("occupancy",), area="hall")
-    lamp = await home.handle(Light, "lamp")
     await leave(home)
     assert isinstance(await lamp.turn_off(), Refused)
 
 
-async def test_a_person_at_a_client_of_the_door_may(home: Home) -> None:
-    put_hall(home)
+async def test_a_person_at_a_client_of_the_door_may(home: Home, lamp: Light) -> None:
     await home.report("motion", "occupancy", True)
-    lamp = await home.handle(Light, "lamp")
     off = Setting(capability="on_off", value=Value.of(plain=False))
     request = CommandRequest(device=lamp.device.id, part="", settings=(off,), issuer="client:phone")
     assert (await home.control.perform(request)).succeeded
 
 
-async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(home: Home) -> None:
-    put_hall(home)
-    lamp = await home.handle(Light, "lamp")
+async def test_a_repetition_is_not_sent_to_somebody_who_came_meanwhile(home: Home, lamp: Light) -> None:
     await leave(home)
     home.behaviours["lamp"] = ignore
     home.later(1.0, "motion", "occupancy", True)
@@ -357,11 +343,9 @@ def test_a_verb_that_is_none_is_an_error_of_the_configuration() -> None:
     assert raised.value.key == "control.presence_guard.commands"
 
 
-async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(home: Home) -> None:
+async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(home: Home, lamp: Light) -> None:
     """The lamp is as it was commanded within the last minute, but it was not all the time."""
-    put_hall(home)
     await leave(home)
-    lamp = await home.handle(Light, "lamp")
     assert (await lamp.turn_on()).succeeded
     home.later(20.0, "lamp", "on_off", False)
     home.later(22.0, "lamp", "on_off", True)
@@ -369,10 +353,8 @@ async def test_a_hand_that_undoes_a_command_and_repeats_it_is_somebody(home: Hom
     assert await refusal(lamp.turn_off()) == "somebody may be in Hall: lamp changed 8 s ago, and no command explains it"
 
 
-async def test_a_command_that_is_given_again_still_explains_what_it_did(home: Home) -> None:
-    put_hall(home)
+async def test_a_command_that_is_given_again_still_explains_what_it_did(home: Home, lamp: Light) -> None:
     await leave(home)
-    lamp = await home.handle(Light, "lamp")
     assert (await lamp.turn_on()).succeeded
     await home.report("lamp", "on_off", False)
     await anyio.sleep(400)
@@ -383,12 +365,10 @@ async def test_a_command_that_is_given_again_still_explains_what_it_did(home: Ho
     assert (await lamp.turn_off()).succeeded
 
 
-async def test_a_hand_before_the_newest_command_is_not_forgotten(home: Home) -> None:
+async def test_a_hand_before_the_newest_command_is_not_forgotten(home: Home, lamp: Light) -> None:
     """The lamp is as that command wanted, but somebody was at its switch a moment before."""
-    put_hall(home)
     await home.report("lamp", "on_off", True)
     await leave(home)
-    lamp = await home.handle(Light, "lamp")
     await home.report("lamp", "on_off", False)
     await anyio.sleep(10)
     assert (await lamp.turn_on()).succeeded
@@ -400,11 +380,9 @@ async def test_a_hand_before_the_newest_command_is_not_forgotten(home: Home) -> 
     assert (await lamp.turn_off()).succeeded
 
 
-async def test_a_hand_after_a_lamp_was_dimmed_is_somebody(home: Home) -> None:
-    put_hall(home)
+async def test_a_hand_after_a_lamp_was_dimmed_is_somebody(home: Home, lamp: Light) -> None:
     await home.report("lamp", "on_off", False)
     await leave(home)
-    lamp = await home.handle(Light, "lamp")
 
     async def light_up(home: Home, command: Command) -> None:
         await home.gateway.devices.report("lamp", {"on_off": True, "level": command.value.plain()})

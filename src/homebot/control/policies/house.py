@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 from typing import Final, NamedTuple, final
 
 from homebot.devices import Device, DevicePart, State, StateChange
+from homebot.devices.device import target_of
 from homebot.devices.device_view import DeviceView
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
@@ -79,8 +80,8 @@ class House:
             del self._room_of[device_id]
             self._heard_since.pop(device_id, None)
             for part in view.device.parts:
-                self.detections.forget(_sensor(device_id, part.id))
-                self._detected_since.pop(_sensor(device_id, part.id), None)
+                self.detections.forget(target_of(device_id, part.id))
+                self._detected_since.pop(target_of(device_id, part.id), None)
 
     def record_values(self, change: StateChange) -> None:
         """Record the detections among new values; those of other devices are ignored."""
@@ -128,7 +129,7 @@ class House:
 
     def _reading(self, view: DeviceView, part: str, capability: str) -> SensorReading:
         device = view.device
-        name = _sensor(device.id, part)
+        name = target_of(device.id, part)
         state = view.state(part, capability)
         if state is None or not state.live or not _is_heard(device) or part in device.offline_parts:
             return SensorReading(name, None)
@@ -137,21 +138,17 @@ class House:
     def _record_detections(self, device_id: str, states: Iterable[State]) -> None:
         for state in states:
             if state.capability == OCCUPANCY and state.value.plain() is True:
-                sensor = _sensor(device_id, state.part)
+                sensor = target_of(device_id, state.part)
                 self.detections.record(sensor, state.told_at.to_seconds())
                 self._detected_since[sensor] = state.since.to_seconds()
 
     def _is_unproven(self, device: Device, part: DevicePart) -> bool:
         tells = any(one.name == OCCUPANCY and one.readable for one in part.part.capabilities)
-        return tells and _sensor(device.id, part.id) not in self.detections
+        return tells and target_of(device.id, part.id) not in self.detections
 
 
 def _is_heard(device: Device) -> bool:
     return device.freshness == "fresh" and device.reachable.state != "no"
-
-
-def _sensor(device_id: str, part: str) -> str:
-    return f"{device_id}#{part}" if part else device_id
 
 
 @final
@@ -159,14 +156,14 @@ class Detections:
     """The last 10,000 motion sensors that have detected a person; the others may be broken, or face a wall.
 
     Args:
-        save: Saves a sensor over a restart: its name, and a record, empty to remove it; None for not.
+        save: Saves a sensor over a restart: its name, and a record, empty to remove it.
 
     Attributes:
         forgotten: The number of sensors that were dropped because there were too many.
     """
 
-    def __init__(self, save: Callable[[str, str], None] | None = None) -> None:
-        self._save_row = save
+    def __init__(self, save: Callable[[str, str], object] = lambda *_: None) -> None:
+        self._save = save
         self._saved_at: OrderedDict[str, float] = OrderedDict()
         self.forgotten = 0
 
@@ -214,7 +211,3 @@ class Detections:
             forgotten, _ = self._saved_at.popitem(last=False)
             self.forgotten += 1
             self._save(forgotten, "")
-
-    def _save(self, sensor: str, record: str) -> None:
-        if self._save_row is not None:
-            self._save_row(sensor, record)
