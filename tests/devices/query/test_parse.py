@@ -53,6 +53,7 @@ UNDERSTOOD: dict[str, Query] = {
     "brightness >= 50 %": StateIs("level", ">=", 50.0),
     "temperature below 18.5 °C": StateIs("temperature", "<", 18.5),
     "temperature Above 18": StateIs("temperature", ">", 18.0),
+    "battery is below 20": StateIs("battery", "<", 20.0),
     "temperature < 18.5 °C": StateIs("temperature", "<", 18.5),
     "temperature < 18.5C": StateIs("temperature", "<", 18.5),
     "level≠0": StateIs("level", "!=", 0.0),

@@ -35,7 +35,7 @@ class Token:
 _PIECE = re.compile(
     r"""\s*(?:
         (?P<text>"(?:[^"\\]|\\.)*"|'[^']*') |
-        (?P<operator><=|>=|!=|==|[=<>:≤≥≠]|(?i:below|under|above|over)(?=\s+[+-]?\d)) |
+        (?P<operator><=|>=|!=|==|[=<>:≤≥≠]|(?i:(?:is\s+)?(?:below|under|above|over))(?=\s+[+-]?\d)) |
         (?P<bracket>[(),]) |
         (?P<word>(?:[^\s"'(),=<>:!≤≥≠]|!(?!=))(?:[^\s"(),=<>:!≤≥≠]|!(?!=))*)
     )""",
@@ -79,7 +79,7 @@ def _token(piece: re.Match[str]) -> Token:
     found, at = piece.group(kind), piece.start(kind) + 1
     match kind, found:
         case "operator", _:
-            return Token("operator", _SPELT.get(found.lower(), found), at)
+            return Token("operator", _SPELT.get(found.lower().split()[-1], found), at)
         case "bracket", ("(" | ")" | ",") as bracket:
             return Token(bracket, found, at)
         case "text", _:
