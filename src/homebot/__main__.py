@@ -1,7 +1,5 @@
 """``python -m homebot``."""
 
-from __future__ import annotations
-
 import os
 import sys
 

@@ -5,8 +5,6 @@ that leave the process. In a test both advance together; on a real computer ``no
 set, and counts the time it slept.
 """
 
-from __future__ import annotations
-
 import asyncio
 import os
 import time

@@ -23,8 +23,6 @@ The table of a gateway or an app belongs to that plug-in: :func:`parse_settings`
 the plug-in's model.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

@@ -34,8 +34,6 @@
             └── GoalCanceledError   it was cancelled
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 __all__ = [

@@ -4,8 +4,6 @@ A line is an event name (a dotted constant such as ``discovery.appeared``) with 
 the same in plain words for people, which the terminal shows.
 """
 
-from __future__ import annotations
-
 import logging
 import re
 import sys

@@ -4,8 +4,6 @@ The rules are those of ROS 2 (rmw ``validate_node_name``, ``validate_namespace``
 ``expand_topic_name``): tokens of ``[A-Za-z0-9_]`` that do not start with a digit, joined by ``/``.
 """
 
-from __future__ import annotations
-
 import re
 from functools import lru_cache
 

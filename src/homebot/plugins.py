@@ -1,7 +1,5 @@
 """Plug-ins: classes found by entry-point name, or written out as ``module:Class`` or ``FILE.py:Class``; extras."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import re

@@ -1,7 +1,5 @@
 """Quantities, each with its unit and bounds, once for the whole project."""
 
-from __future__ import annotations
-
 import math
 import re
 from datetime import timedelta

@@ -1,7 +1,5 @@
 """Follow me: the lamps of a dark room go on when a person comes in."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

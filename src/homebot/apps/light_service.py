@@ -1,7 +1,5 @@
 """The light service: it turns off every lamp that reports that it is on."""
 
-from __future__ import annotations
-
 from homebot.apps.base import App
 from homebot.apps.rooms import per_handle
 from homebot.devices.handles import HandleChange, Light

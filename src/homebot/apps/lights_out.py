@@ -1,7 +1,5 @@
 """Lights out: the lamps of a room go off when its motion sensors have been quiet for a while."""
 
-from __future__ import annotations
-
 import anyio
 
 from homebot.apps.base import App, AppSettings

@@ -1,7 +1,5 @@
 """A reaction of an app: a handler that is called with each item of live queries."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Sequence
 from functools import partial
 from inspect import isawaitable

@@ -1,7 +1,5 @@
 """Doors as Open-RMF knows them: their states, and requests of robots to hold them open."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any, Final, TypeAlias
 

@@ -1,7 +1,5 @@
 """Rooms of apps that act room by room."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """The runs of one handler of an app: what a call does while an earlier one is still at work."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine

@@ -4,8 +4,6 @@ Values are in memory, so that reading and writing never wait; they are in the fi
 the app ends. A value is copied on its way in and out: to change a list, store it again.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, MutableMapping
 from typing import Any, Final, final

@@ -1,7 +1,5 @@
 """The stores of all apps, and their file, which is written behind them."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Times of the sun at a place. Where it does not rise or set on a day, as beyond the polar circles, there is none."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta, tzinfo

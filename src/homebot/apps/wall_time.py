@@ -3,8 +3,6 @@
 A time that a day does not have is the end of the gap; of a time that it has twice, the first.
 """
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from datetime import date, datetime, time, tzinfo

@@ -1,7 +1,5 @@
 """Window and heating: the thermostats of a room are set lower while a window in it is open."""
 
-from __future__ import annotations
-
 from functools import partial
 
 from homebot.apps.base import App, AppSettings

@@ -4,8 +4,6 @@ A web page anywhere can make a browser connect to a local port; the browser then
 that the page used for us. A foreign origin, or a foreign name that was bent to our address (DNS rebinding), is refused.
 """
 
-from __future__ import annotations
-
 import errno
 import hmac
 import ipaddress

@@ -1,7 +1,5 @@
 """The rate-limited log of mistakes of a bridge's clients, with the lines of the library of its server."""
 
-from __future__ import annotations
-
 import logging
 from collections.abc import Callable
 from typing import Literal, final

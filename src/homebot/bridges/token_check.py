@@ -9,8 +9,6 @@ same router, cannot lock its program out. They would learn at once that a guess 
 tokens alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import final

@@ -1,7 +1,5 @@
 """ServerTurns of the tasks of a server within its turn budget."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import Callable, Generator

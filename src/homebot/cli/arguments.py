@@ -1,7 +1,5 @@
 """Common ground of the commands' parsers: commands, shared options, and the types of arguments."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

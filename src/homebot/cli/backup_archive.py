@@ -1,7 +1,5 @@
 """The archive of a backup: a tar that begins with its manifest. A tar of strangers is checked before it is believed."""
 
-from __future__ import annotations
-
 import hashlib
 import io
 import os

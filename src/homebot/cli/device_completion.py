@@ -1,7 +1,5 @@
 """Names of devices for the completion of a shell, from the homebot that runs."""
 
-from __future__ import annotations
-
 import argparse
 import os
 import shlex

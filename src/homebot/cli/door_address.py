@@ -10,8 +10,6 @@ directory, else HOMEBOT_DOOR, else the default. The token of that table is sent 
     token_file = "villa.token"       # beside this file
 """
 
-from __future__ import annotations
-
 import argparse
 import os
 from pathlib import Path

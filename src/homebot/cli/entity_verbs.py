@@ -1,7 +1,5 @@
 """The commands that ``homebot topic``, ``service`` and ``action`` have in common: ``list``, ``type`` and ``find``."""
 
-from __future__ import annotations
-
 import argparse
 from typing import Final
 

@@ -1,7 +1,5 @@
 """Findings of ``homebot doctor``: each of a kind that has a stable code and a next step."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple

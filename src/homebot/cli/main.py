@@ -4,8 +4,6 @@ Of the commands only the one that is given is imported, so each answers as soon 
 not work, 2 the command line is wrong, 130 ended by Ctrl-C.
 """
 
-from __future__ import annotations
-
 import argparse
 import gc
 import importlib

@@ -1,7 +1,5 @@
 """Checks of ``homebot doctor --offline``: what a homebot needs before it starts."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """A process that a service manager started: its notifications, as systemd reads them (sd_notify(3)), and its end."""
 
-from __future__ import annotations
-
 import os
 import socket
 import time

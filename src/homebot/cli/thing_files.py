@@ -1,7 +1,5 @@
 """Devices as files that hold Thing Descriptions."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """YAML: values as people type them, messages as ``ros2 topic echo`` prints them, and files that a command is given."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

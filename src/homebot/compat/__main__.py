@@ -1,7 +1,5 @@
 """``python -m homebot.compat PROGRAM...``: runs programs written for ROS 2, unchanged, on one graph."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 import threading

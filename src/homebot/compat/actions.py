@@ -1,7 +1,5 @@
 """rclpy's servers and clients of actions."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from enum import IntEnum

@@ -3,8 +3,6 @@
 Each class has a message type of homebot behind it; values are checked when a message is sent.
 """
 
-from __future__ import annotations
-
 from dataclasses import field, make_dataclass
 from functools import lru_cache, partial
 from types import SimpleNamespace

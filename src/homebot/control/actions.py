@@ -1,7 +1,5 @@
 """Actions that command devices and hold values. Loaded when used."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Final, Literal, TypeAlias, final
 

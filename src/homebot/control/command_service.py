@@ -1,7 +1,5 @@
 """The service ``/devices/command``: commands in words, by id, name or query."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Final, final
 

@@ -1,7 +1,5 @@
 """Targets of a command in words: devices and their parts."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Collection, Iterable

@@ -1,7 +1,5 @@
 """The parts of the control layer, built for the first command, change or question."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Final, final

@@ -1,7 +1,5 @@
 """Look-up of devices in the directory: by id, by query, and by the address of raw commands."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from functools import lru_cache

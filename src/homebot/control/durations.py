@@ -3,8 +3,6 @@
 The devices that need them are those of public reports: REPOSITORY#NUMBER is an issue on GitHub.
 """
 
-from __future__ import annotations
-
 from typing import Final
 
 SAME_MESSAGE: Final = 0.01

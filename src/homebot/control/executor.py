@@ -1,7 +1,5 @@
 """The road of a command: resolve, rights, leases, policies, send, wait for evidence, journal."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Mapping
 from dataclasses import replace

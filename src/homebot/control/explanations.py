@@ -1,7 +1,5 @@
 """Services that explain a device from the journal: why it is as it is, and why it is not in another state."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from typing import Final, TypeAlias, final
 

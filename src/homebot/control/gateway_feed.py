@@ -1,7 +1,5 @@
 """Messages of gateways that control needs: live reports, answers to commands, and lost connections."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from functools import partial

@@ -1,7 +1,5 @@
 """Knowledge about devices, saved over a restart in the store of the journal: records, and the profile of each part."""
 
-from __future__ import annotations
-
 from collections import OrderedDict, deque
 from collections.abc import Callable
 from functools import partial

@@ -1,7 +1,5 @@
 """Services for leases: each held value is commanded, watched, and commanded again."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import Final, final

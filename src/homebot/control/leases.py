@@ -1,7 +1,5 @@
 """Leases: held values of parts, their holders, and their end."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Policy engine: checks commands against the policies, with the facts of the house."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import lru_cache, partial

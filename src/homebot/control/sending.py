@@ -1,7 +1,5 @@
 """Sending of commands, and their repetition if no answer comes."""
 
-from __future__ import annotations
-
 import asyncio
 from dataclasses import dataclass, field
 from typing import final

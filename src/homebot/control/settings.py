@@ -1,7 +1,5 @@
 """Settings of the control layer and of its policies: the table ``[control]``."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Annotated, Final, TypeAlias, TypeVar
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError

@@ -1,7 +1,5 @@
 """Settings from the words of a command, such as ``on`` with ``level`` 40, for one part. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Raw texts to devices: checked as the commands that they mean, sent once, and not verified."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Final, Literal, final
 

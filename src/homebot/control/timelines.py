@@ -1,7 +1,5 @@
 """Timelines of all commanded parts, fed with the reports of their gateways."""
 
-from __future__ import annotations
-
 import math
 from collections import OrderedDict
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Values of capabilities: comparison of reported and commanded ones, and their text. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from types import MappingProxyType

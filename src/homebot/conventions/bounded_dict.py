@@ -1,7 +1,5 @@
 """A dictionary of limited size, with pinned values. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Generic, TypeVar
 

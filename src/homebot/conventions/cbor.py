@@ -5,8 +5,6 @@ It reads the values of JSON: tags are ignored, and byte strings become text, wit
 Source: RFC 8949, sections 3 and 4; the examples of its appendix A are tests.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 

@@ -1,7 +1,5 @@
 """Checks of commanded values, and writers of commands with them. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from datetime import date, datetime, time

@@ -1,7 +1,5 @@
 """Port of a convention: the use of MQTT by one family of devices. Pure: topics and payloads in, values out."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Iterator, Mapping
 from functools import cached_property

@@ -4,8 +4,6 @@ Source: Home Assistant core 2025.4, ``components/sensor/const.py``, ``components
 ``components/cover/__init__.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Installed conventions of a gateway, and the checks of their tables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 

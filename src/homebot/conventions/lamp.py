@@ -5,8 +5,6 @@ The names of colour modes, and the numbers of brightness and colours, are those 
 Source: Home Assistant core 2025.4, ``components/light/__init__.py``, the service ``light.turn_on``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial

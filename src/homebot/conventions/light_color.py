@@ -6,8 +6,6 @@ Source: Home Assistant core 2025.4, ``util/color.py``; xy: Philips Hue, RGB to x
 white of a colour temperature: T. Helland, How to convert temperature (K) to RGB.
 """
 
-from __future__ import annotations
-
 import colorsys
 import math
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 `json` parses 32 MiB in a second, without a turn for other threads.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Generator, Iterator

@@ -1,7 +1,5 @@
 """Builder of a part from its capabilities with their readers and writers. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from itertools import islice

@@ -1,7 +1,5 @@
 """Payloads of devices: bounded JSON and texts, and readings from them. Pure."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Mapping

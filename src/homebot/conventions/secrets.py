@@ -3,8 +3,6 @@
 They must not appear in reports of devices or in recordings.
 """
 
-from __future__ import annotations
-
 import re
 
 __all__ = ["names_secret"]

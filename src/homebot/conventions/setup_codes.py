@@ -4,8 +4,6 @@ Matter core specification 1.4, section 5.1.3 (QR code: ``MT:`` and base 38) and 
 ``X-HM://`` URI of the HomeKit Accessory Protocol specification (R2), section 4.2.2.1 (setup payload) and 6.4 (``sh``).
 """
 
-from __future__ import annotations
-
 import base64
 import hashlib
 from dataclasses import dataclass

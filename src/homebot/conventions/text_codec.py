@@ -1,7 +1,5 @@
 """A codec of text devices, see :mod:`homebot.devices.text`. Pure."""
 
-from __future__ import annotations
-
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.payload import NO_READINGS, Readings
 from homebot.devices.part import Part

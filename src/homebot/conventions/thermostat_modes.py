@@ -3,8 +3,6 @@
 Source: Home Assistant core 2025.4, ``components/climate/__init__.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 __all__ = ["climate_type", "modes_of_switch", "setpoints_of"]

@@ -8,8 +8,6 @@ Source: ``docs/house.md``, the table of devices. An ambiguous word means a contr
 the layout takes commands: ``windows`` are windows with a motor.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import lru_cache
 from typing import ClassVar

@@ -3,8 +3,6 @@
 Source of the conversions: Home Assistant core 2025.4, ``util/unit_conversion.py``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

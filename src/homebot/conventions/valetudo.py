@@ -6,8 +6,6 @@ here they are metres from the bottom left, y up.
 Source: Valetudo 2026.08.0, ``backend/lib/entities/map``.
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from bisect import bisect_right

@@ -7,8 +7,6 @@ tag ``always_ask``, which the owner may give to any device; a button, scene or c
 that opens, and a temperature by the name of a hot thing. The words are those of :mod:`homebot.devices.words`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from types import MappingProxyType

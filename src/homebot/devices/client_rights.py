@@ -1,7 +1,5 @@
 """Rights of programs outside, as the owner writes them: ``read``, ``act: light in hall``, ``manage``, ``raw``. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple

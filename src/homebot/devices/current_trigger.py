@@ -1,7 +1,5 @@
 """The trigger of the command that a task gives now, made of the cause that it acts upon."""
 
-from __future__ import annotations
-
 from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.gateway_messages import RawMessage
 from homebot.devices.trigger import MOST_READINGS, NO_TRIGGER, Trigger

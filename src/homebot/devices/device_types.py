@@ -3,8 +3,6 @@
 Source: Matter 1.6 device library. Types that Matter does not have begin with ``x_``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple

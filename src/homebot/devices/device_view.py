@@ -1,7 +1,5 @@
 """Newest description and values of one device. Pure."""
 
-from __future__ import annotations
-
 from typing import final
 
 from homebot.devices.device import Device, State, StateChange

@@ -1,7 +1,5 @@
 """Live queries: the devices that match now, and then every change of them."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Iterable

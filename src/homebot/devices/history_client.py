@@ -1,7 +1,5 @@
 """The history of devices, as applications read it."""
 
-from __future__ import annotations
-
 from typing import TypeVar, final
 
 import homebot.devices.query

@@ -6,8 +6,6 @@ bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A servic
 ``id:host nas.local``, see :data:`HOST`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 

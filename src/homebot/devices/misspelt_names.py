@@ -1,7 +1,5 @@
 """Misspelt names of a configuration, which nothing in the house has."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Final, NamedTuple, final
 

@@ -1,7 +1,5 @@
 """The names under which the layers meet on the graph, and the reasons for which a gateway sends nothing."""
 
-from __future__ import annotations
-
 from homebot.names import escape_token
 
 GET_INDEX_DATA = "/getIndexData"

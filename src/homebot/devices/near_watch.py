@@ -1,7 +1,5 @@
 """The devices near a robot for a live query: asked for again as the robot moves and as doors open and close."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Final, final
 

@@ -1,7 +1,5 @@
 """Services of gateways whose devices serve only programs that they are paired with."""
 
-from __future__ import annotations
-
 from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field

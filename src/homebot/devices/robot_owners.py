@@ -5,8 +5,6 @@ house also owns the topics without a namespace on which robots state their poses
 The frame ``map`` is the house's: no robot says where it lies.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Final, final
 

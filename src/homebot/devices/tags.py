@@ -1,7 +1,5 @@
 """Messages and services of a gateway of NFC tags and QR codes, which point to devices."""
 
-from __future__ import annotations
-
 from typing import Annotated, ClassVar, Literal, TypeAlias
 
 from pydantic import Field

@@ -17,8 +17,6 @@ An entry is a phrase of one or more words in any order, or the end of a word: ``
 - ``beside``: ends of words for things beside such a load. A name with one of them does not count.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Approvals of announced parts, each bound to the announced description of its commands. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Iterator
 from itertools import islice
 from typing import NamedTuple, final

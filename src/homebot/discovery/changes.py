@@ -1,7 +1,5 @@
 """Changes of devices: those that were not published yet, and the last ones for late clients. Pure."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Description of a device: the result of its announcements, and of the owner's statements. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, filterfalse

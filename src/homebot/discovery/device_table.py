@@ -1,7 +1,5 @@
 """Devices, the announcements they consist of, and the pending updates of each. Pure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import final
 

@@ -1,7 +1,5 @@
 """The node of the discovery layer: it follows every gateway and maintains the index, and forgets silent devices."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Filter for events that arrive by several routes: equal ones are one. Pure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import TypeAlias, final
 

@@ -1,7 +1,5 @@
 """Endpoints of a device, one for each gateway that knows it: their freshness, and its reachability. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from operator import attrgetter
 from typing import TypeAlias

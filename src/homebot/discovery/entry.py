@@ -1,7 +1,5 @@
 """A device in the index: its announcements, its signs of life, and the message that tells of it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field

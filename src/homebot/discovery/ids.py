@@ -1,7 +1,5 @@
 """The ids that devices get, and the memory of those that went. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections import OrderedDict
 from collections.abc import Container, Iterable, Iterator

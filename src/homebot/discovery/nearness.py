@@ -3,8 +3,6 @@
 Loaded with the first query that asks for it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Generator
 from itertools import starmap

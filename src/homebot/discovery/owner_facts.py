@@ -10,8 +10,6 @@ An approval is bound to one announced part as it is, in :mod:`homebot.discovery.
 Of two statements on one fact a command outranks an import, an import the configuration, and a later one an earlier one.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass

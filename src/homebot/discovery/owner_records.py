@@ -1,7 +1,5 @@
 """The owner's statements as text for the index file, and back. Pure."""
 
-from __future__ import annotations
-
 from pydantic import BaseModel, ConfigDict, ValidationError, field_validator
 
 from homebot.config import value_errors

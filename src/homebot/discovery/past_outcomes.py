@@ -1,7 +1,5 @@
 """Recent outcomes of the commands to each device: one that often fails is not the right one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Final, final
 

@@ -1,7 +1,5 @@
 """Reports before their announcement, and announcements of forgotten devices: they belong to no device now. Pure."""
 
-from __future__ import annotations
-
 from typing import final
 
 from homebot.devices import Sighting

@@ -1,7 +1,5 @@
 """Editor of the owner's statements on devices at run time: a room, aliases, tags and an approval. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, final
 

@@ -1,7 +1,5 @@
 """Export and import of the owner's statements, as the text of a places file. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import final

@@ -1,7 +1,5 @@
 """Publication of the changes in an index: of devices in portions, of states with them, of settings twice a second."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sized
 from functools import partial

@@ -1,7 +1,5 @@
 """Devices and tombstones as lines of the index file, and back. Pure."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import NamedTuple, TypeVar

@@ -1,7 +1,5 @@
 """One announcement of a device, and its reports. A device has one or more of them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Container, Mapping
 from dataclasses import dataclass, field

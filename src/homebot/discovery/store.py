@@ -1,7 +1,5 @@
 """The index file: an SQLite database with a row for each device. Blocking; called from a worker thread."""
 
-from __future__ import annotations
-
 import os
 import sqlite3
 from collections.abc import Iterable, Sequence

@@ -4,8 +4,6 @@ Names are judged by the addresses that they are resolved to, at the moment of th
 ``[::ffff:127.0.0.1]``, ``0.0.0.0``, the name of this computer, and a name of the internet may all lead here.
 """
 
-from __future__ import annotations
-
 import asyncio
 import socket
 import struct

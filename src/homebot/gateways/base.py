@@ -52,8 +52,6 @@ devices as unreachable, but for those that it still reports as reachable, by lin
 ``unanswered``: it may still have its effect. Nothing that waits in the gateway is sent after ``expires_after``.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from random import Random
 from typing import ClassVar, Final, Literal, TypeAlias

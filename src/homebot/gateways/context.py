@@ -1,7 +1,5 @@
 """Context of a gateway, given by the program that runs it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from contextlib import AbstractAsyncContextManager
 from dataclasses import dataclass, field

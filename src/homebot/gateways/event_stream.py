@@ -3,8 +3,6 @@
 Source: HTML Living Standard, section 9.2 "Server-sent events" (parsing and interpreting an event stream).
 """
 
-from __future__ import annotations
-
 import codecs
 from dataclasses import dataclass
 

@@ -8,8 +8,6 @@ the rules. No error shows a password, nor the query of an address.
 Source: RFC 9110 (HTTP), RFC 6455 (WebSocket).
 """
 
-from __future__ import annotations
-
 import re
 import socket
 import ssl

@@ -3,8 +3,6 @@
 A helper of :mod:`homebot.gateways.http_client`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final

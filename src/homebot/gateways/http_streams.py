@@ -3,8 +3,6 @@
 Source: RFC 6455.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable
 from typing import Final, NoReturn
 

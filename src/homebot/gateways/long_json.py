@@ -1,7 +1,5 @@
 """Long JSON, parsed while other tasks run."""
 
-from __future__ import annotations
-
 from typing import Final
 
 import anyio.lowlevel

@@ -4,8 +4,6 @@ It shows the duties of a gateway: keep one :class:`PublishedDevices`, put and re
 charge them for broken rules, carry out commands, and publish the state of its link.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Collection
 from typing import Annotated, ClassVar

@@ -1,7 +1,5 @@
 """The services by which a gateway pairs homebot with devices, and the file with the secrets that this yields."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Awaitable, Callable, Mapping

@@ -1,7 +1,5 @@
 """The keys by which a table of the configuration names a password."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from typing import Self

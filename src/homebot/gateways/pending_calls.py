@@ -1,7 +1,5 @@
 """Calls over one link, each of which waits for its answer."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, field
 from itertools import count

@@ -3,8 +3,6 @@
 For servers whose certificates no authority signed that computers know, or for names that no computer looks up.
 """
 
-from __future__ import annotations
-
 import ssl
 from functools import partial
 from typing import Final

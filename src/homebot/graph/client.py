@@ -1,7 +1,5 @@
 """The calling end of a service."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from inspect import isawaitable
 from typing import Any, Generic, NoReturn, TypeVar

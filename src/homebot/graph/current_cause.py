@@ -4,8 +4,6 @@ Live queries, raw deliveries, timers and calls of clients set it before they cal
 tasks inherit it.
 """
 
-from __future__ import annotations
-
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Final, final

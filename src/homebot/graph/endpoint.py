@@ -1,7 +1,5 @@
 """Entities of the graph: their descriptions, and the index that finds them. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum

@@ -1,7 +1,5 @@
 """Unhandled exceptions in callbacks, each of which costs only its message, and answers and calls that were lost."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import final

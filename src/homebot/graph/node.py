@@ -18,8 +18,6 @@ An exception in one of the node's tasks ends the ``async with`` block, which rai
 The class is long because it offers all operations of a node, as rclpy's does; each mechanism has its own file.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The tasks of a node: those that it starts, and those of the handlers of its services."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable, Coroutine
 from contextlib import AsyncExitStack

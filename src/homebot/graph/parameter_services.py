@@ -3,8 +3,6 @@
 Source: ROS 2, rclpy ``parameter_service.py``, rcl_interfaces.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from typing import Any, Final

@@ -5,8 +5,6 @@ default. Unlike ROS, a double accepts integers. An empty list fits any array; as
 strings.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The writing end of a topic."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable, Hashable, Iterator

@@ -3,8 +3,6 @@
 Names, defaults and rules are those of ROS 2 (rclpy ``qos.py``, rmw ``qos_profiles.h``) and DDS.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import TypeAlias

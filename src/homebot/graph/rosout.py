@@ -1,7 +1,5 @@
 """``/rosout``: every log line as a message, fed by structlog."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
 from contextlib import suppress

@@ -4,8 +4,6 @@ As in ROS: each call is due one period after the last *due* time, so that the ra
 while the callback still runs are skipped.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 

@@ -1,7 +1,5 @@
 """One topic: its publishers, its subscriptions, and their QoS matching."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from homebot.errors import TypeMismatchError

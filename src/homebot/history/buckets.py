@@ -1,7 +1,5 @@
 """Summaries of numbers over equal spans of time: smallest, largest, mean by time, last, and rise. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """The node of the history: follows the values of all devices, keeps them, and reads them for others."""
 
-from __future__ import annotations
-
 import math
 from datetime import tzinfo
 from functools import partial

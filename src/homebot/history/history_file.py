@@ -4,8 +4,6 @@ Each change of a page is written twice, so a row for each value would wear out a
 become one row an hour.
 """
 
-from __future__ import annotations
-
 import sqlite3
 from array import array
 from collections.abc import Callable, Iterable, Mapping

@@ -1,7 +1,5 @@
 """Answers about the history: values, states, and energy by day."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from datetime import datetime, timedelta, tzinfo
 from typing import Final, NamedTuple, final

@@ -1,7 +1,5 @@
 """Reading of the history's file: values, summaries and states in a span of time. Blocking."""
 
-from __future__ import annotations
-
 import sqlite3
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Past hours and days in the history's file: each written once, as the values of a series together. Blocking."""
 
-from __future__ import annotations
-
 import sqlite3
 from array import array
 from collections.abc import Collection, Iterable, Iterator, Mapping

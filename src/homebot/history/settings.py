@@ -1,7 +1,5 @@
 """Settings of the history: the table ``[history]``."""
 
-from __future__ import annotations
-
 from typing import Final, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator

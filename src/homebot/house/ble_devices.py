@@ -4,8 +4,6 @@ Sources: https://bthome.io/format; the light's service is of homebot's own makin
 bytes, whether it is on and how bright (0 to 255), and one that reports them.
 """
 
-from __future__ import annotations
-
 import hashlib
 from abc import abstractmethod
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 A *lamp* has a Thing Description; any other kind has OCF resources and none. They know nothing of homebot.
 """
 
-from __future__ import annotations
-
 import json
 import socket
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """One device of a simulated house on its network, for any protocol."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 

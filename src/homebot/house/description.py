@@ -31,8 +31,6 @@
     command = "off"
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Simulated devices that take commands: lamps, motors, door locks, and thermostats with the room they heat."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass, field

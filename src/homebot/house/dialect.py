@@ -5,8 +5,6 @@ a bridge publishes everything itself here; only the messages of the bridge about
 one client more.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

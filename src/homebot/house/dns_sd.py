@@ -3,8 +3,6 @@
 Source: RFC 6762 and 6763.
 """
 
-from __future__ import annotations
-
 import socket
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Events of a house, in order."""
 
-from __future__ import annotations
-
 from collections import deque
 from itertools import islice
 from typing import Literal, NamedTuple

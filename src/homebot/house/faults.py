@@ -4,8 +4,6 @@ A fault gets a command before the device does and its reports before the world d
 wrapped device, and :func:`unwrap` returns the one at the bottom, which has the real state.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections import deque

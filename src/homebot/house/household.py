@@ -1,7 +1,5 @@
 """People of a house: their habits, where they are, and their ways through it."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

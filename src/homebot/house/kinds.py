@@ -3,8 +3,6 @@
 A setting that is left out has the default of the device or fault, which is written there alone.
 """
 
-from __future__ import annotations
-
 import random
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Its messages wait in a queue of its own, so that a slow broker stops neither the
 messages are dropped and the last state is published at the next link, as small devices do.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections import deque
 from collections.abc import Callable

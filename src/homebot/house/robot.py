@@ -1,7 +1,5 @@
 """A robot that drives through the house."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple

@@ -1,7 +1,5 @@
 """The actions of a simulated house's robot, as Nav2 has them: to drive to a pose, and to dock."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, Final, final
 

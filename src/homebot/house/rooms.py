@@ -1,7 +1,5 @@
 """The plan of a house: rooms, the doors between them, and the ways through; with the sun and the weather outside."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Iterable, Iterator, Mapping

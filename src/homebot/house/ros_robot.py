@@ -1,7 +1,5 @@
 """The robot of a simulated house as a robot with ROS: its map, frames, pose and battery on the graph."""
 
-from __future__ import annotations
-
 import math
 from array import array
 from collections.abc import Callable, Iterator

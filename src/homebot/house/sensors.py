@@ -1,7 +1,5 @@
 """Sensors: they take no command and report inputs from the world."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import ClassVar, Final
 

@@ -1,7 +1,5 @@
 """A simulated device: a state machine that takes the time and commands, and its place in a house."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar, NamedTuple

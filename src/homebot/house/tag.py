@@ -1,7 +1,5 @@
 """A tag that people hold to a reader."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import ClassVar, Final
 

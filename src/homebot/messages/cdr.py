@@ -7,8 +7,6 @@ definition using .msg files" and "Legacy interface definition" for the byte of a
 ``Cdr.cpp``, for wide strings.
 """
 
-from __future__ import annotations
-
 import math
 import struct
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Definition of a message type in ROS: its fields, and the text of its ``.msg`` file."""
 
-from __future__ import annotations
-
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ Arrays of ``uint8`` and ``char`` are base64 text, NaN and infinity null; null is
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 2.
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import math

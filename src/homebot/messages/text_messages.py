@@ -1,7 +1,5 @@
 """Messages of a package of ROS that are made of their text when they are first imported."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,8 +4,6 @@ Source: ROS 2 REP 2016, "Type description and type hash"; rosidl, ``type_descrip
 numbers of types.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """A certificate and key for this side of TLS, and their errors."""
 
-from __future__ import annotations
-
 import ssl
 from pathlib import Path
 from typing import Final

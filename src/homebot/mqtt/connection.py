@@ -5,8 +5,6 @@ Knows no library; it drives a `MqttClient`. One supervising task owns the link. 
 command that fires minutes late is worse than one that fails.
 """
 
-from __future__ import annotations
-
 import enum
 import math
 from collections.abc import AsyncIterator, Callable, Mapping

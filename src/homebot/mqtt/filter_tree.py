@@ -1,7 +1,5 @@
 """Values by topic filters: a tree of their levels. No I/O."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Generic, TypeVar, final
 

@@ -4,8 +4,6 @@ It runs wherever an event loop does, also where time is virtual: then keep-alive
 come due as soon as nothing else is to be done.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from random import Random, SystemRandom
 from typing import Final, final

@@ -1,7 +1,5 @@
 """Received message of an application, as a value."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from homebot.mqtt.packets import NO_PROPERTIES, Properties

@@ -1,7 +1,5 @@
 """The subscriptions that one connection is to have on every link, and which of them it has on this one."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import final
 

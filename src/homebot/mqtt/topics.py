@@ -4,8 +4,6 @@ Pure functions. Source for all rules: MQTT 5.0 section 4.7 (names, filters, ``$`
 (shared subscriptions); MQTT 3.1.1 section 4.7 says the same.
 """
 
-from __future__ import annotations
-
 import re
 from functools import lru_cache
 from typing import NamedTuple

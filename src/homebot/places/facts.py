@@ -1,7 +1,5 @@
 """Facts about devices that the owner states, positions among them. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias

@@ -5,8 +5,6 @@ the frame ``map`` begins, and its y axis points to. A drawing without an origin 
 ``"homebot": {"frame": "map", "units": "m"}``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import TypeAlias, cast

@@ -1,7 +1,5 @@
 """The outlines of rooms on maps of pixels, and their simplification. Pure."""
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence

@@ -3,8 +3,6 @@
 In a room without a polygon, and to a place in a room that is not known more exactly, half a hop of 2 m is counted.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet

@@ -1,7 +1,5 @@
 """Straight lines inside a room, and the corners around which ways lead in it. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise

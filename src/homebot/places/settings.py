@@ -1,7 +1,5 @@
 """The table ``[places]``, of the configuration and of a places file. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, TypeAlias
 

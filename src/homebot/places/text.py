@@ -3,8 +3,6 @@
 Source of the syntax: TOML 1.0, https://toml.io/en/v1.0.0.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Iterable, Iterator
 from itertools import chain

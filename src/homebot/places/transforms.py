@@ -3,8 +3,6 @@
 Source: geometry2 0.39.1, ``tf2/src/buffer_core.cpp`` and ``time_cache.cpp``.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect_left, bisect_right, insort
 from collections.abc import Sequence

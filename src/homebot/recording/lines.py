@@ -24,8 +24,6 @@ kind            message                           meaning
 ==============  ================================  ==============================================================
 """
 
-from __future__ import annotations
-
 import json
 from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias, final

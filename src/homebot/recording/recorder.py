@@ -4,8 +4,6 @@ Each kind of message is noted in its own order. The time of a line is that of it
 when it is noted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import partial
 from typing import Final, TypeAlias, final

@@ -1,7 +1,5 @@
 """A recording that was read: the run, the house at its start, and its events."""
 
-from __future__ import annotations
-
 import gzip
 import zlib
 from collections.abc import Iterable, Iterator

@@ -1,7 +1,5 @@
 """The file that a recording is written to, and the port through which its lines come there."""
 
-from __future__ import annotations
-
 import gzip
 import os
 from collections.abc import Sequence

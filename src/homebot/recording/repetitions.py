@@ -3,8 +3,6 @@
 A device that sends its state every second is nearly all of a recording otherwise.
 """
 
-from __future__ import annotations
-
 from typing import Final, Literal, TypeAlias, final
 
 from homebot.devices import Sighting

@@ -1,7 +1,5 @@
 """Removal of secrets from recordings. Pure."""
 
-from __future__ import annotations
-
 import json
 import re
 from typing import Final

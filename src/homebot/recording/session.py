@@ -1,7 +1,5 @@
 """Work of a recorder in a running homebot: into a file, or for a client that fetches the lines by a service."""
 
-from __future__ import annotations
-
 from typing import Final, final
 
 import anyio

@@ -1,7 +1,5 @@
 """Difference between the commands of a recording and those of its replay, matched by content and time. Pure."""
 
-from __future__ import annotations
-
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Collection, Iterable

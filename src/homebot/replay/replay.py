@@ -4,8 +4,6 @@ The same recording with the same apps and settings gives the same commands, as f
 than the devices of the house and its clock: not on the network, on files, on chance, or on the time of the computer.
 """
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Awaitable, Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Apps of a replay: those of the recording, or others in their place."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Sequence
 from typing import Final

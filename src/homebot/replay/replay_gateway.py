@@ -4,8 +4,6 @@ They keep the duties of :mod:`homebot.gateways.base`. Commands are accepted as t
 away they are unreachable, and where it only observed they are refused. The answer of the device is in the recording.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import bisect
 from collections.abc import Awaitable, Callable

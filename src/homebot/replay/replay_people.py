@@ -1,7 +1,5 @@
 """People in a replay: their commands, leases and requests to the directory."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Mapping
 from types import MappingProxyType

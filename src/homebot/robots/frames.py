@@ -1,7 +1,5 @@
 """The coordinate frames of all robots, and the poses in ``map`` that follow. Pure; the time is an argument."""
 
-from __future__ import annotations
-
 from contextlib import suppress
 from typing import Final, final
 

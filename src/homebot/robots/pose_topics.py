@@ -4,8 +4,6 @@ Messages wait in their queues until :meth:`PoseTopics.read`: a robot that states
 at 10 times.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """One robot: the poses that its sources state, and the best of them. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Final, final

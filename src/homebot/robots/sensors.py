@@ -1,7 +1,5 @@
 """Places of robots from other sources of the house: motion sensors, tags that a robot reads, and poses by MQTT."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from pydantic import ValidationError

@@ -1,7 +1,5 @@
 """Settings of one robot: a table ``[robots.NAME]``; and its pose as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Annotated, Self, TypeAlias
 

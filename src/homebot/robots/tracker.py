@@ -3,8 +3,6 @@
 It publishes on ``/robots/poses`` the best that is known of each robot's place, and answers ``/robots/where``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """A robot vacuum with Valetudo: its map, with rooms as segments, and its position on it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Final

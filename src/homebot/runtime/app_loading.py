@@ -5,8 +5,6 @@ in a file or a module is loaded alone, one in a package with all modules of its 
 twice. Python's cache of compiled files is not read: it takes two saves within a second, of one length, for the same.
 """
 
-from __future__ import annotations
-
 import importlib
 import os
 import sys

@@ -1,7 +1,5 @@
 """The table ``[door]``, and the tokens of servers for other programs, read from where they are kept."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

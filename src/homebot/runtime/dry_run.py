@@ -1,7 +1,5 @@
 """A dry run: gateways that only observe, on nodes that receive no command."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Final, TypeVar, final
 
 from pydantic import ValidationError

@@ -1,7 +1,5 @@
 """The key ``act`` of a table of the configuration: the devices that an app or a bridge may command."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from homebot.config import Config, Table

@@ -1,7 +1,5 @@
 """``/homebot/health``: the failures in this process: crashes, failed callbacks, a blocked loop, lost messages."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure

@@ -1,7 +1,5 @@
 """The files that a run keeps beside each other: their schemas, and copies of them."""
 
-from __future__ import annotations
-
 import shutil
 import time
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """A changed configuration while homebot runs: tokens, rights, policies and places are live, other keys not."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Final, NamedTuple

@@ -1,7 +1,5 @@
 """The recording of a run, with its facts, which a replay needs; a client may start one."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Awaitable, Callable
 from functools import partial

@@ -3,8 +3,6 @@
 They are read-only, since tables of the configuration are read at the start.
 """
 
-from __future__ import annotations
-
 import inspect
 import json
 import re

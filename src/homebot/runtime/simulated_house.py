@@ -1,7 +1,5 @@
 """The simulated house of a run; the code of the house is loaded with this module."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """Addresses of hosts: which are this computer's own, and which belong to one owner. Pure."""
 
-from __future__ import annotations
-
 import ipaddress
 from functools import lru_cache
 from typing import Final

@@ -1,7 +1,5 @@
 """Pauses between attempts: one policy, with the randomness handed in."""
 
-from __future__ import annotations
-
 import math
 from random import Random
 from typing import Final, NamedTuple

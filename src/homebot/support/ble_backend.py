@@ -1,7 +1,5 @@
 """The Bluetooth stack that a gateway uses, as a service of its host: the gateway and the host both know it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 __all__ = ["BleBackend"]

@@ -1,7 +1,5 @@
 """Bounded map: the newest entries by key. Pure."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from typing import TypeVar, final
 

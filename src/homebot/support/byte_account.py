@@ -1,7 +1,5 @@
 """Byte account: how much memory all clients of a server may hold together. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from typing import Generic, TypeVar, final
 

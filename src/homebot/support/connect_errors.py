@@ -1,7 +1,5 @@
 """Reasons why a connection could not be made, as text for people."""
 
-from __future__ import annotations
-
 import errno
 import os
 import socket

@@ -4,8 +4,6 @@ As ssh does it. A group counts as its user's own where it has the user's name an
 such rights, as on Windows, nothing is refused.
 """
 
-from __future__ import annotations
-
 import os
 import stat
 import sys

@@ -4,8 +4,6 @@ It is kept in a file beside the index, so that it stays the same over a restart 
 belongs to one running homebot; a second one of the same home, and one that keeps nothing, has an identity for this run.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

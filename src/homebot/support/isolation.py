@@ -6,8 +6,6 @@ part runs on behalf of the whole, these functions tell the two apart: an end of 
 everything else becomes a crash of that part.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 from collections.abc import Awaitable, Callable, Iterator

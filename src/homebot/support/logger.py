@@ -5,8 +5,6 @@ it has not, homebot is a guest in another program: warnings and worse go to stan
 the readers of ``/rosout``.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress

@@ -1,7 +1,5 @@
 """Parsing of numbers in untrusted input: one rule for all. Pure; nothing here raises."""
 
-from __future__ import annotations
-
 from typing import Final
 
 __all__ = ["finite_number", "to_number", "whole_number"]

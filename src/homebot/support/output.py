@@ -5,8 +5,6 @@ An :class:`OutputQueue` lets a thread of its own wait instead. Lines keep their 
 dropped, counted, and reported in its place as soon as the reader goes on.
 """
 
-from __future__ import annotations
-
 import atexit
 import io
 import os

@@ -1,7 +1,5 @@
 """Texts from outside, made fit for a line of a terminal. Pure."""
 
-from __future__ import annotations
-
 __all__ = ["printable"]
 
 _WIDEST = 200

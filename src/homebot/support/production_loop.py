@@ -5,8 +5,6 @@ which piece of code keeps it from everything else. In it nothing of the loop is 
 loop's thread, as a debugger does. Times are of the monotonic clock.
 """
 
-from __future__ import annotations
-
 import asyncio
 import selectors
 import sys

@@ -1,7 +1,5 @@
 """A limit on how often something may happen, or how much may come. Pure: the owner of the clock hands in the time."""
 
-from __future__ import annotations
-
 import math
 from typing import final
 

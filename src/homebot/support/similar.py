@@ -1,7 +1,5 @@
 """Suggestions for misspelt names. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 from homebot.support.folding import fold

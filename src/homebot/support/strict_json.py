@@ -1,7 +1,5 @@
 """JSON without ambiguity: no key twice, on which programs disagree, and no character that is not ASCII. Pure."""
 
-from __future__ import annotations
-
 import codecs
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Time limits of waits of which nearly all end before: one timer of the event loop for all of them."""
 
-from __future__ import annotations
-
 import asyncio
 import heapq
 import math

@@ -1,7 +1,5 @@
 """Queue of due times: when each of many things is due, and which is next. Pure: the owner of the clock asks it."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from typing import Generic, TypeAlias, TypeVar, final

@@ -1,7 +1,5 @@
 """The TOML reader for all files; invalid values are reported with their key."""
 
-from __future__ import annotations
-
 import tomllib
 from collections.abc import Iterable
 from pathlib import Path

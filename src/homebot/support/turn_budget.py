@@ -5,8 +5,6 @@ client that floods the server delays itself; it delays other clients by one slic
 one share. Time is measured, not estimated, so that the share is as long on a slow computer.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Final, TypeAlias, final

@@ -4,8 +4,6 @@ A port marks the wait for an answer, and the server of commands asks whether one
 command that is still in a queue of homebot is told from one that waits in the network.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar

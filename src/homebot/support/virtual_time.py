@@ -6,8 +6,6 @@ slow disk costs no virtual second; a thread with a limiter of its own, as one th
 Keep real sockets off this loop: it does not wait for them while a timer is set.
 """
 
-from __future__ import annotations
-
 import asyncio
 import math
 import selectors

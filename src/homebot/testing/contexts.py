@@ -1,7 +1,5 @@
 """Contexts around a test: concurrent tasks, open resources of fixtures, and its log."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import AsyncIterator, Callable, Coroutine, Iterator
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager

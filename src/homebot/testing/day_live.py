@@ -1,7 +1,5 @@
 """A day on the wire, in virtual time."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import Counter
 from collections.abc import Awaitable, Callable

@@ -1,7 +1,5 @@
 """A wait for values of one device, in the words of its handles."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Final, final

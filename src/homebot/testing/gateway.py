@@ -1,7 +1,5 @@
 """The gateway in memory, for devices with raw messages, as a test plays them."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Literal
 
 from pydantic import BaseModel

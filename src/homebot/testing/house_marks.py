@@ -1,7 +1,5 @@
 """Arguments of the marks ``house`` and ``homebot``, and the house that they describe; an error names the argument."""
 
-from __future__ import annotations
-
 from asyncio import AbstractEventLoop
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager, contextmanager

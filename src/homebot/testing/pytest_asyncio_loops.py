@@ -3,8 +3,6 @@
 A loop lives as long as its scope: for one test, or for those of a class, module, package or session.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from typing import Literal

@@ -1,7 +1,5 @@
 """A house in a test where time is virtual: a day of it passes in well under a second."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 from collections.abc import AsyncIterator, Mapping

@@ -1,7 +1,5 @@
 """The files of the page, as the door serves them: no secret is in them, and nothing is loaded from anywhere else."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping

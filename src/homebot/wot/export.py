@@ -4,8 +4,6 @@ Facts without a term in TD are under ``homebot:``, so that a description that is
 same device.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Final, Protocol
 from urllib.parse import quote

@@ -4,8 +4,6 @@ Missing terms take the default of the specification, and unknown ones are passed
 of version 1.0 and of Web Things are read as well.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace

@@ -3,8 +3,6 @@
 A *document* is the value that a payload spells: null, a boolean, a number, a text, a list or an object.
 """
 
-from __future__ import annotations
-
 import colorsys
 import json
 import math

@@ -1,7 +1,5 @@
 """Numbers of things in the vocabulary's units, and back. Pure."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -3,8 +3,6 @@
 Source: the schemas of WebThings, https://webthings.io/schemas, used by most Thing Descriptions with semantics.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final

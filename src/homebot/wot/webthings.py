@@ -7,8 +7,6 @@ Source: Web Thing API, https://webthings.io/api, sections 3 and 4, as the librar
 serve it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Final
 

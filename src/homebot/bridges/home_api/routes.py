@@ -3,8 +3,6 @@
 The question is read and checked, and every error of homebot becomes a problem.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Awaitable, Callable
 from functools import cache

@@ -1,7 +1,5 @@
 """Questions, answers and problems of the HTTP API. A field that is empty, or as it mostly is, is left out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Annotated, Literal, TypeAlias

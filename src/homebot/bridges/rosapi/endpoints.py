@@ -1,7 +1,5 @@
 """A service of our own: everything on the graph in one answer, with its quality of service."""
 
-from __future__ import annotations
-
 from typing import Any, Final
 
 from homebot.errors import RefusedError

@@ -1,7 +1,5 @@
 """A service of our own: the load of the graph, measured only while somebody asks."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """Answers of ``/rosapi`` about the parameters of any node, ``/node:parameter``, with values as JSON text."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from typing import Any

@@ -3,8 +3,6 @@
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 3.1.3 and 3.1.4; RFC 8746 for arrays of numbers.
 """
 
-from __future__ import annotations
-
 from homebot.conventions.cbor import cbor_head, encode_cbor
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.cdr import message_to_cdr

@@ -1,7 +1,5 @@
 """A client of the door: its rights, and the log of its mistakes."""
 
-from __future__ import annotations
-
 from typing import Final
 
 from homebot.bridges.client_error_log import short_text

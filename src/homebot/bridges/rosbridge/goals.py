@@ -1,7 +1,5 @@
 """The goals of actions that a client sends, and those that it executes."""
 
-from __future__ import annotations
-
 import asyncio
 from functools import partial
 from typing import Any, NamedTuple

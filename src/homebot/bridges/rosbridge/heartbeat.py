@@ -1,7 +1,5 @@
 """The end of goals and leases of clients that are gone: pings while there are some, and the owners of leases."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from functools import partial
 from typing import Any, NamedTuple, final

@@ -4,8 +4,6 @@ All else is bounded by its count of values, since a megabyte of text is read in 
 Pure.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Generator, Iterator

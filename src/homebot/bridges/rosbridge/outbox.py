@@ -5,8 +5,6 @@ dropped: a client that does not take them is not read from until it does, and on
 is cut off.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Protocol, final

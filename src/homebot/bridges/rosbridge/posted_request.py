@@ -4,8 +4,6 @@ A request is read whole, within the limits, and its head is handed to the librar
 place that admits clients and one that answers them.
 """
 
-from __future__ import annotations
-
 from typing import Final, final
 
 import h11

@@ -1,7 +1,5 @@
 """The topics that one client publishes on."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import deque

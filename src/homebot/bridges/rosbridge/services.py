@@ -1,7 +1,5 @@
 """Services: those that a client calls, and those that it provides."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches

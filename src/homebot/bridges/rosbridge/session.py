@@ -3,8 +3,6 @@
 Frames are handled in the order in which they come, each in a turn of its own; service calls run side by side.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import suppress
 from functools import partial

@@ -4,8 +4,6 @@ Messages of a topic wait in a queue of the client's backlog until the client can
 messages, counted, and delays no other client.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from typing import Literal

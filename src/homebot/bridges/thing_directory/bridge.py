@@ -1,7 +1,5 @@
 """homebot's directory for other programs: lets them in, answers their requests, and announces itself."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from http import HTTPStatus

@@ -4,8 +4,6 @@ Of the changes the last 1,000 are kept, and no more than 4 MiB; a reader that is
 again.
 """
 
-from __future__ import annotations
-
 import json
 from bisect import bisect_left, insort
 from collections import deque

@@ -4,8 +4,6 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 (Events API); RFC 9457 (problem details); WHATWG Fetch Living Standard, section 3.3 (HTTP CORS protocol).
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from http import HTTPStatus

@@ -7,8 +7,6 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 section 9.2 (server-sent events).
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Collection, Mapping
 from typing import Final, Protocol

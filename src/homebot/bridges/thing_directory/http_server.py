@@ -5,8 +5,6 @@ that takes no bytes is cut off. A request in another version than HTTP/1.0 or 1.
 library are logged in the server's name.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping

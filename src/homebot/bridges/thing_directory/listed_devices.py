@@ -1,7 +1,5 @@
 """The devices of the directory, as things: described, read and commanded."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass

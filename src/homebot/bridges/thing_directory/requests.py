@@ -12,8 +12,6 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 (WoT) Thing Description 1.1", section 8.3.1 (HTTP).
 """
 
-from __future__ import annotations
-
 from http import HTTPStatus
 from typing import TypeGuard
 

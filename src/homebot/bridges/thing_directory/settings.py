@@ -1,7 +1,5 @@
 """The table ``[thing_directory]``."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import Field

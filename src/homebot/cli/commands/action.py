@@ -1,7 +1,5 @@
 """``homebot action``: ``list``, ``type``, ``find``, ``info`` and ``send_goal``."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """``homebot backup``."""
 
-from __future__ import annotations
-
 import argparse
 import re
 import shutil

@@ -1,7 +1,5 @@
 """``homebot broker``: an MQTT broker until Ctrl-C, SIGTERM or the end of its time."""
 
-from __future__ import annotations
-
 import argparse
 import math
 import ssl

@@ -1,7 +1,5 @@
 """``homebot config check``."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Iterable, Mapping

@@ -1,7 +1,5 @@
 """``homebot interface list``, ``show``, ``find`` and ``import``."""
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``homebot mcp``."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from contextlib import redirect_stdout

@@ -1,7 +1,5 @@
 """``homebot new``."""
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 import keyword

@@ -1,7 +1,5 @@
 """``homebot node list`` and ``homebot node info``."""
 
-from __future__ import annotations
-
 import argparse
 
 from homebot.cli.arguments import add_verb, add_verbs

@@ -1,7 +1,5 @@
 """``homebot param``: ``list``, ``get``, ``set``, ``describe``, ``dump`` and ``load``."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import sys

@@ -1,7 +1,5 @@
 """``homebot record``."""
 
-from __future__ import annotations
-
 import argparse
 import signal
 import time

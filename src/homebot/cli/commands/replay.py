@@ -1,7 +1,5 @@
 """``homebot replay``."""
 
-from __future__ import annotations
-
 import argparse
 import asyncio
 import json

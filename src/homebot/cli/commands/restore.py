@@ -1,7 +1,5 @@
 """``homebot restore``."""
 
-from __future__ import annotations
-
 import argparse
 import filecmp
 import os

@@ -1,7 +1,5 @@
 """``homebot service``: ``list``, ``type``, ``find``, ``call`` and ``install``."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import os

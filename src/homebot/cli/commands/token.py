@@ -1,7 +1,5 @@
 """``homebot token new``."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import secrets

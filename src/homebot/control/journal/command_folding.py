@@ -1,7 +1,5 @@
 """Folding of equal commands of one issuer to one part: the newest of each minute, and their number. Pure."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field

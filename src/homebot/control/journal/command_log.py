@@ -1,7 +1,5 @@
 """Lines of the log: each command with its outcome, each change that no command explains, each fight of apps."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import deque
 from functools import partial

@@ -1,7 +1,5 @@
 """Entries for requests of clients that lack a right: a few of each client, and a count of the rest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
 

@@ -1,7 +1,5 @@
 """Fights: two apps that command the same part in turn, each against the other. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise

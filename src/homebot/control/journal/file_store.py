@@ -3,8 +3,6 @@
 Written by a worker thread, two minutes' worth at a time.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from contextlib import suppress
 from itertools import islice

@@ -1,7 +1,5 @@
 """Codes and passwords in commands: the journal records that one was given, without its value. Pure."""
 
-from __future__ import annotations
-
 import re
 from functools import lru_cache
 from operator import attrgetter

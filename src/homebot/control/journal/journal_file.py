@@ -3,8 +3,6 @@
 Blocking; called from a worker thread.
 """
 
-from __future__ import annotations
-
 import json
 import sqlite3
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Patterns of commands, such as ``turn off lights in hall``: a verb, and a query for the devices. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -1,7 +1,5 @@
 """Facts that policies check a command against, and their verdicts. Pure."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Callable

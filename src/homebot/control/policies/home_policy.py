@@ -1,7 +1,5 @@
 """Policies of other packages: the contract, and their classes by entry point. Pure."""
 
-from __future__ import annotations
-
 import logging
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping

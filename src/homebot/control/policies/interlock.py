@@ -1,7 +1,5 @@
 """Interlocks: commands that are refused while a condition holds, such as heating with an open window. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cached_property
 from typing import Final, Literal

@@ -1,7 +1,5 @@
 """Presence guard: apps do not annoy or hurt people who are in the room. Pure."""
 
-from __future__ import annotations
-
 from typing import Annotated, Final, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field

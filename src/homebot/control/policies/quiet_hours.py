@@ -1,7 +1,5 @@
 """Quiet hours: times at which apps may not give some commands. Pure."""
 
-from __future__ import annotations
-
 from datetime import time
 from typing import Annotated, Final, TypeAlias
 

@@ -1,7 +1,5 @@
 """Rate limit: no value is switched to and fro without end. Pure."""
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections import deque
 from dataclasses import dataclass, field

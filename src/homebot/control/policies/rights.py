@@ -1,7 +1,5 @@
 """Rights and approvals: the devices that an issuer may command, and those that the owner has to approve. Pure."""
 
-from __future__ import annotations
-
 import shlex
 from collections.abc import Mapping
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Cause of a report: a command, a device by itself, a person, or unknown. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from enum import Enum
 from typing import Final, NamedTuple

@@ -1,7 +1,5 @@
 """Evidence of a command: its outcome so far, and the next step. Pure."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple

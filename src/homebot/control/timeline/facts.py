@@ -1,7 +1,5 @@
 """Facts of a part: orders, and reports with their time on the monotonic clock. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum

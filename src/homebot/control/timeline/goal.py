@@ -1,7 +1,5 @@
 """Goal of one command: the reports that show that the device obeyed, or is on its way. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from enum import Enum
 from typing import Final, final

@@ -1,7 +1,5 @@
 """Lessons of commands for the profile of their device. Pure."""
 
-from __future__ import annotations
-
 import math
 
 from homebot.control.timeline.goal import NOTHING

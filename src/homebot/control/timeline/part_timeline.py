@@ -1,7 +1,5 @@
 """Timeline of one part: its newest facts, and the questions about them. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from collections.abc import Callable, Mapping

@@ -3,8 +3,6 @@
 A profile may be deleted at any time: commands then wait a little longer, and no outcome becomes wrong.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict, deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ It is a function of the facts of its part: feeding them once more gives the same
 depend on the number of earlier ones.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from operator import attrgetter

@@ -1,7 +1,5 @@
 """The seconds after a confirmation, in which a device may still go back. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Final, Literal, NamedTuple, TypeAlias, final

@@ -5,8 +5,6 @@ Sources: Apple, Proximity Beacon Specification R1 (company 0x004C, type 0x02, le
 is 41 dB more. Its identifier lasts; its address need not.
 """
 
-from __future__ import annotations
-
 from uuid import UUID
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, full_uuid

@@ -7,8 +7,6 @@ residential), so that the true distance is within the estimate times and divided
 times out of three. A median over some seconds removes fading, which changes from packet to packet, but not this.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from statistics import median
 

@@ -7,8 +7,6 @@ used.
 Source: pySwitchbot 3.1, ``adv_parser.py`` and ``adv_parsers``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Final, NamedTuple
 

@@ -9,8 +9,6 @@ It is compared as a serial number (RFC 1982), so that it may wrap around after 2
 only where the device has begun to count again, as many do with a new battery; see :class:`BindKey`.
 """
 
-from __future__ import annotations
-
 from cryptography.exceptions import InvalidTag
 from cryptography.hazmat.primitives.ciphers.aead import AESCCM
 

@@ -3,8 +3,6 @@
 Source: Shelly BLU, Common, table of models; BluTRV and Ecowitt WS90, tables of BTHome objects.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Final, NamedTuple

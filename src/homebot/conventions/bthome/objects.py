@@ -3,8 +3,6 @@
 Source: https://bthome.io/format, tables of sensors, binary sensors, events, device information and miscellaneous data.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

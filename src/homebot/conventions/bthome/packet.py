@@ -6,8 +6,6 @@ Source: https://bthome.io/format. The service data of the UUID 0xFCD2 begin with
 id that they do not know, as they cannot tell its size.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from datetime import UTC, datetime

@@ -1,7 +1,5 @@
 """Endpoints, the hosts that devices were found on, and their addresses. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

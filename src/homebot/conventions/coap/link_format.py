@@ -4,8 +4,6 @@ Source: RFC 6690, section 2; the grammar is that of RFC 8288 with an explicit an
 parameters: small devices print a comma after each link. An invalid link is an error, and nothing of it is kept.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Source: RFC 9176, sections 5 and 6. Lookups are filtered by the parameters and attributes that the RFC has.
 """
 
-from __future__ import annotations
-
 import itertools
 from collections import Counter
 from collections.abc import Iterable, Mapping

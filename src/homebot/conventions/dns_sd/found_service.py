@@ -1,7 +1,5 @@
 """A service that was found on the network, and the facts of its device: names, identifiers and metadata. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field

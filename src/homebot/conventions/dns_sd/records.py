@@ -3,8 +3,6 @@
 Source: RFC 6763, sections 4.1.2, 6.1 to 6.5, 7 and 9; RFC 6335, section 5.1 for the characters of a service name.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

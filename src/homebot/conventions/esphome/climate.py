@@ -3,8 +3,6 @@
 Source: ESPHome 2026.10, ``components/api/api.proto`` and ``components/climate/climate_mode.h``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Final

@@ -1,7 +1,5 @@
 """An ESPHome device: its description and its entities, as parts of the vocabulary. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import TypeAlias
 

@@ -3,8 +3,6 @@
 Source: ESPHome 2026.10, ``components/api/api.proto``; names of fields and numbers of enums are taken from there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from homebot.conventions.command_values import require_bool, require_number, require_option, require_transition

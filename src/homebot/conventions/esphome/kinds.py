@@ -3,8 +3,6 @@
 Source: ESPHome 2026.10, ``components/api/api.proto``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from datetime import UTC, date, datetime, time

@@ -5,8 +5,6 @@ A colour mode is a set of abilities as bits; a state says which one is active, a
 Source: ESPHome 2026.10, ``components/light/color_mode.h`` and ``light_call.cpp``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import Final
 

@@ -4,8 +4,6 @@ Source: the union of Home Assistant core 2024.3 to 2026.11, ``components/mqtt/ab
 changed its meaning.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from types import MappingProxyType
 

@@ -4,8 +4,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt/discovery.py``; ``child_de
 ``qos`` and ``message_expiry_interval`` are from 2026.11.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple, TypeAlias
 

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2025.4, ``components/mqtt``: fan.py, humidifier.py, lawn_mower.py, siren.py, vacuum.py.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Container, Mapping
 

@@ -3,8 +3,6 @@
 Source of the actions: Home Assistant core 2025.4, ``components``: ``const.py`` of lawn_mower, lock and vacuum.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 __all__ = ["BUILDERS", "COMPONENTS", "LOCK_STATES", "MOWER_ACTIONS", "MOWER_STATES", "VACUUM_ACTIONS", "VACUUM_STATES"]

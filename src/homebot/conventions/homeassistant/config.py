@@ -6,8 +6,6 @@ that ``"payload_on": false`` is ``False``.
 Source: Home Assistant core 2025.4, ``helpers/config_validation.py`` and ``components/mqtt/schemas.py``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import lru_cache

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2025.4, ``components/mqtt/schemas.py`` and ``entity.py``; ``child_device`` is from 2026.11.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from functools import lru_cache

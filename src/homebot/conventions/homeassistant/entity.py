@@ -3,8 +3,6 @@
 Source of the percentages: Home Assistant core 2025.4, ``util/scaling.py`` and ``util/percentage.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2025.4, ``components/mqtt/light/__init__.py`` and ``schema_basic.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import partial
 

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2025.4, ``components/mqtt/light/schema_json.py`` and ``schema_template.py``.
 """
 
-from __future__ import annotations
-
 import colorsys
 from collections.abc import Callable, Mapping
 

@@ -4,8 +4,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: alarm_control_panel.py 
 ``lib/extension/homeassistant.ts``.
 """
 
-from __future__ import annotations
-
 from hmac import compare_digest
 
 from homebot.conventions.command_values import require_option

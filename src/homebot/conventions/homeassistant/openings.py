@@ -3,8 +3,6 @@
 Source: Home Assistant core 2025.4, ``components/mqtt/cover.py`` and ``valve.py``, ``components/valve/__init__.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from homebot.conventions.command_values import Writer, option_writer, percent_writer, require_number, require_option

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: climate.py, humidifier.py, water_heater.py.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from homebot.conventions.homeassistant.published_entity import Available, PublishedEntity, Row, is_settable

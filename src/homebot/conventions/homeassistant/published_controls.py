@@ -6,8 +6,6 @@ Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: alarm_control
 lawn_mower.py, lock.py, siren.py, vacuum.py, valve.py.
 """
 
-from __future__ import annotations
-
 import json
 
 from homebot.conventions.device_classes import CLOSURE_CLASSES

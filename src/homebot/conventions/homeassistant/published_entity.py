@@ -6,8 +6,6 @@ Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``: binary_sensor
 scene.py, select.py, sensor.py, switch.py, tag.py, text.py.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt/light/schema_json.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from homebot.conventions.homeassistant.config import DiscoveryConfig

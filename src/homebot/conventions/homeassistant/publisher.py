@@ -3,8 +3,6 @@
 Source: Home Assistant core 2024.3 to 2025.4, ``components/mqtt``.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

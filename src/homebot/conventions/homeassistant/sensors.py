@@ -7,8 +7,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: binary_sensor.py, camer
 device_trigger.py, event.py, image.py, sensor.py, tag.py and update.py; ``components/sensor/__init__.py``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -4,8 +4,6 @@ Source: Home Assistant core 2025.4, ``components/mqtt``: button.py, notify.py, n
 and text.py; core 2026.11: date.py, datetime.py and time.py.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from homebot.conventions.command_values import moment_text, option_writer, require_moment

@@ -3,8 +3,6 @@
 A large house has five times as many configs as shapes of them: one shape for the batteries of all devices, and so on.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from typing import NamedTuple

@@ -4,8 +4,6 @@ Source: homie5-device-profiles, Light; hc-smarthome v2, switch, level, color, sh
 2021.10 to 2025, ``backend/lib/mqtt``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from collections.abc import Set as AbstractSet

@@ -3,8 +3,6 @@
 Source: Homie convention 5, Payload and Property Formats, Device Lifecycle; Homie 4.0, Property Attributes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

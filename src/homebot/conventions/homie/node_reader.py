@@ -5,8 +5,6 @@ Unknown fields are ignored; an invalid field invalidates its property, its node 
 Source: Homie convention 5, Device Attributes ($description), Nodes, Properties.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import TypeVar

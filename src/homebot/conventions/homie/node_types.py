@@ -7,8 +7,6 @@ Source: hc-smarthome v2 and v1 (homie-homecontrol/hc-homie5-smarthome); homie5-d
 convention 5, Units.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

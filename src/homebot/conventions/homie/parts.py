@@ -5,8 +5,6 @@ brightness and colour of a lamp are one part, also from several nodes. In a robo
 kind are settings: the power of its fan makes it no fan.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 
 from homebot.conventions.description import DescribedPart

@@ -1,7 +1,5 @@
 """Capabilities of single properties: the codec of their values, by capability. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Unpack

@@ -1,7 +1,5 @@
 """Reader of Homie's attributes, of all versions. Pure."""
 
-from __future__ import annotations
-
 from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.homie.version4 import Version4
 from homebot.conventions.homie.version5 import Version5

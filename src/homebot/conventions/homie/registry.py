@@ -1,7 +1,5 @@
 """Registry of the devices of one version of Homie, and their descriptions. Pure, and bounded."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 

@@ -3,8 +3,6 @@
 Source: hc-smarthome v2; the words and forms that Homie devices commonly use.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import NamedTuple

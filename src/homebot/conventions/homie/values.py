@@ -5,8 +5,6 @@ A number is a ``float``, a colour is hue in degrees, saturation and brightness i
 Source: Homie convention 5, Payload; Homie 4.0, Payload.
 """
 
-from __future__ import annotations
-
 import colorsys
 import math
 import re

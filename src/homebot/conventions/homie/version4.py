@@ -6,8 +6,6 @@ known and not ``init``.
 Source: Homie 4.0 and 3.0.1, Device, Node and Property Attributes; arrays: 3.0.1, Arrays.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

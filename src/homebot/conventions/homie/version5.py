@@ -5,8 +5,6 @@ A device exists once both are known and it is not starting; a new document becom
 Source: Homie convention 5, Device Lifecycle.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Programs of templates, and their renderings: the values of names, the output, and the remaining work. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager

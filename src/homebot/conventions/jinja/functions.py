@@ -3,8 +3,6 @@
 There is no clock and no time zone; functions that need them fail. ``timestamp_local`` names the same moment in UTC.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable
 from datetime import UTC, datetime, timedelta

@@ -1,7 +1,5 @@
 """Tests, the words after ``is``, and filters over lists and mappings. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from datetime import datetime

@@ -1,7 +1,5 @@
 """The loop ``for`` of a template. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeAlias

@@ -6,8 +6,6 @@ and fails without one; an undefined value fails with one too.
 Source: ``homeassistant/helpers/template.py`` of Home Assistant 2025.4.4.
 """
 
-from __future__ import annotations
-
 import math
 import operator
 from collections.abc import Callable

@@ -6,8 +6,6 @@ expression does no more than choose where it starts and where each repetition en
 computed before, and counted as work.
 """
 
-from __future__ import annotations
-
 import math
 import re
 import warnings

@@ -8,8 +8,6 @@ their result after.
 Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 """
 
-from __future__ import annotations
-
 import operator
 import warnings
 from collections.abc import Callable, Iterable, Sequence

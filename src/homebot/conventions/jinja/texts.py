@@ -3,8 +3,6 @@
 No width and no result is large.
 """
 
-from __future__ import annotations
-
 import base64
 import binascii
 import json

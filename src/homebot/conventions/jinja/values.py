@@ -1,7 +1,5 @@
 """Values, errors and limits of templates from outside: look-up and text of each value in bounded work. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from datetime import datetime
 from typing import Final, NoReturn, final

@@ -7,8 +7,6 @@ online and published a known topic.
 Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Mapping

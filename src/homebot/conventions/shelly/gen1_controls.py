@@ -4,8 +4,6 @@ Source: Shelly Gen1 API, MQTT of Shelly1, Shelly2.5, Plug, Gas, Dimmer, Duo, Bul
 ``input_event/<i>``; ``transition`` is in milliseconds.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

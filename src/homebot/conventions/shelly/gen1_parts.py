@@ -5,8 +5,6 @@ Topics of accessories, such as ``ext_temperature/0``, are added when they appear
 Source: Shelly Gen1 API, MQTT; iobroker.shelly 12.0, ``lib/devices/gen1``; aioshelly 13.35, ``const.py``.
 """
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping

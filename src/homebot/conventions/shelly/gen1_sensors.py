@@ -3,8 +3,6 @@
 Source: Shelly Gen1 API, MQTT, also of Motion and TRV; iobroker.shelly 12.0, ``lib/devices/gen1``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import partial

@@ -8,8 +8,6 @@ components that it reports, if its topics begin with its own id.
 Source: Shelly Gen2+ API, General (RPC Protocol, Notifications) and MQTT.
 """
 
-from __future__ import annotations
-
 from homebot.conventions.bounded_dict import BoundedDict
 from homebot.conventions.description import AnnouncementEvent, DeviceRequest, DeviceWithdrawn, Publication
 from homebot.conventions.payload import as_fields, parse_object, shown, text_of, to_json

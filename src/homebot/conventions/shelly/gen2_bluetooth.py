@@ -6,8 +6,6 @@ values (``bthomesensor``), all with its address. Ids of parts are those of :mod:
 Source: Shelly Gen2+ API, BTHome Components and BluTrv.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from itertools import chain

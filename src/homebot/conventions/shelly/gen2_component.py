@@ -6,8 +6,6 @@ A component reports on three topics: its whole status on ``<prefix>/status/<comp
 Source: Shelly Gen2+ API, General, RPC Protocol, RPC Channels (MQTT), Notifications.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Unpack

@@ -4,8 +4,6 @@ Source: Shelly Gen2+ API, components Switch, Cover, Thermostat, Cury, Light, CCT
 ``transition_duration`` is in seconds. aioshelly, ``cury_set``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import partial

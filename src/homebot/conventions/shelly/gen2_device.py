@@ -1,7 +1,5 @@
 """One Shelly of the second generation or later: its answers, and the description made from them. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

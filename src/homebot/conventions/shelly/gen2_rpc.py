@@ -10,8 +10,6 @@ Source: Shelly Gen2+ API, General: RPC Protocol, RPC Channels (WebSocket), Notif
 section 3.4.1.
 """
 
-from __future__ import annotations
-
 import hashlib
 import secrets
 from collections.abc import Iterator

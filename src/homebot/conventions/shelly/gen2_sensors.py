@@ -4,8 +4,6 @@ Source: Shelly Gen2+ API, components Temperature, Humidity, Illuminance, DeviceP
 Input, PM1, EM, EM1, EMData, EM1Data, and the measurements of Switch, Cover and Light.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from functools import partial
 

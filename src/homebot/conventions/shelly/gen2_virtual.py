@@ -7,8 +7,6 @@ Water Valve, LinkedGo ST802 and ST1820; ShellyX, Manifest Reference; Home Assist
 ``components/shelly/climate.py``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 

@@ -1,7 +1,5 @@
 """Reader of the messages of Shelly's devices, of both generations. Pure."""
 
-from __future__ import annotations
-
 from homebot.conventions.description import AnnouncementEvent
 from homebot.conventions.shelly.gen1 import Gen1
 from homebot.conventions.shelly.gen2 import Gen2

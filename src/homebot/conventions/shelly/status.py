@@ -1,7 +1,5 @@
 """Readers of a status of a Shelly, an object in JSON. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Final, TypeAlias

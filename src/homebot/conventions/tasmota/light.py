@@ -7,8 +7,6 @@ Source: tasmota.github.io/docs, Lights, and Commands > Speed2 and SetOption117; 
 as Home Assistant core 2025.4, ``components/tasmota/light.py``.
 """
 
-from __future__ import annotations
-
 import colorsys
 import math
 import re

@@ -4,8 +4,6 @@ Source: tasmota.github.io/docs, Commands > FanSpeed, Blinds and Shutters, Button
 ``discovery.py``, ``fan.py``, ``shutter.py``, ``switch.py`` and ``button.py``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from functools import partial
 from itertools import chain

@@ -3,8 +3,6 @@
 Source: Tasmota 14.4 firmware, ``xdrv_12_discovery.ino``; hatasmota 0.10.2.
 """
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``component
 tasmota.github.io/docs, JSON status responses, for the names in use.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial

@@ -4,8 +4,6 @@ Source: WLED, JSON API (https://kno.wled.ge/interfaces/json-api): segment object
 white of ``cct`` has 256 steps of 32 K from 1900 K on.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Source: zigbee2mqtt.io, Configuration > Device availability, and Usage > MQTT to
 zigbee2mqtt/bridge/devices and bridge/info; Zigbee2MQTT 2.14.1.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field

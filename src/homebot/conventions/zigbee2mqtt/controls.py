@@ -4,8 +4,6 @@ Source: zigbee2mqtt.io, Usage > Exposes > cover, lock and fan; zigbee-herdsman-c
 percentages as Zigbee2MQTT 2.14.1 announces them to Home Assistant.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

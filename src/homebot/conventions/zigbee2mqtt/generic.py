@@ -3,8 +3,6 @@
 Source: zigbee2mqtt.io, Usage > Exposes > Generic; zigbee-herdsman-converters 26.105.0 for the names in use.
 """
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

@@ -4,8 +4,6 @@ Source: zigbee2mqtt.io, Usage > Exposes > light; brightness and colours are roun
 so that both conventions send the same message.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -3,8 +3,6 @@
 Source: zigbee2mqtt.io, Usage > Exposes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 

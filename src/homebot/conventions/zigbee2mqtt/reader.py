@@ -3,8 +3,6 @@
 Source: zigbee2mqtt.io, Usage > MQTT topics and messages; Zigbee2MQTT 2.14.1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced, DeviceWithdrawn

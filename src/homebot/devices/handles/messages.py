@@ -1,7 +1,5 @@
 """Raw messages of the devices that have a handle of a kind."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Awaitable, Callable
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Handles for sensors of a condition that is true or false, and for sensors of a number."""
 
-from __future__ import annotations
-
 from typing import ClassVar, Self, Unpack
 
 from homebot.devices.handles.handle import Handle

@@ -1,7 +1,5 @@
 """Comparisons in a text query: ``level>50``, ``temperature < 18 °C``, ``gateway=mqtt``, ``model="E27 bulb"``. Pure."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -1,7 +1,5 @@
 """Queries that guess nothing, for permissions and bans of the owner: a misspelt word would match nothing. Pure."""
 
-from __future__ import annotations
-
 from homebot.devices.query.parse import parse_query
 from homebot.devices.query.terms import HasText, Query, leaves, split_near
 from homebot.devices.query.vocabulary import CAPABILITY_WORDS, TYPE_WORDS

@@ -1,7 +1,5 @@
 """A device as queries see it: everything that may be asked for, folded and ready to compare. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Test of a query against a device or one of its parts. Pure."""
 
-from __future__ import annotations
-
 import operator
 from collections.abc import Callable, Mapping
 from functools import partial

@@ -17,8 +17,6 @@ An adjective of a state is about the parts of the types that stand beside it: ``
 in the same device. ``heating`` is one beside a type, and without one a type: ``heating in living``.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

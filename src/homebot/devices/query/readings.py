@@ -4,8 +4,6 @@ In ``lights in hall or kitchen`` and in ``lights or fans in hall``, a word on on
 ``hall lamp, hall lamp 2`` two devices are meant, although one has all these words.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Literal, TypeAlias

@@ -4,8 +4,6 @@ A query is a tree and a ROS message is not, so on the graph its terms are a list
 ``light and not stale`` is ``and`` of two, ``type``, ``not``, ``freshness``.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, TypeAlias, get_args

@@ -1,7 +1,5 @@
 """The tokens of a text query. Pure."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Literal, TypeAlias

@@ -1,7 +1,5 @@
 """The words that a text query understands beside those of the device types, and their meaning. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from types import MappingProxyType

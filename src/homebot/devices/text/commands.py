@@ -1,7 +1,5 @@
 """Text form of commands, the same for every convention, and the parts by the addresses of texts. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from operator import attrgetter
 

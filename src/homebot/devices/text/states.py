@@ -4,8 +4,6 @@ The texts are those of the thesis's topics: ``on``, ``off``, ``open``, ``closed`
 brightness or a position from ``0`` to ``1``, ``2700 K``, a measured number.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from functools import lru_cache

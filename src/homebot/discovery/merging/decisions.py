@@ -1,7 +1,5 @@
 """Decisions of the owner on which announcements are one device; they outrank the evidence. Pure."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable
 from typing import final

@@ -16,8 +16,6 @@ owner gave them.
 The order of arrival matters as little as possible: the same announcements in any order are the same devices.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """Intake of sightings and reports: an announcement is added, described again, heard again or withdrawn. Pure."""
 
-from __future__ import annotations
-
 from typing import final
 
 from homebot.devices import Sighting

@@ -12,8 +12,6 @@ A part that fits two others equally well fits none: two parts too many are a nui
 Nothing depends on the order in which parts or sources came.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence

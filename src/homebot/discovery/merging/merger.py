@@ -1,7 +1,5 @@
 """The devices that announcements are about: they appear, merge, split and go as their announcements do. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator
 from operator import attrgetter

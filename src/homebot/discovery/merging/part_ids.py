@@ -1,7 +1,5 @@
 """The ids of the parts of a device, which stay the same while announcements come and go. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import NamedTuple, TypeAlias

@@ -1,7 +1,5 @@
 """Parts of a device, merged from all its announcements: each once, with its id, capabilities and routes. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain

@@ -1,7 +1,5 @@
 """The devices that groups of announcements become, given those that they were thought to be about. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 

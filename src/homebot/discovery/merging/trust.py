@@ -17,8 +17,6 @@ An endpoint is a gateway, if the gateway's addresses belong to devices (see :mod
 else one key of a gateway: with the same key it is the same endpoint, at any address in the network.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field

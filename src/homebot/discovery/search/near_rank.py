@@ -5,8 +5,6 @@ besides: a point of relevance less than one could have counts a metre. Every ter
 ways ends as soon as the way alone costs more than the worst of those that are wanted.
 """
 
-from __future__ import annotations
-
 import math
 from bisect import insort
 from collections.abc import Callable, Iterable, Sequence

@@ -1,7 +1,5 @@
 """Ranking of the devices that match a query, with reasons. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from collections.abc import Set as AbstractSet
 from functools import lru_cache

@@ -3,8 +3,6 @@
 A query is understood without knowing the house, so a misspelt room or type is only seen here.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Iterable
 
 from homebot.devices import Device

@@ -1,7 +1,5 @@
 """The commands, texts and raw messages of a gateway, over the ports of its protocol."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Any, Literal, Protocol, TypeAlias

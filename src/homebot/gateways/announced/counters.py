@@ -1,7 +1,5 @@
 """Counters of a gateway of any protocol. Pure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 __all__ = ["GatewayCounters"]

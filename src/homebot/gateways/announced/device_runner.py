@@ -1,7 +1,5 @@
 """Works with one device again and again: connects, waits with a growing pause where that fails, and connects again."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
 from itertools import islice

@@ -1,7 +1,5 @@
 """The mechanisms that gateways of all protocols share, made for one gateway."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Generic, TypeVar

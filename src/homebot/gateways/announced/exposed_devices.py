@@ -1,7 +1,5 @@
 """The devices that homebot exposes to other systems through a gateway, such as a Home Assistant on the same broker."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from typing import TypeAlias
 

@@ -1,7 +1,5 @@
 """The description of a device that a gateway publishes. Pure."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The last message on each topic, kept for parts that are announced after it came. Pure."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from typing import NamedTuple
 

@@ -4,8 +4,6 @@ Everything is published in the order of the calls. Commands to different parts a
 that is full holds a report up for a moment, as :class:`homebot.gateways.raw_delivery.RawDelivery` says.
 """
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import TypeAlias
 

@@ -1,7 +1,5 @@
 """Quarantine for peers that break the rules of a gateway: reported, counted, and read a little at a time."""
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterator
 from dataclasses import dataclass, field

@@ -6,8 +6,6 @@ house with many devices has many announcements, each as long as its parts need, 
 long ones, of lists and of templates. Only the length beyond an honest one of as many parts counts.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator
 from typing import NamedTuple, TypeAlias

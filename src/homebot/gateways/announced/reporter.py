@@ -1,7 +1,5 @@
 """Publisher of a gateway's messages about devices."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """The scheduler: makes each planned call when its time has come."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Hashable
 

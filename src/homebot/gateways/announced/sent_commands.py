@@ -1,7 +1,5 @@
 """Publications for each setting of a described part, as text for the owner. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from homebot.conventions.description import Codec, DescribedPart, Publications, TakesCode

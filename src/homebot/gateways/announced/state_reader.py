@@ -4,8 +4,6 @@ A message is the bytes on an *address*, on which devices publish their state; it
 before, and then tells a past state.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple

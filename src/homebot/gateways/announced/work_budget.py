@@ -7,8 +7,6 @@ source, if it has a registered device, and else out of one that all other source
 budget is used up, messages charged to it wait; see :mod:`homebot.gateways.announced.quarantine`.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The few connections that an adapter can hold at once, and the queue of devices that want one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import anyio

@@ -1,7 +1,5 @@
 """A bounded queue of advertisements without repetitions, and the error of a missing adapter."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """A listed device with all its facts. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, sensor_part

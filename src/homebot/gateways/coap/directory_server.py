@@ -5,8 +5,6 @@ another address than its own, or changes or ends the registration of another hos
 device that registers simply, without a body, the links are asked for.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import partial

@@ -4,8 +4,6 @@ DNS-SD announces a device and its address; a driver connects to it, describes it
 states and sends it commands. There is one driver object for each found service, and it knows nothing of others.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Sequence
 from typing import ClassVar, Final, TypeVar

@@ -1,7 +1,5 @@
 """Runs the driver of one service until the service is gone, and passes commands to it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, MutableMapping
 from dataclasses import replace
 from typing import Final

@@ -1,7 +1,5 @@
 """The drivers of an mDNS gateway, by the service types that they are for; one that cannot be used is left out."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -7,8 +7,6 @@ them.
 Source: WLED, https://kno.wled.ge/interfaces/websocket and /json-api.
 """
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable, Mapping
 from typing import TYPE_CHECKING, ClassVar, Final
 

@@ -4,8 +4,6 @@ Sources: Home Assistant core 2024.3, ``components/zeroconf/__init__.py``; HomeKi
 6.4 and table 6-8 (status flags).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Mapping
 from typing import Final, NamedTuple
 

@@ -6,8 +6,6 @@ in bounded queues, one for each type, and are admitted at a limited rate, each t
 does not block the others.
 """
 
-from __future__ import annotations
-
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """The table ``[gateways.NAME]`` of an mDNS gateway."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated

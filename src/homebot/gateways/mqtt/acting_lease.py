@@ -5,8 +5,6 @@ it does. One that was answered asks again every few seconds: if the other is gon
 to clean up after a crash, and no clock to agree on. Of several that ask at the same moment the smallest id is first.
 """
 
-from __future__ import annotations
-
 import secrets
 from random import Random
 from typing import Literal

@@ -1,7 +1,5 @@
 """Commands on their way to devices: written by their convention, checked and published; and the responses to them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The broker that homebot brings along, on the usual port or the next free one."""
 
-from __future__ import annotations
-
 import errno
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager

@@ -4,8 +4,6 @@ All of it is handled in the order of the broker, by the task that receives. The 
 do the slow and waiting work: subscribing, asking, and timed ends of values.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Iterable, Iterator, Sequence
 from dataclasses import asdict

@@ -4,8 +4,6 @@ Messages are handled in the broker's order, in batches. One of QoS 1 or 2 is ack
 it in its queue; until then it is the broker's, which sends it again should this process die.
 """
 
-from __future__ import annotations
-
 import platform
 import re
 import secrets

@@ -1,7 +1,5 @@
 """Handles announcements and withdrawals."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from functools import cache, partial
 

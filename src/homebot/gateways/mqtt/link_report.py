@@ -1,7 +1,5 @@
 """Tells people and the graph how the link to the broker is."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import anyio

@@ -3,8 +3,6 @@
 While the link is down nothing is lost: offers and states are kept, bounded, and published anew on every link.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Collection, Iterable
 from functools import partial

@@ -1,7 +1,5 @@
 """The announcements registered at an MQTT gateway, and the readers of each topic. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
 from itertools import repeat

@@ -3,8 +3,6 @@
 An app may publish there by itself, if it has reason to; a command to a device never ends there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from operator import attrgetter
 from typing import NamedTuple

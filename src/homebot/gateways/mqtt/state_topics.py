@@ -1,7 +1,5 @@
 """State topics that are needed, and the subscriptions that follow. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from itertools import islice
 

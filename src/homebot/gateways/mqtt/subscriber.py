@@ -1,7 +1,5 @@
 """Subscribes to the topics of described devices, and asks them for their state; both in a measured way."""
 
-from __future__ import annotations
-
 from collections.abc import Hashable
 from functools import partial
 from itertools import islice

@@ -1,7 +1,5 @@
 """Clients of the directory: the device that a tag or a code points to, and the room that a tag assigns to it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Final, final

@@ -1,7 +1,5 @@
 """The gateway of NFC tags and QR codes, which point to devices."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 from functools import partial

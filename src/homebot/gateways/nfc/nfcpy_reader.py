@@ -1,7 +1,5 @@
 """Readers that nfcpy drives, over USB, a serial port or UDP. The only file that imports nfcpy."""
 
-from __future__ import annotations
-
 import logging
 import time
 

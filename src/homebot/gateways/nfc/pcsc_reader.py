@@ -3,8 +3,6 @@
 Only pyscard's thin layer over the service is used, as its monitors start threads of their own.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection
 from dataclasses import dataclass
 from functools import partial

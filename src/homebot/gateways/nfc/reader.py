@@ -1,7 +1,5 @@
 """The port to readers of tags: each blocks a thread of its own, and reaches the gateway by a :class:`ReaderDesk`."""
 
-from __future__ import annotations
-
 import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine

@@ -1,7 +1,5 @@
 """The table ``[gateways.NAME]`` of a gateway of tags."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from typing import Annotated, Literal

@@ -3,8 +3,6 @@
 Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, section 7.3.2.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Final

@@ -5,8 +5,6 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 a page that has not changed is not sent again.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """The gateway to a directory of things: the code without libraries; the rest is loaded when it serves."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar
 

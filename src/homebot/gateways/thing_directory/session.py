@@ -4,8 +4,6 @@ The events of the directory are listened to before its list is read, so that not
 directory without events is read again and again.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial

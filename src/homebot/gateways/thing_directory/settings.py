@@ -1,7 +1,5 @@
 """The table ``[gateways.NAME]`` of a gateway to a directory of things."""
 
-from __future__ import annotations
-
 from typing import Annotated
 from urllib.parse import urlsplit
 

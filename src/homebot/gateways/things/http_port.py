@@ -4,8 +4,6 @@ Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", sections
 W3C "Web of Things (WoT) HTTP Binding": default methods, ``longpoll`` and ``sse``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack, suppress

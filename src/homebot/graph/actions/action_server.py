@@ -3,8 +3,6 @@
 Source: ROS 2, rclpy ``action/server.py``, rcl_action ``action_server.c``.
 """
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager, nullcontext

@@ -7,8 +7,6 @@ announcement is one config of its component, or one of the whole device.
 Source: Home Assistant core 2025.4 to 2026.11, ``components/mqtt``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

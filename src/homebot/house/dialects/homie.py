@@ -6,8 +6,6 @@ All its messages are retained. It takes commands on ``homie/5/ID/NODE/PROPERTY/s
 Source: Homie convention 5.0; types of hc-smarthome v2.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping
 from typing import TypeAlias

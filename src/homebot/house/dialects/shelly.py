@@ -6,8 +6,6 @@ A device ``MODEL-MAC`` publishes below ``shellies/MODEL-MAC``: ``online``, and i
 Source: Shelly API documentation, Gen1, "MQTT".
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

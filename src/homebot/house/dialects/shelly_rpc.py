@@ -6,8 +6,6 @@ changes on ``MODEL-mac/events/rpc``, and retains only ``MODEL-mac/online``.
 Source: Shelly API documentation, Gen2, "MQTT" and "RPC protocol".
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo

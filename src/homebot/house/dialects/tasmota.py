@@ -6,8 +6,6 @@ A device with the topic ``T`` publishes its state on ``tele/T/STATE`` or ``tele/
 Source: Tasmota documentation, "MQTT" and "Commands", firmware 14; hatasmota 0.10 for the announcement.
 """
 
-from __future__ import annotations
-
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 from homebot.house.dialects.wire import (
     as_json,

@@ -1,7 +1,5 @@
 """The layout of the thesis: reports and commands as plain text, on ``HOME/SERVICE_TYPE/DEVICE_ID/out`` and ``…/in``."""
 
-from __future__ import annotations
-
 from homebot.house.dialect import DeviceState, Dialect, OutgoingMessage, SimulatedDeviceInfo
 
 __all__ = ["ThesisDialect"]

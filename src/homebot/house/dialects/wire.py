@@ -1,7 +1,5 @@
 """Payloads and device names, as several dialects need them."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re

@@ -6,8 +6,6 @@ The bridge lists its devices on ``BASE/bridge/devices``. A device publishes its 
 Source: Zigbee2MQTT 2.14, guide "MQTT topics and messages".
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 

@@ -1,7 +1,5 @@
 """Entities of simulated ESPHome devices: how each kind is listed, reported and commanded. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType

@@ -4,8 +4,6 @@ Source: ESPHome 2026.10, ``components/api/api_frame_helper_plaintext.cpp`` and `
 Protocol Framework, revision 34 (``Noise_NNpsk0_25519_ChaChaPoly_SHA256``).
 """
 
-from __future__ import annotations
-
 import binascii
 from abc import ABC, abstractmethod
 from collections.abc import Mapping

@@ -1,7 +1,5 @@
 """Simulated devices that are servers of HTTP, and may announce themselves by DNS-SD."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable
 

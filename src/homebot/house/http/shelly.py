@@ -6,8 +6,6 @@ A device answers calls on a WebSocket at ``/rpc`` and by HTTP at ``/rpc`` and ``
 Source: Shelly Gen2+ API, General: RPC Protocol, RPC Channels, Authentication; Overview, Common Device Traits.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Callable, Mapping

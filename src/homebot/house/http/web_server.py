@@ -4,8 +4,6 @@ It speaks HTTP, WebSockets and server-sent events. A device answers at once, by 
 to a WebSocket, or as events, waits in a queue of its own: of 100 messages the oldest goes.
 """
 
-from __future__ import annotations
-
 import ssl
 from collections import deque
 from collections.abc import Mapping

@@ -3,8 +3,6 @@
 Source: WLED 0.15, https://kno.wled.ge/interfaces/json-api and /websocket.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 from homebot.house.dialect import SimulatedDeviceInfo

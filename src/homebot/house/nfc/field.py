@@ -4,8 +4,6 @@ Each datagram is a bit rate with its modulation, such as ``106A``, and hexadecim
 (ISO/IEC 14443-3) and in blocks of ISO/IEC 14443-4. It is served in a thread, as a reader asks again after milliseconds.
 """
 
-from __future__ import annotations
-
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager

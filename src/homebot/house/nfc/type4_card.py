@@ -1,7 +1,5 @@
 """A simulated tag: an NFC Forum Type 4 Tag 2.0 that answers APDUs (ISO/IEC 7816-4). Pure."""
 
-from __future__ import annotations
-
 from typing import Final
 
 __all__ = ["Type4Card"]

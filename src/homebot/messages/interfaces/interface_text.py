@@ -1,7 +1,5 @@
 """Parser of the text of ``.msg``, ``.srv`` and ``.action`` files, and builder of their classes. Pure."""
 
-from __future__ import annotations
-
 import ast
 import re
 from array import array

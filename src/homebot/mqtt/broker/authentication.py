@@ -1,7 +1,5 @@
 """Authentication of clients: passwords, a growing delay for hosts that guess them, and how many may wait. No I/O."""
 
-from __future__ import annotations
-
 import hmac
 import secrets
 from collections import Counter

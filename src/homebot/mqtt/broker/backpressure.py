@@ -6,8 +6,6 @@ room are refused. One that cannot be refused (before MQTT 5) waits for room as l
 ``limits.max_inflight`` messages in that time; the connection of a session that does not is closed.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import final

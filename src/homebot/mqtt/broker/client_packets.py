@@ -4,8 +4,6 @@ Order: packets are handled one after the other as they come. While a publisher i
 its acknowledgements and pings are still handled, everything else waits in its order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final, final

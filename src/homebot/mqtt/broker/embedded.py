@@ -1,7 +1,5 @@
 """Base of the two brokers, on a TCP port and in memory: the state, its deadlines, starting and stopping."""
 
-from __future__ import annotations
-
 import asyncio
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping

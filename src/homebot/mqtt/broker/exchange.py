@@ -1,7 +1,5 @@
 """Router of published messages to subscriptions. No I/O."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, final
 

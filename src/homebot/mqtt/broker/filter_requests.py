@@ -1,7 +1,5 @@
 """SUBSCRIBE and UNSUBSCRIBE, taken a few filters at a time. No I/O."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Generator
 from typing import final
 

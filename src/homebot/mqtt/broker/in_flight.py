@@ -4,8 +4,6 @@ A message is *in flight* from the moment it is written until then; the number in
 Receive Maximum. When the client comes back to its session, everything in flight is sent again, in the first order.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from typing import Final, final

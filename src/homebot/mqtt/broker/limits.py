@@ -1,7 +1,5 @@
 """Limits on memory and waiting times of the broker: every bound in one place, with its overflow rule."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 
 from homebot.errors import UsageError

@@ -1,7 +1,5 @@
 """Answer of the broker to a CONNECT. No I/O."""
 
-from __future__ import annotations
-
 from math import inf
 from typing import NamedTuple
 

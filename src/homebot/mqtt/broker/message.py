@@ -1,7 +1,5 @@
 """A message on its way through the broker, encoded once for all receivers of the same bytes."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from math import ceil

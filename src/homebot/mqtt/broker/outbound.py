@@ -1,7 +1,5 @@
 """Writes packets to one client: in its protocol version, within its size limit, with its topic aliases. No I/O."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import final

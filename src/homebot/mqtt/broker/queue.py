@@ -1,7 +1,5 @@
 """The messages that wait for one client. No I/O."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Iterator
 from enum import IntEnum

@@ -1,7 +1,5 @@
 """Retained messages: the last one of each topic, and those that new subscriptions are still owed. No I/O."""
 
-from __future__ import annotations
-
 from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable

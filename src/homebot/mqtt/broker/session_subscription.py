@@ -1,7 +1,5 @@
 """A subscription of a session: one filter with its options. No I/O."""
 
-from __future__ import annotations
-
 from typing import NamedTuple, Self
 
 from homebot.mqtt.packets import MqttSubscription

@@ -3,8 +3,6 @@
 Everything runs in order on one thread; no method waits.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from random import Random, SystemRandom
 from typing import final

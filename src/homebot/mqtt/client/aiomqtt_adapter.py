@@ -16,8 +16,6 @@ Concurrency: all but the connecting runs in the loop's own thread. Any number of
 as the broker allows; the others wait in order.
 """
 
-from __future__ import annotations
-
 import ssl
 from collections.abc import Awaitable
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """The MQTT client, independent of the library: its contract, and the part that every implementation has."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import asynccontextmanager

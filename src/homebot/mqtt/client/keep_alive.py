@@ -1,7 +1,5 @@
 """Timing of the keep-alive: when to ping a silent broker, and when to take it for dead. No I/O."""
 
-from __future__ import annotations
-
 from enum import Enum
 from typing import final
 

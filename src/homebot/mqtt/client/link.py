@@ -1,7 +1,5 @@
 """One link of an MQTT client, from login to end, as far as it is independent of the implementation."""
 
-from __future__ import annotations
-
 import asyncio
 from abc import ABC, abstractmethod
 from typing import Final, final

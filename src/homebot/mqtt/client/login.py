@@ -1,7 +1,5 @@
 """Login of a client: the MQTT version that it speaks, the session it is granted, and the meaning of a refusal."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from typing import Final, Literal, NamedTuple, TypeAlias, TypeVar, final
 

@@ -3,8 +3,6 @@
 It keeps every promise of the port.
 """
 
-from __future__ import annotations
-
 import asyncio
 from functools import lru_cache
 from random import Random

@@ -1,7 +1,5 @@
 """Between the values of the client port and those of aiomqtt and paho, pure."""
 
-from __future__ import annotations
-
 import logging
 import struct
 from functools import lru_cache

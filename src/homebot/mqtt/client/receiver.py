@@ -1,7 +1,5 @@
 """Received messages, the same for every client: read, counted, kept until they are taken, and acknowledged."""
 
-from __future__ import annotations
-
 import asyncio
 from collections import deque
 from collections.abc import Callable, Iterable

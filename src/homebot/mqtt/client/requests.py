@@ -1,7 +1,5 @@
 """Requests of one client that the broker has not answered yet, and how many publishes may be open at once."""
 
-from __future__ import annotations
-
 import asyncio
 import math
 from collections import deque

@@ -1,7 +1,5 @@
 """The port between the state machine of a client and its transport."""
 
-from __future__ import annotations
-
 from collections.abc import Awaitable, Callable
 from typing import Final, Protocol, TypeAlias
 

@@ -1,7 +1,5 @@
 """CONNECT, CONNACK, DISCONNECT, AUTH and the two pings. Source: MQTT 5.0, sections 3.1, 3.2 and 3.12 to 3.15."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial

@@ -1,7 +1,5 @@
 """The data types that packets are made of: integers, text, binary data. Source: MQTT 5.0, section 1.5."""
 
-from __future__ import annotations
-
 from typing import final
 
 from homebot.errors import UsageError

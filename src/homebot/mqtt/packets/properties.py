@@ -1,7 +1,5 @@
 """The properties of MQTT 5: one table of all of them, and their codec. Source: MQTT 5.0, section 2.2.2."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import IntEnum

@@ -1,7 +1,5 @@
 """PUBLISH and the four packets that acknowledge it. Source: MQTT 5.0, sections 3.3 to 3.7."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple, NoReturn

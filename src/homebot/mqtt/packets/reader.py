@@ -1,7 +1,5 @@
 """The codec: any packet to bytes and back, and a stream of bytes into packets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from typing import TypeAlias, final
 

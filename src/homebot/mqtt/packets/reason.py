@@ -1,7 +1,5 @@
 """Reason codes, protocol versions, and the one error that every bad packet raises."""
 
-from __future__ import annotations
-
 from enum import IntEnum, unique
 from typing import Final
 

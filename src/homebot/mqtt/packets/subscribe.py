@@ -1,7 +1,5 @@
 """SUBSCRIBE, UNSUBSCRIBE and their answers. Source: MQTT 5.0, sections 3.8 to 3.11."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 

@@ -1,7 +1,5 @@
 """The suite of commands: those that are carried out, refused and counted, in values and as text."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

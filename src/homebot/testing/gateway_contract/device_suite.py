@@ -1,7 +1,5 @@
 """The suite of a gateway's life and of its devices: start, sightings, reports, loss of the link, restart and end."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 from structlog.testing import capture_logs

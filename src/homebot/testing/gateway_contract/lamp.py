@@ -1,7 +1,5 @@
 """The device and the neighbour with which a gateway takes the contract suite: the author of the gateway writes them."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from typing import ClassVar

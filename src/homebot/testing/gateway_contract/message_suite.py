@@ -1,7 +1,5 @@
 """The suite of raw messages, of peers that break the rules, and of exposed devices."""
 
-from __future__ import annotations
-
 import anyio
 import pytest
 

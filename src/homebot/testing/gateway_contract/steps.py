@@ -1,7 +1,5 @@
 """Steps that the suites have in common: listen, announce, command, and wait for effects."""
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Final, TypeVar

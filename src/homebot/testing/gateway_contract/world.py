@@ -1,7 +1,5 @@
 """The world of a gateway under test: its lamp, its neighbour, and the graph that it runs on."""
 
-from __future__ import annotations
-
 import asyncio
 import time
 from collections.abc import AsyncIterator, Iterator

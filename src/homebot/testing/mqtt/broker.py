@@ -1,7 +1,5 @@
 """Values of the fixtures ``mqtt_broker``, ``mqtt_broker_session`` and ``mqtt_broker_thread``."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeVar, final

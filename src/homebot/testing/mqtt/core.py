@@ -1,7 +1,5 @@
 """The broker of a test with all that watches it; everything here runs on the broker's own loop."""
 
-from __future__ import annotations
-
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The faults as a test makes them: awaited, or blocking."""
 
-from __future__ import annotations
-
 from typing import final
 
 from homebot.errors import UsageError

@@ -1,7 +1,5 @@
 """Brokers of the fixtures: their settings from marks, and what they saw of a test."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from datetime import UTC, datetime

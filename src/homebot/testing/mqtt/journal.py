@@ -1,7 +1,5 @@
 """The messages clients published, kept for a test to expect; lives on the broker's loop."""
 
-from __future__ import annotations
-
 import json
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence

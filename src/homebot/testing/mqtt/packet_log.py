@@ -1,7 +1,5 @@
 """Packets between the test broker and its clients, in words, with their errors."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields

@@ -1,7 +1,5 @@
 """Settings of a test's broker, and its certificate."""
 
-from __future__ import annotations
-
 import ssl
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields

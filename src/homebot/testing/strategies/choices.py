@@ -4,8 +4,6 @@ When it shrinks, Hypothesis takes away only a few choices in a row, and all late
 left out of a house costs few choices while it is plain, and the number of choices does not depend on other things.
 """
 
-from __future__ import annotations
-
 from bisect import bisect_right
 from collections.abc import Collection, Mapping
 from functools import lru_cache

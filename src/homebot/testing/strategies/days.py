@@ -1,7 +1,5 @@
 """Random days, and the failing one in a file. The simplest is an hour after midnight in which nothing happens."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace

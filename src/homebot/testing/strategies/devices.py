@@ -1,7 +1,5 @@
 """Random devices: the settings of each kind and fault, in plain numbers; the simplest has none."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping, Sequence
 from typing import Final
 

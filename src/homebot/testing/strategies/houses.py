@@ -1,7 +1,5 @@
 """Random houses. The simplest has one room and nothing in it."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from functools import lru_cache
 from itertools import count

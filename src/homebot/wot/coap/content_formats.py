@@ -3,8 +3,6 @@
 Source: IANA, "CoAP Content-Formats"; RFC 8428 (SenML), sections 4, 5 and 6.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

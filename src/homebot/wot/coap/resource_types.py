@@ -7,8 +7,6 @@ Source: OCF Resource Type Specification 2.2.5, section 6; OMA LwM2M registry, ob
 CoRE interfaces draft (``core.s``, ``core.a``) for ``if``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

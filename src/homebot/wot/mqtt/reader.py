@@ -1,7 +1,5 @@
 """Reader of Thing Descriptions that came over MQTT: descriptions in, devices with their codecs out. Pure."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial

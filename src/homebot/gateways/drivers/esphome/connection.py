@@ -4,8 +4,6 @@ The library does the framing, the encryption (Noise) and the pings: the connecti
 26 seconds is lost.
 """
 
-from __future__ import annotations
-
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from contextlib import asynccontextmanager, contextmanager
 

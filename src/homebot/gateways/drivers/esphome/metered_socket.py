@@ -1,7 +1,5 @@
 """A TCP socket with a small receive buffer and a limit on the rate of received data."""
 
-from __future__ import annotations
-
 import asyncio
 import codecs
 import socket
