@@ -156,12 +156,14 @@ class SimulatedHomekitBridge:
     """The bridge of a house.
 
     Args:
-        pairings: The file with homebot's key, as the HomeKit gateway keeps it; it is there while it is served.
+        pairings: The file with homebot's key, as the HomeKit gateway keeps it; it is there while it is served. A
+            further bridge adds itself.
     """
 
-    def __init__(self, address: str, pairings: Path) -> None:
+    def __init__(self, address: str, pairings: Path, bridge_id: str = ID) -> None:
         self._address = address
         self._pairings = pairings
+        self._id = bridge_id
         self._own_key, self._client_key = Ed25519PrivateKey.generate(), Ed25519PrivateKey.generate()
         self._client_id = str(uuid.uuid4())
         self._devices: list[tuple[SimulatedDeviceInfo, Callable[[Mapping[str, float]], None]]] = []
@@ -200,7 +202,7 @@ class SimulatedHomekitBridge:
             persist_file="",
             pincode=PIN.encode(),
             loop=asyncio.get_running_loop(),
-            mac=ID,
+            mac=self._id,
             async_zeroconf_instance=advertiser,
             loader=loader,
         )
@@ -227,14 +229,15 @@ class SimulatedHomekitBridge:
 
     def _write_pairings(self) -> None:
         keys = {
-            "AccessoryPairingID": ID,
+            "AccessoryPairingID": self._id,
             "AccessoryLTPK": _public(self._own_key),
             "iOSPairingId": self._client_id,
             "iOSDeviceLTSK": self._client_key.private_bytes_raw().hex(),
             "iOSDeviceLTPK": _public(self._client_key),
         }
         self._pairings.touch(0o600)
-        self._pairings.write_text(json.dumps({ID: keys}))
+        kept = json.loads(self._pairings.read_text() or "{}")
+        self._pairings.write_text(json.dumps({**kept, self._id: keys}))
 
 
 def _public(key: Ed25519PrivateKey) -> str:
