@@ -227,10 +227,8 @@ async def virtual_house_of(
         UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.
     """
     _virtual_loop()
-    if world is not None and (served := [name for name in world.families() if name in FAMILIES]):
-        raise UsageError(f"world: {', '.join(served)} needs a network, and a virtual house has a broker alone")
+    world = _on_a_broker(world)
     clock, random = LoopClock(parse_time(start).timestamp()), Random(seed)  # noqa: S311 - a simulation has no secrets
-    world = World.of() if world is None else world
     with plain_logs(clock):
         async with MemoryBroker(clock=clock, random=random, limits=_limits(len(world.devices))) as broker:
             runtime = Runtime(
@@ -245,6 +243,14 @@ async def virtual_house_of(
             )
             async with runtime, _inhabited(runtime, broker, clock, world, root, parse_duration(heartbeat)) as house:
                 yield house
+
+
+def _on_a_broker(world: World | None) -> World:
+    if world is None:
+        return World.of()
+    if served := [name for name in world.families() if name in FAMILIES]:
+        raise UsageError(f"world: {', '.join(served)} needs a network, and a virtual house has a broker alone")
+    return world
 
 
 @asynccontextmanager
