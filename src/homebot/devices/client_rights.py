@@ -67,7 +67,7 @@ class Right(Enum):
     """Speak as homebot's own parts, and to gateways, below every check."""
 
     ROBOT = "robot"
-    """Be a robot: publish its pose and all below its name."""
+    """Be a robot: publish its pose and all below its name, and ask for doors."""
 
 
 _NEEDS = {
