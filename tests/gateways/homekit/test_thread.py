@@ -75,7 +75,7 @@ async def test_a_lamp_is_paired_read_commanded_heard_and_unpaired() -> None:
 async def test_a_wrong_code_and_the_lamp_of_another_controller_are_refused() -> None:
     lamp = ThreadLamp()
     async with lamp.running():
-        with pytest.raises(WrongCodeError, match="the code is wrong"):
+        with pytest.raises(WrongCodeError, match="the code is wrong; if you are sure of it, try once more"):
             await AiohomekitPort().pair(lamp.found, "111-11-111")
         await pair(lamp)
         with pytest.raises(PeerError, match="another controller"):

@@ -215,7 +215,7 @@ class BrokerSession:
         self._catch_up()
 
     def taken(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
-        """Handle a PUBREC; see :meth:`InFlight.taken`."""
+        """Handle a PUBREC; see :meth:`InFlight.received`."""
         answer = self.in_flight.received(packet_id, reason)
         if reason.failed:
             self.pump()
