@@ -275,6 +275,7 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
         await own.click("button[role=switch]")
         await own.shows("refused (approval)", "[role=alert]")
         await own.open("#/system", shows="Waiting for your approval")
+        await own.shows("control: 2 devices wait for approval")
         await own.click("button[aria-label='show what approving roomlights405 allows']")
         await own.shows("home425/lights/roomlights405", ".box")
         await own.click(".box button")
