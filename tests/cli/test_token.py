@@ -36,7 +36,7 @@ def test_a_token_is_for_its_owner_alone_and_its_table_counts(capsys: Text) -> No
     printed = capsys.readouterr().out
     assert secret not in printed
     assert "Authorization: Bearer TOKEN" in printed
-    assert "ws://HOST:9090/?token=TOKEN" in printed
+    assert "ws://HOST:PORT/?token=TOKEN" in printed
 
 
 def test_without_a_configuration_the_table_is_printed(capsys: Text) -> None:

@@ -26,7 +26,7 @@ reads it at SIGHUP (`systemctl reload homebot`), without a restart.
 _SENDING = """\
 A client sends the token, the one line of that file, in one of two ways:
   the header   Authorization: Bearer TOKEN
-  the address  ws://HOST:9090/?token=TOKEN    where a client can set no header, as browsers and Foxglove"""
+  the address  ws://HOST:PORT/?token=TOKEN    where a client can set no header, as browsers and Foxglove"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
