@@ -91,7 +91,7 @@ const jobText = (job) => [job.text, job.note || (seconds(job.next) > 0 && `next 
 async function ask() {
   const nodes = (await call("/rosapi/nodes").catch(() => ({ nodes: [] }))).nodes;
   const services = (await call("/rosapi/services_for_type", { type: "homebot/srv/GetHealth" }).catch(() => ({ services: ["/homebot/health"] }))).services;
-  const asked = services.sort().map((service) => [service.slice(1, -"/health".length).replace("gateway/", "gateway "), service]);
+  const asked = services.sort().map((service) => [service.replace(/^\/|\/health$/g, "").replace("gateway/", "gateway "), service]);
   const parts = await Promise.all(asked.map(async ([name, service]) => ({ name, ...(await call(service).catch(noAnswer)) })));
   const waiting = await call("/control/unapproved").catch(() => ({ devices: [], reasons: [] }));
   const apps = nodes.includes("/homebot") ? (await call("/apps/list").catch(() => null))?.apps : null;
