@@ -49,6 +49,17 @@ async def test_a_cancelled_goal_ends_once_and_only_that_of_its_own_client(house:
         assert (await first.receive())["op"] == "status"
 
 
+async def test_a_goal_that_is_sent_again_under_its_id_goes_on(house: House) -> None:
+    """A result with the id of both would end it for its client."""
+    async with server(house.graph) as fib, house.peer() as peer:
+        await peer.tell("send_action_goal", id="g", args={"order": 50}, **GOAL)
+        await peer.send("send_action_goal", id="g", args={"order": 50}, **GOAL)
+        refused = await peer.receive()
+        assert (refused["op"], refused["id"], refused["level"]) == ("status", "g", "error")
+        assert "a goal with the id 'g' is under way already" in refused["msg"]
+        assert len(fib.goals) == 1
+
+
 @pytest.mark.parametrize(
     ("change", "problem"),
     [

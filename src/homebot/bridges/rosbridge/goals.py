@@ -61,6 +61,9 @@ class SentGoals:
     def __len__(self) -> int:
         return len(self._goals)
 
+    def __contains__(self, identifier: object) -> bool:
+        return identifier in self._goals
+
     def send(self, op: SendActionGoal) -> None:
         """Send a goal; its result is answered later."""
         if op.id is not None and op.id in self._goals:

@@ -273,7 +273,8 @@ class ClientSession:
         self._remark("error", problem, identifier)
 
     def _answer(self, op: protocol.Operation | protocol.FrameError, problem: str) -> None:
-        if op.op in {"call_service", "send_action_goal"}:
+        is_new_goal = op.op == "send_action_goal" and op.id not in (self._goals or ())
+        if op.op == "call_service" or is_new_goal:
             self._outbox.answer(protocol.failure_frame(op, problem))
         else:
             self._remark("warning" if op.op == "unadvertise" else "error", problem, op.id)
