@@ -9,6 +9,7 @@ from pydantic import ValidationError
 from tests.control.conftest import Home, OpenHome
 from tests.control.test_journal_file import NOW, opened, read
 
+from homebot import Light
 from homebot.control.journal.command_folding import IN_FULL, MOST_OF_ISSUER, CommandFolding
 from homebot.control.journal.store import JournalNote, JournalStore
 from homebot.devices.command_messages import CommandRequest
@@ -92,6 +93,23 @@ async def test_the_newest_command_is_read_at_once_and_kept_when_the_minute_is_ov
         after = await outcomes(home)
     assert [one.command for one in after[:-1]] == [one.command for one in before]
     assert (len(before), before[-1].command.partition("-")[2]) == (IN_FULL + 1, "40")
+
+
+@pytest.mark.virtual_time
+async def test_folded_commands_are_read_at_their_time_and_not_at_that_of_their_storing(open_home: OpenHome) -> None:
+    async with open_home(rate_limit=False) as home:
+        lamp = await home.lamp("on_off", before={"on_off": False})
+        plug = await home.new(Light, "plug", "on_off", before={"on_off": False})
+        for _ in range(20):
+            await lamp.turn_on()
+            await lamp.turn_off()
+        await anyio.sleep(30)
+        await plug.turn_on()
+        await anyio.sleep(31)
+        await lamp.turn_on()
+        found = await outcomes(home)
+    assert [one.device for one in found[-2:]] == [plug.id, lamp.id]
+    assert found == sorted(found, key=lambda one: one.at.to_seconds())
 
 
 def test_a_flood_of_commands_to_ever_new_devices_is_folded_too() -> None:

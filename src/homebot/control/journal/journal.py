@@ -107,8 +107,9 @@ class CommandJournal:
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
         """Return the newest entries that fit, and the names of their devices."""
         response = with_newer(await self._store.read(request), self._folding.waiting(), request)
-        ids = {one.device for one in response.entries} | {one.trigger.device for one in response.entries}
-        return response.model_copy(update={"names": await self._names(sorted(ids - {""}))})
+        entries = tuple(sorted(response.entries, key=lambda one: one.at.to_seconds()))  # folded ones are stored late
+        ids = {one.device for one in entries} | {one.trigger.device for one in entries}
+        return response.model_copy(update={"entries": entries, "names": await self._names(sorted(ids - {""}))})
 
     async def _names(self, device_ids: list[str]) -> tuple[KeyValue, ...]:
         """Return the names of the known devices; none if the directory does not answer."""
