@@ -7,7 +7,8 @@ them. Unlike rclpy's, a call of a service without a server fails at once, and ``
 ``shutdown``.
 
 Each executor has one thread, so callback groups change nothing: a blocking call of a service runs other callbacks
-meanwhile. Not there: lifecycle nodes, and callbacks that wait for another one of their node by other means.
+meanwhile. Not there: lifecycle nodes, ``parameter_event_handler``, and callbacks that wait for another one of their
+node by other means.
 """
 
 from __future__ import annotations
