@@ -54,6 +54,24 @@ def read(advertisement: Advertisement) -> Broadcast:
         (heard(b"o\x80\x64", "da83 0020"), {"lock": "locked", "contact": False, "battery": 100.0}),
         (heard(b"o\x80\x64", "da94 0020"), {"lock": "unlocked", "contact": True, "battery": 100.0}),
         (heard(b"$\x80\x64", "da88 1020 0000"), {"lock": "unlocked", "contact": True, "battery": 32.0}),
+        # The following are of real devices, from the tests of pySwitchbot.
+        (
+            heard(b"\x00\x00d\x00\x10\xb9@", "00ff6826d6648303993480"),
+            {"temperature": 25.3, "humidity": 52.0, "occupancy": True},
+        ),
+        (heard(b"%\x00", "000000000000 14019835 00"), {"temperature": 24.1, "humidity": 53.0}),
+        (heard(b",\x00'\x9f\x11\x04", "2c089f11042700"), {"position": 69.0, "battery": 39.0}),
+        (heard(b"x\x00H", "0b2700a184"), {"tilt": 0.0, "battery": 72.0}),
+        (heard(b"x\x00H", "0b273ca184"), {"tilt": 80.0, "battery": 72.0}),
+        (heard(b"?\x00\x00\x00", "3fa1000004e600000000"), {"on_off": True, "power": 1254.0}),
+        (heard(b"<\x00\x00\x00", "4781000000310000"), {"on_off": True, "power": 49.0}),
+        (heard(b"-\x80d", "1793 0820"), {"lock": "unlocked", "battery": 100.0}),
+        (heard(b"\x00\x804\x00\x10\xa5\xb8", "258230340004"), {"lock": "locked", "contact": True, "battery": 52.0}),
+        (
+            heard(b"\x00 _\x00\x10\xf3\xd8@", "061405992d00000000d4000c0400"),
+            {"temperature": 25.5, "humidity": 45.0, "occupancy": True, "battery": 20.0},
+        ),
+        (heard(b"\x00 d\x00\x10\xcc\xc8", "06cc0456008c"), {"occupancy": True, "battery": 100.0}),
         (heard(b"H\x90\x0f"), {"on_off": True, "battery": 15.0}),
         (heard(b"H\xd0\x0f"), {"on_off": False, "battery": 15.0}),
     ],
@@ -85,7 +103,10 @@ def test_the_same_bytes_are_no_news() -> None:
     assert again.values
 
 
-@pytest.mark.parametrize("advertisement", [heard(b"T\x00\x64"), heard(b"d\x00\x58"), heard(b"o\x00\x64")])
+@pytest.mark.parametrize(
+    "advertisement",
+    [heard(b"T\x00\x64"), heard(b"d\x00\x58"), heard(b"o\x00\x64"), heard(b"\x00\x00\x64\x00\x10\x53\xb0")],
+)
 def test_a_device_is_none_before_the_data_of_the_maker_came(advertisement: Advertisement) -> None:
     """They come in another packet, which an active scan asks for."""
     assert SwitchbotParser({}).read(advertisement, 0.0) is None
@@ -99,7 +120,7 @@ def test_a_frame_that_is_cut_off_is_refused(advertisement: Advertisement) -> Non
         SwitchbotParser({}).read(advertisement, 0.0)
 
 
-@pytest.mark.parametrize("service", [b"", b"?\x00\x00"])
+@pytest.mark.parametrize("service", [b"", b"!\x00\x00"])
 def test_other_models_are_not_read(service: bytes) -> None:
     assert not SwitchbotParser({}).concerns(heard(service))
 

@@ -1,8 +1,8 @@
 """Parser of SwitchBot's broadcasts: sensors, and the states of locks, plugs, curtains and bots. Pure.
 
-A device says in the data of its service what it is and how full its battery is, and the rest beside its address in
-those of the maker; the oldest devices say all in the former. Their connections, by which they take commands, are not
-used.
+A device says in the data of its service what it is, in their first byte or the last ones, and how full its battery is,
+and the rest beside its address in those of the maker; the oldest devices say all in the former. Their connections, by
+which they take commands, are not used.
 
 Source: pySwitchbot 3.1, ``adv_parser.py`` and ``adv_parsers``.
 """
@@ -33,6 +33,9 @@ _BODY: Final = 8
 """The first byte in the maker's data after the address, a counter and flags."""
 
 _MOST_PPM: Final = 9999
+_OPEN_TILT: Final = 50
+"""Slats are closed upwards at 100 and downwards at 0."""
+
 _LOCKS: Final = ("locked", "unlocked", "locking", "unlocking", "jammed", "jammed", "unlocked")
 
 _ReadFrame = Callable[[bytes, bytes], PlainValue]
@@ -75,6 +78,10 @@ def _carbon_dioxide(_service: bytes, maker: bytes) -> PlainValue:
     return float(ppm) if ppm <= _MOST_PPM else None
 
 
+def _tilt(_service: bytes, maker: bytes) -> PlainValue:
+    return 100.0 - 2 * abs(_OPEN_TILT - min(maker[_BODY] & 0x7F, 100))
+
+
 def _battery_at(at: int) -> _SwitchbotRow:
     return _SwitchbotRow("battery", lambda _service, maker: float(maker[at] & 0x7F))
 
@@ -91,23 +98,46 @@ _PLUG: Final = (
     _SwitchbotRow("on_off", lambda _, maker: maker[7] == 0x80, "plug"),
     _SwitchbotRow("power", lambda _, maker: ((maker[10] & 0x7F) << 8 | maker[11]) / 10),
 )
+_RELAY: Final = _SwitchbotRow("on_off", lambda _, maker: bool(maker[7] & 0x80), "switch")
+_WATTS: Final = _SwitchbotRow("power", lambda _, maker: float(maker[10] << 8 | maker[11]))
+_LOCK_PRO: Final = (_lock(3, 0x78), *_bits(contact=(8, 0x10)), _battery_at(9))
 _BOT: Final = _SwitchbotRow("on_off", lambda service, _: (service[1] & 0xC0) == 0x80, "switch")
 _MODELS: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
     "TtIiWw4\x14": ("Meter", (*_CLIMATE, _BATTERY)),
     "5\x15": ("Meter Pro", (*_CLIMATE, _SwitchbotRow("carbon_dioxide", _carbon_dioxide), _BATTERY)),
     "Vv": ("Hub 2", _climate_at(13)),
+    "%\x05": ("Hub Mini Matter", _climate_at(13)),
     "Dd": ("Contact Sensor", (*_bits(contact=(7, 0x30), occupancy=(7, 0x80), light_detected=(7, 0x40)), _BATTERY)),
     "Ss": ("Motion Sensor", (*_bits(occupancy=(7, 0x40), light_detected=(7, 0x20)), _BATTERY)),
     "&\x06": ("Leak Detector", (*_bits(water_leak=(8, 1), tamper=(8, 2)), _battery_at(7))),
     "Cc{[": ("Curtain", (_CURTAIN, _BATTERY)),
+    ",\x0c": ("Roller Shade", (_CURTAIN, _BATTERY)),
+    "Xx": ("Blind Tilt", (_SwitchbotRow("tilt", _tilt, "window_covering"), _BATTERY)),
     "GgJj": ("Plug Mini", _PLUG),
+    "?\x1f": ("Plug Mini EU", (_RELAY._replace(service_type="plug"), _WATTS)),
+    "<\x1c": ("Relay Switch 1PM", (_RELAY, _WATTS)),
+    ";\x1b": ("Relay Switch 1", (_RELAY,)),
     "Oo": ("Lock", (_lock(4, 0x70), *_bits(contact=(7, 4)), _BATTERY)),
-    "$\x04": ("Lock Pro", (_lock(3, 0x78), *_bits(contact=(8, 0x10)), _battery_at(9))),
+    "-\r": ("Lock Lite", (_lock(4, 0x70), _BATTERY)),
+    "$\x04": ("Lock Pro", _LOCK_PRO),
     "H": ("Bot", (_BOT, _BATTERY)),
 }
 """By the letters of each model, of which one is that of a device that is being paired."""
 
-_MODEL_OF: Final = {ord(letter): model for letters, model in _MODELS.items() for letter in letters}
+_NUMBERED: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
+    "10b940": ("Hub 3", (*_climate_at(13), *_bits(occupancy=(16, 0x80)))),
+    "10a5b8": ("Lock Ultra", _LOCK_PRO),
+    "10ff90": ("Lock Pro", _LOCK_PRO),  # with Wi-Fi
+    "10f3d8": ("Climate Panel", (*_climate_at(_BODY), *_bits(occupancy=(15, 0x80)), _battery_at(7))),
+    "10ccc8": ("Presence Sensor", (*_bits(occupancy=(7, 0x40)), _BATTERY)),
+    "1053b0": ("Weather Station", (*_climate_at(_BODY), _battery_at(7))),
+}
+"""By the number of each model without a letter, at the end of the data of its service or before their last byte."""
+
+_MODEL_OF: Final = {
+    **{letter.encode(): model for letters, model in _MODELS.items() for letter in letters},
+    **{bytes.fromhex(number): model for number, model in _NUMBERED.items()},
+}
 
 
 class SwitchbotParser(BroadcastParser):
@@ -120,7 +150,7 @@ class SwitchbotParser(BroadcastParser):
     def concerns(self, advertisement: Advertisement) -> bool:
         """Return whether it is that of a known model."""
         service = _service_data(advertisement)
-        return bool(service) and service[0] & 0x7F in _MODEL_OF
+        return bool(service) and _model_of(service) is not None
 
     def read(self, advertisement: Advertisement, now: float) -> Broadcast | None:
         """Return the parts of a device, and its values if they are not the last ones again; None until all data came.
@@ -130,7 +160,7 @@ class SwitchbotParser(BroadcastParser):
         """
         del now
         service, maker = _service_data(advertisement), advertisement.manufacturer_data.get(MAKER, b"")
-        model, rows = _MODEL_OF[service[0] & 0x7F]
+        model, rows = _model_of(service) or ("", ())
         if len(maker) < _BODY + 3 and rows[0] in (*_CLIMATE, _CURTAIN):
             maker = bytes(_BODY) + service[3:]
         try:
@@ -156,6 +186,11 @@ class SwitchbotParser(BroadcastParser):
 
 def _service_data(advertisement: Advertisement) -> bytes:
     return next((advertisement.service_data[one] for one in SERVICES if one in advertisement.service_data), b"")
+
+
+def _model_of(service: bytes) -> tuple[str, tuple[_SwitchbotRow, ...]] | None:
+    keys = bytes((service[0] & 0x7F,)), service[-3:], service[-4:-1]
+    return next((_MODEL_OF[key] for key in keys if key in _MODEL_OF), None)
 
 
 def _part(row: _SwitchbotRow) -> Part:
