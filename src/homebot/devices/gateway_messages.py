@@ -101,9 +101,9 @@ class Report(Message):
     Attributes:
         readings: The values, in the order of the parts.
         address: The address on which they were published (MQTT: the topic); empty for a conclusion of the gateway.
-        stream: Key and address in one. The newest report of each is kept for late joiners, so that together they are
-            all that the device reported. Events have reports of their own, each in a stream of its own that is not
-            kept: they happened once.
+        stream: Key, address and names of the values in one. The newest report of each is kept for late joiners, so that
+            together they are all that the device reported. Events have reports of their own, each in a stream of its
+            own that is not kept: they happened once.
         retained: Whether it was a retained message, of the past.
         heard_at: The same in seconds of the monotonic clock, which is never set; 0 if the gateway does not give it.
     """

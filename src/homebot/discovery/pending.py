@@ -31,10 +31,10 @@ class PendingReports:
         self.reports: BoundedMap[SourceKey, BoundedMap[str, tuple[float, Report]]] = BoundedMap(_MAX_KEYS)
 
     def put(self, key: SourceKey, report: Report, now: float) -> None:
-        """Keep *report*, which came at *now*; the newest of each address."""
+        """Keep *report*, which came at *now*; the newest of each stream."""
         self.count += 1
         found = self.reports[key] = self.reports.get(key) or BoundedMap(_MAX_ADDRESSES)
-        found[report.stream if _is_event(report) else report.address] = now, report
+        found[report.stream] = now, report
 
     def remember_forgotten(self, key: SourceKey, sighting: Sighting) -> None:
         """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""

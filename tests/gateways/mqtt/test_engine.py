@@ -16,6 +16,7 @@ from homebot.graph import DurabilityPolicy, QoSProfile
 from homebot.messages import Time
 from homebot.mqtt.client import MqttSubscription
 from homebot.mqtt.connection import MqttConnection
+from homebot.testing.gateway_contract.steps import kept
 
 pytestmark = pytest.mark.virtual_time
 
@@ -261,6 +262,20 @@ async def test_a_value_that_ended_before_its_time_does_not_fade() -> None:
         assert len(house.told()) == 2
 
 
+async def test_a_report_replaces_none_with_other_values_on_its_topic() -> None:
+    """Tasmota and Shelly report each relay alone, on one topic for all: a slow reader needs every one."""
+    async with simple_house() as house:
+        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        slow = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=qos)
+        await house.announce("lamp1")
+        for values in ("on_off=on", "power=off", "on_off=off", "power=off on_off=on", "power=on"):
+            await house.say("lamp1/state", values)
+        late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=qos)
+        for reports in (kept(slow), kept(late)):
+            told = [{one.capability: one.value.plain() for one in report.readings} for report in reports]
+            assert told == [{"on_off": False}, {"power": False, "on_off": True}, {"power": True}]
+
+
 async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_what_was_removed_or_left() -> None:
     async with simple_house() as house:
         await house.announce("lamp1", parts="a b", state="lamp1/a lamp1/b")
@@ -276,10 +291,8 @@ async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_wh
 
         qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
         late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=qos)
-        kept = []
-        while (report := late.take()) is not None:
-            kept.append({one.part: one.value.plain() for one in report.readings})
-        assert kept == [{"a": False}, {"b": True}]
+        told = [{one.part: one.value.plain() for one in report.readings} for report in kept(late)]
+        assert told == [{"a": False}, {"b": True}]
 
 
 async def test_a_device_is_asked_for_its_state_once_its_topics_are_subscribed_to_and_on_each_new_link() -> None:

@@ -161,7 +161,7 @@ class StoredAnnouncement:
         heard_at: When it last reported, or was announced, live, on the monotonic clock; -inf where it was not.
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
-        report_streams: The streams of reports that late joiners get, by address.
+        report_streams: The streams of reports that late joiners get, by address and reported values.
         template: A sighting with all that its sightings have in common.
     """
 
@@ -177,7 +177,7 @@ class StoredAnnouncement:
     heard_at: float = field(default=-math.inf, init=False)
     refresh_at: float = field(default=0.0, init=False)
     reachable: Mapping[str, bool | None] = field(init=False)
-    report_streams: dict[str, str] = field(default_factory=dict, init=False)
+    report_streams: dict[tuple[object, ...], str] = field(default_factory=dict, init=False)
     template: Sighting = field(init=False)
 
     def __post_init__(self) -> None:
@@ -195,13 +195,17 @@ class StoredAnnouncement:
         """Return whether the graph sees no difference between the two."""
         return self.template == other.template
 
-    def report_stream(self, address: str) -> str:
-        """Return the name of the report stream of *address*; the addresses of a device with hundreds share one."""
-        name = self.report_streams.get(address)
+    def report_stream(self, *source: object) -> str:
+        """Return the name of the report stream of *source*: the address, and what is reported.
+
+        A report never takes the place of one with other values. The sources of a device with hundreds share a stream.
+        """
+        name = self.report_streams.get(source)
         if name is None:
             if len(self.report_streams) >= _MAX_STREAMS:
-                address = "*"
-            name = self.report_streams[address] = f"{self.key} {address}"
+                source = ("*",)
+            number = sum(one[0] == source[0] for one in self.report_streams)
+            name = self.report_streams.setdefault(source, f"{self.key} {source[0]} {number}")
         return name
 
     def copy_state(self, before: StoredAnnouncement) -> None:

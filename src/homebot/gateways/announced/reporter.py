@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import lru_cache
+from operator import attrgetter
 
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.gateway_messages import REACHABLE, Report
@@ -21,6 +22,7 @@ _EVENTS = 1000
 
 _LAST = NEVER.to_seconds()
 
+_value_name = attrgetter("part", "capability")
 _report_of, _stamp_of = Report.of_checked, Time.from_seconds  # looked up once, as `of_checked` says
 
 
@@ -68,14 +70,23 @@ class DeviceReporter:
         )
 
     def publish_report(
-        self, key: str, readings: tuple[Reading, ...], address: str, stream: str, *, retained: bool
+        self,
+        device: StoredAnnouncement,
+        readings: Sequence[Reading],
+        address: str,
+        *,
+        retained: bool,
+        stream: str = "",
     ) -> None:
-        """Publish a report of the device *key*."""
+        """Publish a report of a device, by default in the stream of reports of these values on *address*."""
+        if not stream:
+            source = address, *map(_value_name, readings)
+            stream = device.report_streams.get(source) or device.report_stream(*source)
         self._reports.publish(
             _report_of(
                 gateway=self._gateway_name,
-                key=key,
-                readings=readings,
+                key=device.key,
+                readings=tuple(readings),
                 address=address,
                 stream=stream,
                 retained=retained,
@@ -85,32 +96,30 @@ class DeviceReporter:
         )
 
     def publish_readings(
-        self, device: StoredAnnouncement, readings: Sequence[Reading], source: str, address: str, *, retained: bool
+        self, device: StoredAnnouncement, readings: Sequence[Reading], address: str, *, retained: bool
     ) -> None:
         """Publish states and events that a device reported; an event that was kept from before is over.
 
         Args:
-            source: Tells its streams apart: the address or the part.
             address: Where it was said; empty if the protocol has no addresses.
             retained: Whether it was kept from before.
         """
         states = tuple([one for one in readings if one.capability not in EVENTS])
         if states:
-            self.publish_report(device.key, states, address, device.report_stream(source), retained=retained)
+            self.publish_report(device, states, address, retained=retained)
         if len(states) < len(readings) and not retained:
             events = tuple([one for one in readings if one.capability in EVENTS])
             self._events = (self._events + 1) % _EVENTS
             stream = f"event {self._events}"  # nothing takes its place, and no late joiner gets it
-            self.publish_report(device.key, events, address, stream, retained=False)
+            self.publish_report(device, events, address, retained=False, stream=stream)
             self._reports.dispose(stream)
 
     def report_reachable(
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
         """Publish whether a device, or one of its parts, is reachable, by *address*; empty for no more."""
-        reading = _reachable(part, reachable)
-        stream = device.report_stream(f"{REACHABLE} {part}" if part else REACHABLE)
-        self.publish_report(device.key, (reading,), address, stream, retained=retained)
+        stream = device.report_stream(REACHABLE, part)
+        self.publish_report(device, (_reachable(part, reachable),), address, retained=retained, stream=stream)
 
     def dispose_all(self, device: StoredAnnouncement) -> None:
         """Keep no report of a device for late joiners any more."""
@@ -121,10 +130,9 @@ class DeviceReporter:
     def dispose_left(self, device: StoredAnnouncement, before: StoredAnnouncement) -> None:
         """Keep no report on an address that *device* left since *before*: its value is of no source any more."""
         reads = {address for one in device.parts.values() for address in one.described.part.reads}
-        for part in before.parts.values():
-            for address in part.described.part.reads:
-                if address not in reads and (stream := device.report_streams.pop(address, "")):
-                    self._reports.dispose(stream)
+        left = {address for one in before.parts.values() for address in one.described.part.reads} - reads
+        for source in [one for one in device.report_streams if one[0] in left]:
+            self._reports.dispose(device.report_streams.pop(source))
 
 
 @lru_cache(maxsize=256)  # a bridge that comes or goes says the same of each announcement

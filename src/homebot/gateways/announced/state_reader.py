@@ -146,7 +146,7 @@ class StateReader:
             readings = []
         if readings:
             self._counters.reports += 1
-            self._reporter.publish_readings(stored, readings, address, address, retained=retained)
+            self._reporter.publish_readings(stored, readings, address, retained=retained)
         raw = RawMessage.of_checked(
             gateway=stored.gateway,
             key=stored.key,
@@ -164,10 +164,8 @@ class StateReader:
         readings = [_reading_of(part=name, capability=one, value=_value_of(value)) for one, value in values.items()]
         for expiry in part.described.expiries:
             self._schedule_expiry(part, expiry, values)
-        # By its capabilities: a report of one capability replaces no other's.
-        stream = " ".join((name, *sorted(values)))
         is_brief = _is_brief(values)
-        self._report(part.stored, readings, "", retained=retained, has_events=not is_brief, stream=stream)
+        self._report(part.stored, readings, "", retained=retained, has_events=not is_brief)
         if is_brief and not self._listeners.by_address.get(part.address):
             self._record_lazy(part, values, retained)
             return
@@ -221,7 +219,6 @@ class StateReader:
         *,
         retained: bool,
         has_events: bool,
-        stream: str = "",
     ) -> None:
         if self._devices.get(stored.key) is not stored:
             return  # it went while others had their turn
@@ -234,11 +231,9 @@ class StateReader:
                 why = f"message on {address}" if address else "it reported"
                 reporter.publish_sighting(stored, "updated", why, confirmed=True)
         if has_events:
-            reporter.publish_readings(stored, readings, address or stream, address, retained=retained)
+            reporter.publish_readings(stored, readings, address, retained=retained)
         else:
-            source = address or stream
-            stream = stored.report_streams.get(source) or stored.report_stream(source)
-            reporter.publish_report(stored.key, tuple(readings), address, stream, retained=retained)
+            reporter.publish_report(stored, readings, address, retained=retained)
         if stored.reachable and not retained and False in stored.reachable.values():
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 
@@ -308,8 +303,7 @@ class StateReader:
             return
         self._reporter.refresh_time()
         reading = Reading(part=part, capability=capability, value=Value.of(expiry.value))
-        stream = announced_part.stored.report_stream(f"expiry {part} {capability}")
-        self._reporter.publish_report(announced_part.stored.key, (reading,), "", stream, retained=False)
+        self._reporter.publish_report(announced_part.stored, (reading,), "", retained=False)
         raw = self._as_text(announced_part, {capability: expiry.value}, retained=False)
         if raw is not None:
             for listener in tuple(self._listeners.by_address.get(announced_part.address, ())):
