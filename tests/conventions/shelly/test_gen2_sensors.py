@@ -20,6 +20,7 @@ def of_service(role: str, **config: object) -> dict[str, object]:
 
 ZONE, POSITION, STATE = of_service("zone0", name="Lawn"), of_service("position", min=0, max=100), of_service("state")
 BAR, CUBIC = {"expr": "x*0.16", "unit": "bar"}, {"expr": "x/1000", "unit": "m³"}
+LABEL = {"access": "*", "owner": "", "meta": {"ui": {"view": "label"}}}
 COOLING = {"type": "cooling"}
 COOLED = {"enable": True, "target_C": 24, "current_C": 26.5, "output": True}
 PHASES = {"a_act_power": 200, "a_voltage": 230, "b_act_power": 100, "c_act_power": 50, "total_act_power": 350}
@@ -69,6 +70,8 @@ PHASES = {"a_act_power": 200, "a_voltage": 230, "b_act_power": 100, "c_act_power
         ({"xvoltage": {"unit": "pH"}}, "voltmeter:100/xvoltage", "x_sensor", {"xvoltage": 7.1}, {"measurement": 7.1}),
         ({"access": "cr"}, "number:200", "x_sensor", {"value": 3}, {"measurement": 3.0}),
         ({"access": "cr"}, "boolean:200", "x_binary_sensor", {"value": True}, {"state": True}),
+        ({"access": "*"}, "boolean:200", "x_setting", {"value": True}, {"state": True}),
+        (LABEL, "number:200", "x_sensor", {"value": 3}, {"measurement": 3.0}),
         ({}, "switch:0/temperature", "temperature_sensor", {"temperature": {"tC": 40.1}}, {"temperature": 40.1}),
         ({}, "rgb:0", "light", {"output": True, "brightness": 75, "rgb": [255, 128, 0]},
          {"on_off": True, "level": 75.0, "color": (30.118, 100.0)}),

@@ -53,6 +53,9 @@ _CONTROLLED: Mapping[tuple[str, str], tuple[str, str]] = {
 }
 """Service type and capability of the settings of a maker's service, by kind and role."""
 
+_DISPLAYS = ("label", "progressbar")
+"""Views of a value that a script of the user reports."""
+
 _VALVE_POSITION = ("number", "position")
 """Kind and role of the opening of a water valve; blinds are covers in a maker's service."""
 
@@ -62,12 +65,12 @@ _MOST_OPTIONS = 100
 
 
 def build_virtual(component: ShellyComponent) -> Parts:
-    """Describe a value as a setting, or by its role or its access."""
-    role = role_of(component.config)
+    """Describe a value as a setting, or by its role, its view or its access."""
+    role, access = role_of(component.config), text_of(component.config.get("access")) or "*"
     if (component.kind, role) == _VALVE_POSITION or (component.kind == "boolean" and _ZONE.fullmatch(role)):
         return (_build_valve(component, role),)
-    access = component.config.get("access")
-    if (component.kind == "number" and role in _MEASURED) or (isinstance(access, str) and "w" not in access):
+    is_shown = _ui(component.config).get("view") in _DISPLAYS or not {"w", "*"} & set(access)
+    if is_shown or (component.kind == "number" and role in _MEASURED):
         return (_build_sensor(component, role),)
     return (_build_setting(component, role),)
 
@@ -147,8 +150,11 @@ def _options_of(config: Fields) -> tuple[str, ...]:
 
 
 def _unit(config: Fields) -> str:
-    unit = as_fields(as_fields(config.get("meta")).get("ui")).get("unit")
-    return text_of(unit, LONGEST_UNIT)
+    return text_of(_ui(config).get("unit"), LONGEST_UNIT)
+
+
+def _ui(config: Fields) -> Fields:
+    return as_fields(as_fields(config.get("meta")).get("ui"))
 
 
 def _bounds_of(config: Fields) -> tuple[float, ...]:
