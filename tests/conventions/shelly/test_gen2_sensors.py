@@ -2,7 +2,7 @@ import json
 from typing import Any
 
 import pytest
-from tests.conventions.announced_parts import Say, heard, part_in, told
+from tests.conventions.announced_parts import Say, device_in, heard, part_in, told
 
 from homebot.conventions.description import AnnouncementEvent, DeviceAnnounced
 from homebot.errors import RefusedError
@@ -176,6 +176,19 @@ def test_a_value_by_a_formula_of_the_owner_has_its_unit(say: Say) -> None:
 )
 def test_disabled_and_unknown_inputs_are_no_parts(say: Say, key: str, config: object) -> None:
     assert introduce(say, key, {"state": True, "value": 1}, config) == ()
+
+
+@pytest.mark.parametrize(("has_relay", "expected"), [(True, ["thermostat"]), (False, ["thermostat", "switch"])])
+def test_the_relay_of_a_thermostat_is_no_switch(say: Say, has_relay: bool, expected: list[str]) -> None:  # noqa: FBT001
+    """A Wall Display says whether its own relay is the one that its thermostat switches."""
+    say("homebot/rpc", {"id": 1, "src": "x", "result": {"id": "x", "mac": "A8032ABE54DC"}})
+    status = {
+        "sys": {"mac": "A8", "relay_in_thermostat": has_relay},
+        "thermostat:0": COOLED,
+        "switch:0": {"output": True},
+    }
+    device = device_in(say("homebot/rpc", {"id": 1, "src": "x", "result": status}))
+    assert [one.part.service_type for one in device.parts] == expected
 
 
 @pytest.mark.parametrize(

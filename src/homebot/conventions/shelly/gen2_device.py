@@ -174,10 +174,12 @@ _RANKS = {kind: rank for rank, kind in enumerate((*_BUILDERS, *BLUETOOTH))}
 def _components(topics: Gen2Topics, status: Fields, config: Fields) -> tuple[ShellyComponent, ...]:
     found: list[ShellyComponent] = []
     is_meter = any(key.startswith(("em:", "em1:")) for key in status)
+    is_actuator = as_fields(status.get("sys")).get("relay_in_thermostat") is True  # the thermostat switches its relay
+    kinds = _RANKS.keys() - ({"switch"} if is_actuator else set())
     for key, fields in status.items():
         if len(found) >= MAX_COMPONENTS:
             break
-        if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in _RANKS:
+        if isinstance(fields, dict) and _KEY.fullmatch(key) and key.partition(":")[0] in kinds:
             load = _load(config, key) if key.startswith("switch:") else ""
             is_inside = is_meter and _OWN_TEMPERATURE.fullmatch(key) is not None
             found.append(ShellyComponent(topics, key, fields, as_fields(config.get(key)), load, is_inside))
