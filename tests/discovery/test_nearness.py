@@ -238,6 +238,17 @@ async def test_an_expired_pose_is_said_and_an_unknown_robot_is_a_mistake() -> No
                 await ask
 
 
+async def test_a_room_that_the_house_does_not_have_is_said_instead_of_what_is_near_it() -> None:
+    async with golden() as house:
+        at = Time.from_seconds(house.app.graph.clock.now())
+        house.poses.publish(RobotPose(robot="robi", room="Cellar", received_at=at, limit=600.0, counts=True))
+        answer = await house.find("lamp near robi")
+        assert not answer.success
+        assert answer.message.endswith(
+            "no device is in 'cellar', and [places] has no such room; rooms are Hall, Kitchen"
+        )
+
+
 async def test_apps_find_the_nearest_first_and_by_values() -> None:
     async with golden() as house:
         await house.robot_at(3.5, 1.0)

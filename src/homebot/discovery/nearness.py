@@ -22,6 +22,7 @@ from homebot.discovery.index import DeviceIndex
 from homebot.discovery.past_outcomes import PastOutcomes
 from homebot.discovery.search.near_rank import CostTerm, DoorState, NearDevice, cost_text, nearest
 from homebot.discovery.search.rank import least_shortcoming, shortcomings
+from homebot.discovery.search.unknown_words import area_problem
 from homebot.errors import RefusedError, ServiceUnavailableError, UsageError
 from homebot.graph import Node
 from homebot.messages.key_value import KeyValue
@@ -148,6 +149,8 @@ class Nearness:
         place = self._in_room(pose.room) if pose.room else None
         if pose.has_position:
             place = self._floor_plan.place_of(Position(pose.x, pose.y, pose.floor, pose.error), pose.room)
+        elif problem := area_problem(fold(pose.room), self._index.postings, self._floor_plan.plan):
+            raise RefusedError(f"what is near {pose.robot}", problem)
         if place is None:
             has_no_floor = not pose.floor and len(self._floor_plan.plan.floors) > 1
             problem = f"the house has several floors; state its floor in [robots.{pose.robot}]"

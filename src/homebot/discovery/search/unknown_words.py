@@ -16,7 +16,7 @@ from homebot.places import OUTSIDE, HousePlan
 from homebot.support.folding import fold, is_room_typo, is_typo
 from homebot.support.similar import did_you_mean
 
-__all__ = ["check_words"]
+__all__ = ["area_problem", "check_words"]
 
 _SHOWN = 12
 _WORDS = frozenset({*TYPE_WORDS, *CAPABILITY_WORDS, *ABILITIES, *ADJECTIVES, *CONDITIONS, *KEYWORDS, "near", "within"})
@@ -54,7 +54,7 @@ def _problem(term: Query, postings: Postings, plan: HousePlan | None, devices: C
         case TypeIs(word):
             return _unknown_type(word, {*TYPE_WORDS, *postings.values_of("advertised")})
         case InArea(area) | AreaIs(area) if area:
-            return _unknown_area(area, postings, plan)
+            return area_problem(area, postings, plan)
         case NameIs(name) | FactIs("name", name):
             return _unknown_name(name, postings, devices)
         case FactIs("tag", tag):
@@ -85,7 +85,8 @@ def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[
     return f"nothing is called {name!r}; did you mean {' or '.join(meant)}?" if meant and not is_known else ""
 
 
-def _unknown_area(area: str, postings: Postings, plan: HousePlan | None) -> str:
+def area_problem(area: str, postings: Postings, plan: HousePlan | None) -> str:
+    """Return why *area*, a folded name, is no place of the house; empty if it is one, or may become one."""
     rooms, others = ([], ()) if plan is None else ([room.name for room in plan.rooms], (*plan.floors, plan.home))
     stated = {fold(one): one for one in (*rooms, *others)}
     known = {**{one: one for one in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
