@@ -309,7 +309,7 @@ def test_help_and_version_import_nothing_heavy() -> None:
 
 def test_a_steady_topic_has_no_deviation() -> None:
     assert rate_text([10.0, 10.5, 11.0]) == (
-        "average rate: 2.000\n\tmin: 0.500s max: 0.500s std dev: 0.00000s window: 3"
+        "average rate: 2.000\n    min: 0.500s max: 0.500s std dev: 0.00000s window: 3"
     )
 
 

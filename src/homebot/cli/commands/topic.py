@@ -248,5 +248,5 @@ def rate_text(times: Sequence[float]) -> str:
     rate = 1 / mean if mean > 0 else math.inf
     return (
         f"average rate: {rate:.3f}\n"
-        f"\tmin: {min(gaps):.3f}s max: {max(gaps):.3f}s std dev: {deviation:.5f}s window: {len(times)}"
+        f"    min: {min(gaps):.3f}s max: {max(gaps):.3f}s std dev: {deviation:.5f}s window: {len(times)}"
     )
