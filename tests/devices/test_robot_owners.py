@@ -105,6 +105,11 @@ def test_nobody_else_publishes_on_the_topics_of_a_robot() -> None:
         page.check(Advertise(op="advertise", topic="/tf", type="x/msg/X"), str)
 
 
+def test_which_of_several_robots_a_client_is_is_its_own_to_say() -> None:
+    with pytest.raises(MissingRightError, match=r'add "robot: NAME" to its scope'):
+        ClientAccess("other", LOCAL_RIGHTS, TWO).check(Advertise(op="advertise", topic="/tf", type="x/msg/X"), str)
+
+
 @pytest.mark.parametrize("scope", ["robot", "robot: ", "robot: a robot", "robot: ros/ie"])
 def test_the_right_to_be_a_robot_names_one(scope: str) -> None:
     with pytest.raises(UsageError, match="robot"):

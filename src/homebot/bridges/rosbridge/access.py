@@ -194,7 +194,7 @@ class ClientAccess:
         return Right.ROBOT
 
     def _problem(self, right: Right, robot: str = "") -> str:
-        wanted = {Right.ACT: "act: harmless", Right.ROBOT: f"robot: {robot or self.owners.names[0]}"}.get(
+        wanted = {Right.ACT: "act: harmless", Right.ROBOT: f"robot: {robot or self.owners.sole or 'NAME'}"}.get(
             right, right.value
         )
         if self.name == LOCAL_CLIENT:
