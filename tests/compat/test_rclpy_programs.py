@@ -5,7 +5,7 @@ import re
 import signal
 import sys
 from collections import Counter
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -67,9 +67,9 @@ class Run:
 
 
 @asynccontextmanager
-async def running(*programs: str, **environment: str) -> AsyncIterator[Run]:
+async def running(*programs: str, arguments: Sequence[str] = (), **environment: str) -> AsyncIterator[Run]:
     command = [sys.executable, "-m", "homebot.compat", "--interfaces", str(INTERFACES)]
-    command += [str(PROGRAMS / f"{name}.py") for name in programs]
+    command += [*(str(PROGRAMS / f"{name}.py") for name in programs), "--", *arguments]
     process = await anyio.open_process(command, stderr=-2, env=os.environ | environment)
     async with process:
         try:
@@ -92,7 +92,7 @@ async def test_a_listener_hears_a_talker_until_ctrl_c() -> None:
 
 async def test_a_client_gets_the_sum_from_a_service() -> None:
     """The client starts first, and waits for the service; its shutdown ends the service."""
-    async with running("client", "service") as run:
+    async with running("client", "service", arguments=("41", "1")) as run:
         assert await run.exit_code() == 0
     assert "minimal_service Incoming request\\na: 41 b: 1" in run.text
     assert "Result of add_two_ints: for 41 + 1 = 42" in run.text

@@ -1,4 +1,4 @@
-"""``python -m homebot.compat PROGRAM...``: runs programs written for ROS 2, unchanged, on one graph."""
+"""``python -m homebot.compat PROGRAM... [-- ARGUMENT...]``: runs programs of ROS 2, unchanged, on one graph."""
 
 import argparse
 import sys
@@ -36,7 +36,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         default=[],
         help="a folder of further interfaces: PACKAGE/msg/NAME.msg and so on; may be given several times",
     )
-    options = parser.parse_args(argv)
+    words = list(sys.argv[1:] if argv is None else argv)
+    end = words.index("--") if "--" in words else len(words)
+    options = parser.parse_args(words[:end])
+    sys.argv[1:] = words[end + 1 :]
     texts = {key: text for folder in options.interfaces for key, text in Interfaces.read_folder(folder).items()}
     _install_modules(Interfaces(texts))
     failed: list[str] = []

@@ -1,3 +1,5 @@
+import sys
+
 import rclpy
 from example_interfaces.srv import AddTwoInts
 from rclpy.node import Node
@@ -20,10 +22,10 @@ class MinimalClientAsync(Node):
 def main():
     rclpy.init()
     minimal_client = MinimalClientAsync()
-    future = minimal_client.send_request(41, 1)
+    future = minimal_client.send_request(int(sys.argv[1]), int(sys.argv[2]))
     rclpy.spin_until_future_complete(minimal_client, future)
     response = future.result()
-    minimal_client.get_logger().info(f"Result of add_two_ints: for 41 + 1 = {response.sum}")
+    minimal_client.get_logger().info(f"Result of add_two_ints: for {sys.argv[1]} + {sys.argv[2]} = {response.sum}")
     minimal_client.destroy_node()
     rclpy.shutdown()
 
