@@ -201,6 +201,12 @@ def test_a_line_of_a_program_is_logged_once_or_once_in_a_time(node: rclpy.Node) 
     assert [line["event"] for line in lines] == events
 
 
+def test_the_durations_of_a_profile_are_those_of_rclpy(node: rclpy.Node) -> None:
+    profile = rclpy.qos.QoSProfile(depth=1, deadline=rclpy.Duration(seconds=0.5))
+    node.create_publisher(String, "chatter", profile)
+    assert (profile.depth, profile.deadline) == (1, 0.5)
+
+
 def test_a_wrong_value_is_refused_when_it_is_published(node: rclpy.Node) -> None:
     publisher = node.create_publisher(String, "chatter", 10)
     with pytest.raises(TypeMismatchError, match=r"not a std_msgs/msg/String: field 'data': .* got 5"):

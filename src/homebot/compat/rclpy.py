@@ -69,12 +69,21 @@ ExternalShutdownException = KeyboardInterrupt  # caught in a program's last line
 ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
 MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
 ClockType = IntEnum("ClockType", ("ROS_TIME", "SYSTEM_TIME", "STEADY_TIME"))
+
+
+def _profile(**policies: Any) -> graph_qos.QoSProfile:
+    """Return a profile of *policies*, with durations in seconds."""
+    seconds = {name: value / 10**9 for name, value in policies.items() if isinstance(value, RclpyDuration)}
+    return graph_qos.QoSProfile(**policies | seconds)
+
+
 qos = ModuleType("rclpy.qos")
 vars(qos).update(
     vars(graph_qos),
     QoSDurabilityPolicy=graph_qos.DurabilityPolicy,
     QoSHistoryPolicy=graph_qos.HistoryPolicy,
     QoSLivelinessPolicy=graph_qos.LivelinessPolicy,
+    QoSProfile=_profile,
     QoSReliabilityPolicy=graph_qos.ReliabilityPolicy,
     qos_profile_parameters=graph_qos.qos_profile_parameter_events,
     qos_profile_system_default=graph_qos.qos_profile_default,
