@@ -296,6 +296,14 @@ def test_a_plug_begins_with_what_it_measures_now() -> None:
     assert shown == ["ENERGY_Power", "ENERGY_Voltage", "ENERGY_Total", "ENERGY_Today"]
 
 
+def test_a_blind_begins_with_its_shutter_and_a_thermometer_with_its_temperature() -> None:
+    """A list showed the position of a blind twice, its direction and its target, and the number of a thermometer."""
+    parts = built(
+        {"Shutter1": {"Position": 30, "Direction": 0}, "DS18B20": {"Id": "01191ED79190", "Temperature": 20.5}}
+    )
+    assert [one.part.id for one in parts.values() if one.part.category != "diagnostic"] == ["DS18B20_Temperature"]
+
+
 def test_other_leaves_are_left_out() -> None:
     assert built({"Time": "now", "Switch1": "ON", "PN532": {"UID": "1"}, "TempUnit": "C"}) == {}
     assert read_leaves({"ver": 2, "sn": {"A": {"b": 1}}}) == ()

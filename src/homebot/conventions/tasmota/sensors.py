@@ -4,6 +4,7 @@ Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``component
 tasmota.github.io/docs, JSON status responses, for the names in use.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -140,7 +141,7 @@ def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[
             quantity.service_type,
             name=clean_text(" ".join(map(str, leaf.path))),
             advertised=clean_text(str(leaf.path[-1 if isinstance(leaf.path[-1], str) else -2])),
-            category="diagnostic" if leaf.is_internal or leaf.path[-1] == "TotalStartTime" else "",
+            category="diagnostic" if leaf.is_internal or _DIAGNOSTIC.search(" ".join(map(str, leaf.path))) else "",
         )
         capability = quantity.capability if is_number else "value"
         for topic in config.sensors:
@@ -149,6 +150,10 @@ def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[
         part.add_state_request(*config.sensor_requests)
         yield part.build()
     yield _signal(config)
+
+
+_DIAGNOSTIC = re.compile("^Shutter[0-9]| (Id|TotalStartTime)$")
+"""Values of a shutter, which is a part itself, and facts of a sensor."""
 
 
 def _is_inside(sensor: str, sensors: Mapping[str, object]) -> bool:
