@@ -17,7 +17,10 @@ from homebot.messages.interfaces.interface_text import Interface
 
 __all__ = ["main"]
 
-_MODULES = " .action .callback_groups .clock .duration .exceptions .executors .logging .node .parameter .task .time"
+_MODULES = (
+    " .action .callback_groups .client .clock .duration .exceptions .executors .logging .node .parameter .publisher"
+    " .service .subscription .task .time .timer"
+)
 """The modules of rclpy whose names are those of our one."""
 
 

@@ -7,8 +7,8 @@ them. Unlike rclpy's, a call of a service without a server fails at once, and ``
 ``shutdown``.
 
 Each executor has one thread, so callback groups change nothing: a blocking call of a service runs other callbacks
-meanwhile. Not there: lifecycle nodes, ``parameter_event_handler``, and callbacks that wait for another one of their
-node by other means.
+meanwhile. Not there: lifecycle nodes, ``tf2_ros``, ``parameter_event_handler``, callbacks before and after a parameter
+is set, and callbacks that wait for another one of their node by other means.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from enum import IntEnum
+from enum import Enum, IntEnum
 from functools import partial
 from types import ModuleType
 from typing import Any, Final, Self
@@ -88,6 +88,10 @@ vars(qos).update(
     qos_profile_parameters=graph_qos.qos_profile_parameter_events,
     qos_profile_system_default=graph_qos.qos_profile_default,
 )
+_PRESETS = {
+    name.removeprefix("qos_profile_").upper(): one for name, one in vars(qos).items() if name.startswith("qos_")
+}
+vars(qos).update(QoSPresetProfiles=Enum("QoSPresetProfiles", _PRESETS))
 Clock, Duration, Rate, Time = RclpyClock, RclpyDuration, RclpyRate, RclpyTime
 ok = CONTEXT.ok
 shutdown = try_shutdown = CONTEXT.shutdown
@@ -315,5 +319,6 @@ Node = RclpyNode
 create_node = RclpyNode
 SingleThreadedExecutor = MultiThreadedExecutor = SpinExecutor
 Parameter = RclpyParameter
+Client = Publisher = Service = Subscription = Timer = Remote
 action = callback_groups = clock = duration = exceptions = executors = sys.modules[__name__]
 logging = node = parameter = task = utilities = sys.modules[__name__]
