@@ -13,10 +13,11 @@ import pytest
 from tests.cli.conftest import Homebot
 from tests.cli.golden.conftest import StillHouse, ago, attic, told
 
+from homebot.bridges.rosapi.doctor import gateway_finding, health_findings
 from homebot.cli import main
-from homebot.cli.commands.doctor import gateway_finding, health_findings
-from homebot.cli.findings import FindingKind, print_finding
+from homebot.cli.commands.doctor import print_finding
 from homebot.devices import QUERY_DEVICES, Fact, GatewayState, QueryDevices
+from homebot.devices.findings import FindingKind
 from homebot.devices.health import Count, HealthResponse, PartFailure
 from homebot.discovery.store import index_path
 from homebot.graph import Graph, Node
@@ -45,7 +46,7 @@ def test_a_gateway_that_is_unavailable_is_not_said_to_send_commands(
 ) -> None:
     found = list(gateway_finding("ble", state))
     assert len(found) == bool(line)
-    assert all(one.kind.is_problem for one in found)
+    assert all(one.is_problem for one in found)
     for one in found:
         print_finding(one)
     assert capsys.readouterr().out.partition("\n")[0] == line
@@ -56,7 +57,7 @@ def test_a_count_that_alone_makes_all_not_well_has_a_code_of_its_own(capsys: Tex
     counts = {"announcements_rejected": 2, "commands_failed": 1, "inbox_dropped": 7, "reports_lost": 0}
     health = HealthResponse(counts=tuple(Count(name=name, count=count) for name, count in counts.items()))
     found = list(health_findings("gateway/mqtt", health, 0.0, everything=False))
-    assert [one.kind.is_problem for one in found] == [False, True]
+    assert [one.is_problem for one in found] == [False, True]
     for one in found:
         print_finding(one)
     assert [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()] == [
@@ -75,7 +76,7 @@ def test_a_handler_that_failed_is_one_finding() -> None:
         part="hall", what="the handler light failed", count=2, last=Time.from_seconds(0.0), why="ValueError: no lamp"
     )
     health = HealthResponse(counts=Count.each({"callback_failures": 2}), failures=(failure,))
-    assert [one.kind for one in health_findings("homebot", health, 0.0, everything=False)] == [FindingKind.FAILURE]
+    assert [one.code for one in health_findings("homebot", health, 0.0, everything=False)] == [FindingKind.FAILURE.code]
     assert len([*health_findings("homebot", health, 0.0, everything=True)]) == 2
 
 

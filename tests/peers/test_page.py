@@ -15,6 +15,7 @@ from anyio.abc import SocketAttribute, SocketStream
 from tests.peers.chromium import Page, chromium
 from tests.peers.node_package import node_folder
 
+from homebot.apps import App
 from homebot.config import parse_config
 from homebot.house import SimulatedLamp, World, thesis_world
 from homebot.house.description import load_world
@@ -73,6 +74,14 @@ const done = arguments[0];
 axe.run({ resultTypes: ["violations"] }).then((found) => done(found.violations));
 """
 
+
+class Nightly(App):
+    """Is called at ten."""
+
+    async def run(self) -> None:
+        self.daily("22:00", self.run)
+
+
 OpenPage: TypeAlias = Callable[..., AbstractAsyncContextManager[Page]]
 
 
@@ -97,9 +106,8 @@ def page(browser: Any) -> OpenPage:
         world: World | None = None, tables: dict[str, object] | None = None, **door: object
     ) -> AsyncIterator[Page]:
         gateways = {"gateways": {"mqtt": {"root": "home425"}}}
-        config = parse_config(
-            {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}, "test"
-        )
+        home = {"home": {"name": "villa"}, "door": {"port": 0, **door}, **gateways, **(tables or {})}
+        config = await to_thread.run_sync(parse_config, home, "test")
         async with Runtime(config, house=world or thesis_world(), robot="robot") as runtime:
             assert runtime.door is not None
             try:
@@ -140,6 +148,24 @@ async def test_each_view_shows_what_homebot_says(page: OpenPage) -> None:
     async with page() as own:
         for view, shown in VIEWS:
             await own.open(view, shows=shown)
+        assert own.problems() == []
+
+
+async def test_the_system_view_shows_what_the_doctor_finds_and_when_jobs_are_due_at_home(page: OpenPage) -> None:
+    """It knew of no weak battery, and told the next time in the zone of the browser."""
+    tables = {
+        "home": {"name": "villa", "zone": "Pacific/Kiritimati"},
+        "apps": {"nightly": {"class": "tests.peers.test_page:Nightly"}},
+        "places": {"devices": {"lights/roomlights405": {"tags": ["dimmed"]}}},
+    }
+    async with page(tables=tables) as own:
+        await own.open("#/system", shows="Nothing is wrong. To note:")
+        await own.shows("HB405 without room:\nphilips165")
+        await own.shows("→ homebot place DEVICE ROOM")
+        await own.shows("22:00 GMT+14")
+        await own.shows("gateway mqtt is active and sends commands")
+        await own.click(".entries a")
+        await own.shows("What is known, and from where")
         assert own.problems() == []
 
 
@@ -275,7 +301,7 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
         await own.click("button[role=switch]")
         await own.shows("refused (approval)", "[role=alert]")
         await own.open("#/system", shows="Waiting for your approval")
-        await own.shows("control: 2 devices wait for approval")
+        await own.shows("HB206 note on control: 2 devices wait for approval")
         await own.click("button[aria-label='show what approving roomlights405 allows']")
         await own.shows("home425/lights/roomlights405", ".box")
         await own.click(".box button")

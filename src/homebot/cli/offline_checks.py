@@ -10,8 +10,8 @@ import anyio
 from homebot.bridges.admission import AccessSettings
 from homebot.cli.commands.config import config_errors
 from homebot.cli.commands.run import with_environment
-from homebot.cli.findings import Finding, FindingKind, FindingRow
 from homebot.config import load_config, load_tables
+from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.errors import ConfigError, HomebotError
 from homebot.log import configure_logging
 from homebot.plugins import INSTALL_EXTRA
@@ -56,42 +56,42 @@ def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
         yield from _finding(FindingKind.NETWORK, anyio.run(_unreachable, plan))
 
 
-def _finding(kind: FindingKind, rows: Iterable[FindingRow]) -> Iterator[Finding]:
+def _finding(kind: FindingKind, rows: Iterable[Row]) -> Iterator[Finding]:
     if found := tuple(rows):
-        yield Finding(kind, "", found)
+        yield kind.finding(found)
 
 
-def _of_errors(errors: Iterable[ConfigError]) -> Iterator[FindingRow]:
-    return (FindingRow("", str(one)) for one in errors)
+def _of_errors(errors: Iterable[ConfigError]) -> Iterator[Row]:
+    return (("", str(one)) for one in errors)
 
 
-def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[FindingRow]:
+def _readable_secrets(tables: Mapping[str, object], folder: Path) -> Iterator[Row]:
     for key, value in tables.items():
         if isinstance(value, Mapping):
             yield from _readable_secrets(value, folder)
         elif key in _SECRET_FILES and isinstance(value, str):
             with suppress(OSError):
                 if problem := readable_by_others(folder / value, (folder / value).stat()):
-                    yield FindingRow("", problem)
+                    yield ("", problem)
 
 
-def _taken_ports(plan: Plan) -> Iterator[FindingRow]:
+def _taken_ports(plan: Plan) -> Iterator[Row]:
     servers: dict[str, AccessSettings | None] = {"door": plan.door, "thing_directory": plan.thing_directory}
     for name, settings in servers.items():
         if settings is not None and (problem := settings.why_not_free(f"[{name}] port")):
-            yield FindingRow("", f"{name}: {problem}")
+            yield ("", f"{name}: {problem}")
 
 
-def _folder_problem(folder: Path) -> Iterator[FindingRow]:
+def _folder_problem(folder: Path) -> Iterator[Row]:
     """Yield why files cannot be kept in *folder*, which is made at the first start."""
     there = next(one for one in (folder, *folder.parents) if one.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        yield FindingRow("", f"{there} cannot be written by this user, and files are to be kept in {folder}")
+        yield ("", f"{there} cannot be written by this user, and files are to be kept in {folder}")
     elif problem := why_not_trusted(there):
-        yield FindingRow("", problem)
+        yield ("", problem)
 
 
-def _unreadable_files(folder: Path) -> Iterator[FindingRow]:
+def _unreadable_files(folder: Path) -> Iterator[Row]:
     for name, schema in KEPT_FILES.items():
         path = folder / name
         try:
@@ -101,11 +101,11 @@ def _unreadable_files(folder: Path) -> Iterator[FindingRow]:
         except OSError as exc:
             problem = f"cannot be read: {exc.strerror}"
         if problem:
-            yield FindingRow(str(path), problem)
+            yield (str(path), problem)
 
 
-async def _unreachable(plan: Plan) -> list[FindingRow]:
-    rows = []
+async def _unreachable(plan: Plan) -> list[Row]:
+    rows: list[Row] = []
     for gateway in plan.gateways:
         problem = f"no answer within {_REACH_WITHIN:g} s: start it, or correct the address"
         with anyio.move_on_after(_REACH_WITHIN):
@@ -116,5 +116,5 @@ async def _unreachable(plan: Plan) -> list[FindingRow]:
             else:
                 continue
         network = gateway.kind.network(gateway.settings)
-        rows.append(FindingRow(f"{gateway.name} ({network})" if network else gateway.name, problem))
+        rows.append((f"{gateway.name} ({network})" if network else gateway.name, problem))
     return rows

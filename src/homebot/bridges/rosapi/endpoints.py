@@ -1,12 +1,13 @@
 """A service of our own: everything on the graph in one answer, with its quality of service."""
 
+from functools import partial
 from typing import Any, Final
 
 from homebot.errors import RefusedError
-from homebot.graph import EndpointInfo, EntityKind, Graph
+from homebot.graph import EndpointInfo, EntityKind, Graph, Node
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["FindEndpoints", "find_endpoints"]
+__all__ = ["FindEndpoints", "serve"]
 
 _POLICIES: Final = ("reliability", "durability", "history", "liveliness")
 _SPANS: Final = ("lifespan", "deadline", "liveliness_lease_duration")
@@ -59,7 +60,7 @@ class FindEndpointsResponse(Message):
     endpoints: tuple[EndpointDetails, ...]
 
 
-def find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpointsResponse:
+def _find_endpoints(graph: Graph, request: FindEndpointsRequest) -> FindEndpointsResponse:
     """Return every entity that matches *request*."""
     kinds = {kind.value for kind in EntityKind}
     if request.kind and request.kind not in kinds:
@@ -81,3 +82,8 @@ def _details(info: EndpointInfo) -> EndpointDetails:
 
 
 FindEndpoints = ServiceType("homebot/srv/FindEndpoints", FindEndpointsRequest, FindEndpointsResponse)
+
+
+def serve(node: Node) -> None:
+    """Offer the service on *node*."""
+    node.create_service(FindEndpoints, "/rosapi/endpoints", partial(_find_endpoints, node.graph))

@@ -8,7 +8,7 @@ from typing import Final, final
 from homebot.graph import Node, Publisher, Subscription
 from homebot.messages.message import Message, ServiceType
 
-__all__ = ["LoadMeter", "MeasureLoad"]
+__all__ = ["LoadMeter", "MeasureLoad", "serve"]
 
 _TICK: Final = 0.05
 """Seconds between two looks at the lag of the loop."""
@@ -62,6 +62,11 @@ class MeasureLoadResponse(Message):
 
 
 MeasureLoad = ServiceType("homebot/srv/MeasureLoad", MeasureLoadRequest, MeasureLoadResponse)
+
+
+def serve(node: Node) -> None:
+    """Offer the service on *node*."""
+    node.create_service(MeasureLoad, "/rosapi/load", LoadMeter(node).measure)
 
 
 @final

@@ -5,6 +5,7 @@ Source: RobotWebTools rosbridge_suite, branch ros2, ``rosapi_msgs/srv`` and ``ro
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from importlib import import_module
 from typing import Any, Final, TypeAlias
 
 from pydantic import create_model
@@ -31,6 +32,9 @@ __all__ = ["RosApi"]
 
 _Answer: TypeAlias = Mapping[str, object]
 _Answerer: TypeAlias = Callable[[Graph, Any], object]
+
+_OWN: Final = {"doctor": "Examine", "endpoints": "FindEndpoints", "load": "MeasureLoad"}
+"""The types of the services of our own, each in a module of its name, as few runs are asked."""
 
 _EXAMPLES: Final = {"bool": "False", "string": "", "wstring": "", "float32": "0.0", "float64": "0.0"}
 
@@ -237,7 +241,7 @@ class RosApi:
     """Offers the rosapi services on *node*, and the definition of types; they go with it.
 
     Names that begin with an underscore are hidden, as in ROS; ``/rosapi/endpoints`` and ``/rosapi/load``, which are
-    ours, show them too.
+    ours as ``/rosapi/doctor`` is, show them too.
 
     Args:
         node: The node that serves; its name should be ``rosapi``, though the services have that name in any case.
@@ -248,20 +252,13 @@ class RosApi:
         for name in _SERVICES:
             node.offer_service(_ros_type(name), f"/rosapi/{name}", partial(_serve, node, name, error_log))
         node.create_service(DefineType, DEFINE_TYPE, partial(define_type, node.graph))
-        node.offer_service("homebot/srv/FindEndpoints", "/rosapi/endpoints", partial(_serve_endpoints, node))
-        node.offer_service("homebot/srv/MeasureLoad", "/rosapi/load", partial(_serve_load, node))
+        for name, kind in _OWN.items():
+            node.offer_service(f"homebot/srv/{kind}", f"/rosapi/{name}", partial(_serve_own, node, name))
 
 
-def _serve_endpoints(node: Node) -> None:
-    from homebot.bridges.rosapi.endpoints import FindEndpoints, find_endpoints  # noqa: PLC0415 - few runs are asked
-
-    node.create_service(FindEndpoints, "/rosapi/endpoints", partial(find_endpoints, node.graph))
-
-
-def _serve_load(node: Node) -> None:
-    from homebot.bridges.rosapi.load import LoadMeter, MeasureLoad  # noqa: PLC0415 - as above
-
-    node.create_service(MeasureLoad, "/rosapi/load", LoadMeter(node).measure)
+def _serve_own(node: Node, name: str) -> None:
+    """Offer a service of our own, from the module that is called as it."""
+    import_module(f"homebot.bridges.rosapi.{name}").serve(node)
 
 
 def _serve(node: Node, name: str, error_log: ClientErrorLog) -> None:

@@ -4,55 +4,29 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, cast
+from typing import TYPE_CHECKING, cast
 
 from homebot.cli.arguments import DEFAULT_CONFIG, set_client_command
-from homebot.cli.device_queries import find_devices, house_time
 from homebot.cli.door_client import DoorClient, with_client
-from homebot.cli.findings import Finding, FindingKind, FindingRow, finding_json, print_finding
-from homebot.cli.graph_queries import entities
-from homebot.cli.publishing import GATEWAY_STATE, gateway_state
-from homebot.cli.terminal import print_line
-from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING
+from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.wording.json_message import JsonMessage
-from homebot.devices.wording.time_format import age, ago
-from homebot.devices.wording.values import plain_value
 from homebot.errors import LinkError, UsageError
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
-    from homebot.devices import Device, GatewayState
-    from homebot.devices.health import Count, HealthResponse, PartFailure
+    from homebot.bridges.rosapi.doctor import ExamineResponse
+    from homebot.devices.findings import Finding
 
-__all__ = ["add_arguments", "gateway_finding", "health_findings"]
+__all__ = ["add_arguments", "print_finding"]
 
-_GET_HEALTH = "homebot/srv/GetHealth"
+_LONGEST = 60.0
+"""Seconds for the answer, which is as slow as the slowest part."""
 
-_FAULTS = (
-    "rejected",
-    "refused",
-    "failed",
-    "dropped",
-    "oversize",
-    "failures",
-    "ignored",
-    "deferred",
-    "quarantines",
-    "damaged",
-    "cut",
-    "lost",
-    "late",
-)
-"""How the names of counts begin or end that should be 0."""
-
-_ILLS = ("commands_failed", "failures", "dropped", "lost")
-"""Those of them that are no matter of outsiders: one is enough for not all to be well."""
-
-_MOST, _FEW = 20, 5
-_WEAK_BATTERY = 20
-
+_LONGEST_REASON = 1000
+"""Characters of a reason, which may be a remedy of several sentences."""
 
 _EXAMPLES = """\
   homebot doctor
@@ -93,181 +67,49 @@ def _check_offline(options: argparse.Namespace) -> int:
     from homebot.cli.offline_checks import offline_findings  # noqa: PLC0415 - loads the plug-ins
 
     file = Path(options.config or DEFAULT_CONFIG)
-    findings = tuple(offline_findings(file, reaches=options.reach))
+    findings = [one.model_dump() for one in offline_findings(file, reaches=options.reach)]
     return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
 
 
 def _ask(door: DoorClient, options: argparse.Namespace) -> int:
-    now = house_time(door)
-    total, unconfirmed = (find_devices(door, query, 1).total for query in ("", "unconfirmed"))
-    gateways, findings = _gateways(door), list[Finding]()
+    asked = {"counts": options.counts, "gateways_only": options.gateways}
+    fields = door.call("/rosapi/doctor", asked, timeout=_LONGEST)
+    found = cast("ExamineResponse", JsonMessage(fields))
     texts = [f"home {printable(door.home)} on {door.where}"]
-    texts += [] if gateways else ["no gateway runs: no device is found without a table such as [gateways.mqtt]"]
-    for name, state in sorted(gateways.items()):
-        texts += [_gateway_line(name, state)] if state is not None and state.state == "active" else []
-        findings += gateway_finding(name, state)
-    for name, health in () if options.gateways else sorted(_health(door).items()):
-        findings += health_findings(name, health, now, everything=options.counts)
-    lost = [name for name, state in sorted(gateways.items()) if state is not None and state.state != "active"]
-    findings += () if options.gateways else _device_findings(door, now, lost)
-    texts.append(f"devices: {total}, unconfirmed: {unconfirmed}")
-    states = {name: "silent" if state is None else state.state for name, state in gateways.items()}
-    facts = {"home": door.home, "door": door.where, "gateways": states, "devices": total, "unconfirmed": unconfirmed}
-    return _show("\n".join(texts), facts, findings, options)
+    texts += [] if found.gateways else ["no gateway runs: no device is found without a table such as [gateways.mqtt]"]
+    texts += [one.text for one in found.gateways if one.state == "active"]
+    texts.append(f"devices: {found.devices}, unconfirmed: {found.unconfirmed}")
+    states = {one.name: one.state for one in found.gateways}
+    counts = {"devices": found.devices, "unconfirmed": found.unconfirmed}
+    facts = {"home": door.home, "door": door.where, "gateways": states, **counts}
+    return _show("\n".join(texts), facts, cast("list[dict[str, object]]", fields["findings"]), options)
 
 
-def _show(title: str, facts: Mapping[str, object], findings: Sequence[Finding], options: argparse.Namespace) -> int:
-    findings = sorted(findings, key=lambda one: one.kind.is_problem)  # what matters is above the prompt
-    is_well = not any(one.kind.is_problem for one in findings)
+def _show(
+    title: str, facts: Mapping[str, object], findings: Sequence[Mapping[str, object]], options: argparse.Namespace
+) -> int:
+    findings = sorted(findings, key=itemgetter("is_problem"))  # what matters is above the prompt
+    is_well = not any(one["is_problem"] for one in findings)
     if options.json:
-        print(json.dumps({**facts, "is_well": is_well, "findings": finding_json(findings)}, indent=2))
+        print(json.dumps({**facts, "is_well": is_well, "findings": findings}, indent=2))
         return 0 if is_well else 1
     print(title)
     for one in findings:
-        print_finding(one)
+        print_finding(cast("Finding", JsonMessage(one)))
     print()
     print_line("all is well" if is_well else "problems found, see above", "bold green" if is_well else "bold red")
     return 0 if is_well else 1
 
 
-def _gateways(door: DoorClient) -> dict[str, GatewayState | None]:
-    topics = {one.name for one in entities(door, kind="publisher") if one.type == GATEWAY_STATE}
-    names = {topic.split("/")[2] for topic in topics if topic.startswith("/gateway/") and topic.endswith("/state")}
-    return {name: gateway_state(door, name) for name in names}
-
-
-def _health(door: DoorClient) -> dict[str, HealthResponse]:
-    services = [one.name for one in entities(door, kind="service") if one.type == _GET_HEALTH]
-    answers = {name: JsonMessage(door.call(name)) for name in services}
-    return {name.removesuffix("/health").strip("/"): cast("HealthResponse", one) for name, one in answers.items()}
-
-
-def gateway_finding(name: str, state: GatewayState | None) -> Iterator[Finding]:
-    """Yield the finding about a gateway that does not work."""
-    if state is None:
-        row = FindingRow("", f"gateway {name} does not report its state")
-        yield Finding(FindingKind.SILENT_GATEWAY, f"gateway/{name}", (row,))
-    elif state.state != "active":
-        yield Finding(FindingKind.GATEWAY, f"gateway/{name}", (FindingRow("", _gateway_line(name, state)),))
-
-
-def _gateway_line(name: str, state: GatewayState) -> str:
-    acts = " and sends commands" if state.acts and state.reason != SENDS_NOTHING else " and only observes"
-    reason = f": {state.reason}" if state.reason else ""
-    return f"gateway {name} is {state.state}{acts if state.state == 'active' else ''}{reason}"
-
-
-def health_findings(name: str, health: HealthResponse, now: float, *, everything: bool) -> Iterator[Finding]:
-    """Yield the findings about a node.
-
-    Args:
-        everything: Whether counts are told that are no fault.
-    """
-    found: dict[FindingKind, list[FindingRow]] = {kind: [] for kind in _OF_A_NODE}
-    for kind, row in _health_rows(health, now, everything=everything):
-        found[kind].append(row)
-    for kind, rows in found.items():
-        if rows:
-            yield Finding(kind, name, tuple(rows[:_MOST] if kind in _CUT else rows), len(rows))
-
-
-_OF_A_NODE = (
-    FindingKind.TROUBLE,
-    FindingKind.NOTE,
-    FindingKind.COUNT,
-    FindingKind.LOSS,
-    FindingKind.GIVEN_UP,
-    FindingKind.FAILURE,
-    FindingKind.QUARANTINE,
-)
-_CUT = {FindingKind.FAILURE, FindingKind.QUARANTINE}
-
-
-def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Iterator[tuple[FindingKind, FindingRow]]:
-    for text in health.troubles:
-        yield FindingKind.TROUBLE, FindingRow("", text)
-    for text in health.notes:
-        yield FindingKind.NOTE, FindingRow("", text)
-    yield from _count_rows(health.counts, everything=everything)
-    for failure in health.failures:
-        yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
-    for one in health.quarantined:
-        text = f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}"
-        yield FindingKind.QUARANTINE, FindingRow(one.offender, text)
-
-
-def _count_rows(counts: Iterable[Count], *, everything: bool) -> Iterator[tuple[FindingKind, FindingRow]]:
-    for one in counts:
-        is_listed = one.name == "callback_failures"  # each with its reason, as a failure
-        if everything or (one.count and not is_listed and _is_one_of(_FAULTS, one.name)):
-            kind = FindingKind.LOSS if one.count and _is_one_of(_ILLS, one.name) else FindingKind.COUNT
-            yield kind, FindingRow(one.name.replace("_", " "), str(one.count))
-
-
-def _failure(one: PartFailure, now: float) -> FindingRow:
-    times = "once" if one.count == 1 else f"{one.count} times"
-    outcome = f"; now {one.outcome}" if one.outcome else ""
-    return FindingRow(one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}")
-
-
-class _DeviceCheck(NamedTuple):
-    """A question about all devices, and what is said of each that it finds.
-
-    Attributes:
-        most: How many are shown: a whole house takes long to carry.
-    """
-
-    kind: FindingKind
-    query: str
-    detail: Callable[[Device, float], str]
-    most: int
-
-
-def _device_findings(door: DoorClient, now: float, lost: Iterable[str]) -> Iterator[Finding]:
-    """Yield the findings about devices; those of *lost* gateways are unreachable, as the finding about these says."""
-    linked = "".join(f" not gateway={name}" for name in lost)
-    for kind, query, detail, most in _DEVICE_CHECKS:
-        asked = query + linked if kind is FindingKind.UNREACHABLE else query
-        found = find_devices(door, asked, most)
-        if found.total:
-            devices = sorted((one.device for one in found.results), key=lambda one: one.id)
-            rows = tuple(FindingRow(one.id, detail(one, now)) for one in devices)
-            yield Finding(kind, "", rows, found.total, f"; all: homebot find --limit {found.total} '{asked}'")
-
-
-def _dispute(device: Device, _now: float) -> str:
-    more = len(device.conflicts) - 1
-    return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
-
-
-def _charge(device: Device, _now: float) -> str:
-    values = {one.capability: plain_value(one.value) for one in device.states}
-    return f"{values['battery']:.0f} %" if isinstance(values.get("battery"), int | float) else "it says so"
-
-
-def _step(device: Device, _now: float) -> str:
-    """Return the next step with what has a gateway of its own, rather than as a HomeKit accessory, which it may be."""
-    needed = {(one.gateway, one.key): one.value for one in device.facts if one.name == NEEDS_GATEWAY}
-    steps = [
-        (needed.get((one.gateway, one.key)) == "homekit", one.value) for one in device.facts if one.name == NEXT_STEP
-    ]
-    return min(steps, default=(False, ""))[1]
-
-
-_UNUSED = (
-    f'"{NEEDS_GATEWAY}"=homeassistant or "{NEEDS_GATEWAY}"=hue '
-    f'or ("{NEEDS_GATEWAY}"=homekit and not "dns_sd_type"=_hue._tcp)'
-)
-
-_DEVICE_CHECKS = (
-    _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
-    _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
-    _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
-    _DeviceCheck(FindingKind.BATTERY, f"battery < {_WEAK_BATTERY} or battery_low=yes", _charge, _FEW),
-    _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
-    _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
-)
-
-
-def _is_one_of(faults: tuple[str, ...], name: str) -> bool:
-    return any(name == fault or name.endswith(f"_{fault}") or name.startswith(f"{fault}_") for fault in faults)
+def print_finding(finding: Finding) -> None:
+    """Print *finding* and its next step."""
+    code, title = finding.code, finding.title
+    for row in finding.rows:
+        if not row.what:
+            why = printable(row.why, _LONGEST_REASON)
+            print(f"{code} {title}: {why}" if title else f"{code} {why}")
+    print_rows([(row.what, row.why) for row in finding.rows if row.what], f"{code} {title}:")
+    if finding.total > len(finding.rows):
+        print(f"  … the first {len(finding.rows)} of {finding.total} are shown{finding.hint}")
+    if finding.next:
+        print(f"  → {finding.next}")

@@ -88,6 +88,17 @@ export function timeText(time) {
   return date.toDateString() === new Date().toDateString() ? text : `${day.format(date)} ${text}`;
 }
 
+/** A moment in a time zone, which is named; in that of the browser, if it does not know the zone. */
+export function timeIn(zone, time) {
+  const date = new Date(seconds(time) * 1000);
+  const format = { weekday: "short", month: "short", day: "numeric", hour: "2-digit", minute: "2-digit", hour12: false, timeZoneName: "short" };
+  try {
+    return date.toLocaleString([], { ...format, timeZone: zone || undefined });
+  } catch {
+    return date.toLocaleString([], format);
+  }
+}
+
 /** A length of time, in its two largest units. */
 export function durationText(length) {
   if (length < 1) return `${Math.max(1, Math.round(length * 1000))} ms`;

@@ -1,9 +1,9 @@
 // Apps, gateways and what is wrong; devices that wait for approval.
 import { useEffect, useState } from "preact/hooks";
 import { call, connection, subscribe, token } from "../door.js";
-import { nameOf } from "../house.js";
+import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
-import { label, seconds, timeText } from "../words.js";
+import { label, seconds, timeIn, timeText } from "../words.js";
 
 const AGAIN = 5000; // ms
 const LINES = 50; // of the log
@@ -30,30 +30,23 @@ export function System() {
     };
   }, [isOpen, approved]);
   if (!found) return html`<p class="empty">Asking homebot how it is …</p>`;
-  const findings = found.parts.flatMap((part) => [
-    ...part.troubles.map((text) => html`<li key=${text} class="bad">${part.name}: ${text}</li>`),
-    ...part.quarantined.map((one) => html`<li key=${one.offender} class="bad">${part.name}: ${one.offender} is read slowly: ${one.why}</li>`),
-    ...part.failures.map((one) => html`<li key=${`${one.part} ${one.what}`} class="bad"><time>${timeText(one.last)}</time> ${one.part}: ${one.what} (${one.count} times): ${one.why}${one.outcome && `; now ${one.outcome}`}</li>`),
-    ...part.notes.map((text) => html`<li key=${text}>${part.name}: ${text}</li>`),
-  ]);
-  const isWell = found.parts.every((part) => !part.troubles.length && !part.failures.length && !part.quarantined.length);
   return html`
     <${Waiting} devices=${found.waiting} onApproved=${() => setApproved(approved + 1)} />
     <section>
       <h2>Doctor</h2>
-      ${isWell && html`<p>Nothing is wrong.</p>`}
-      ${findings.length > 0 && html`<ul class="entries">${findings}</ul>`}
+      ${found.findings.every((one) => !one.is_problem) && html`<p>Nothing is wrong${found.findings.length ? ". To note:" : "."}</p>`}
+      <ul class="entries">${found.findings.map((one) => html`<${Finding} key=${one.code + one.where} finding=${one} />`)}</ul>
     </section>
     <div class="rooms">
       ${found.apps && html`<section>
         <h2>Apps</h2>
         ${!found.apps.length && html`<p class="empty">No app runs.</p>`}
         <table class="facts"><tbody>
-          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td class=${app.state === "running" ? "" : "bad"}>${app.state}${app.jobs.map((job) => html`<br /><small>${jobText(job)}</small>`)}</td></tr>`)}
+          ${found.apps.map((app) => html`<tr key=${app.name}><th scope="row">${app.name}</th><td class=${app.state === "running" ? "" : "bad"}>${app.state}${app.jobs.map((job) => html`<br /><small>${jobText(job, found.zone)}</small>`)}</td></tr>`)}
         </tbody></table>
       </section>`}
-      ${found.parts.filter((part) => part.name.startsWith("gateway")).map((part) => html`<section key=${part.name}>
-        <h2>${part.name}</h2>
+      ${found.gateways.map((part) => html`<section key=${part.name}>
+        <h2>${part.text}</h2>
         ${part.counts.every((one) => !one.count) && html`<p class="empty">Nothing is counted yet.</p>`}
         <table class="facts"><tbody>
           ${part.counts.filter((one) => one.count).map((one) => html`<tr key=${one.name}><th scope="row">${label(one.name)}</th><td>${one.count.toLocaleString("en")}</td></tr>`)}
@@ -86,19 +79,30 @@ function Log() {
   </section>`;
 }
 
-const jobText = (job) => [job.text, job.note || (seconds(job.next) > 0 && `next ${timeText(job.next)}`)].filter(Boolean).join(", ");
-
-async function ask() {
-  const nodes = (await call("/rosapi/nodes").catch(() => ({ nodes: [] }))).nodes;
-  const services = (await call("/rosapi/services_for_type", { type: "homebot/srv/GetHealth" }).catch(() => ({ services: ["/homebot/health"] }))).services;
-  const asked = services.sort().map((service) => [service.replace(/^\/|\/health$/g, "").replace("gateway/", "gateway "), service]);
-  const parts = await Promise.all(asked.map(async ([name, service]) => ({ name, ...(await call(service).catch(noAnswer)) })));
-  const waiting = await call("/control/unapproved").catch(() => ({ devices: [], reasons: [] }));
-  const apps = nodes.includes("/homebot") ? (await call("/apps/list").catch(() => null))?.apps : null;
-  return { parts, waiting, apps };
+/** A finding of the doctor, with the devices that it is about. */
+function Finding({ finding }) {
+  const more = finding.total - finding.rows.length;
+  const nameIn = (row) => (deviceOf(row.what) ? html`<a href=${`#/device/${encodeURIComponent(row.what)}`}>${nameOf(row.what)}</a>` : row.what);
+  return html`<li>
+    <span class=${finding.is_problem ? "bad" : ""}>${finding.code} ${finding.title && `${finding.title}:`}</span>
+    ${finding.rows.map((row, index) => html` ${(row.what || index > 0) && html`<br />`}${nameIn(row)} ${row.why !== nameOf(row.what) && row.why}`)}
+    ${more > 0 && html`<br />… and ${more} more${finding.hint}`}
+    ${finding.next && html`<br /><small>→ ${finding.next}</small>`}
+  </li>`;
 }
 
-const noAnswer = (error) => ({ counts: [], quarantined: [], troubles: [error.message], failures: [], notes: [] });
+const jobText = (job, zone) => [job.text, job.note || (seconds(job.next) > 0 && `next ${timeIn(zone, job.next)}`)].filter(Boolean).join(", ");
+
+async function ask() {
+  const nothing = { gateways: [], findings: [] };
+  const noAnswer = (error) => ({ ...nothing, findings: [{ code: "", where: "", title: error.message, is_problem: true, rows: [], total: 0, next: "" }] });
+  const found = await call("/rosapi/doctor").catch(noAnswer);
+  const counts = (name) => call(`/gateway/${name}/health`).catch(() => ({ counts: [] }));
+  const gateways = await Promise.all(found.gateways.map(async (one) => ({ ...one, ...(await counts(one.name)) })));
+  const waiting = await call("/control/unapproved").catch(() => ({ devices: [], reasons: [] }));
+  const { apps, zone } = await call("/apps/list").catch(() => ({}));
+  return { gateways, findings: found.findings.sort((a, b) => b.is_problem - a.is_problem), waiting, apps, zone };
+}
 
 function Waiting({ devices, onApproved }) {
   const [shown, setShown] = useState(null);

@@ -1,16 +1,18 @@
 """Findings of ``homebot doctor``: each of a kind that has a stable code and a next step."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from enum import Enum
-from typing import NamedTuple
+from typing import TypeAlias
 
-from homebot.cli.terminal import print_rows
-from homebot.support.printable import printable
+from homebot.messages.message import Message, UInt32
 
-__all__ = ["Finding", "FindingKind", "FindingRow", "finding_json", "print_finding"]
+__all__ = ["Finding", "FindingKind", "FindingRow", "Row"]
+
+Row: TypeAlias = tuple[str, str]
+"""The fields of a :class:`FindingRow`."""
 
 
-class FindingRow(NamedTuple):
+class FindingRow(Message):
     """One thing of a finding.
 
     Attributes:
@@ -19,6 +21,26 @@ class FindingRow(NamedTuple):
 
     what: str
     why: str
+
+
+class Finding(Message):
+    """Things of one kind.
+
+    Attributes:
+        where: The part of homebot, such as ``gateway/mqtt``.
+        total: How many there are, if more than the rows.
+        next: The next step; empty where the reason names it.
+        hint: How to see the others.
+    """
+
+    code: str
+    is_problem: bool
+    title: str
+    where: str
+    total: UInt32
+    rows: tuple[FindingRow, ...]
+    next: str
+    hint: str = ""
 
 
 class FindingKind(Enum):
@@ -64,53 +86,15 @@ class FindingKind(Enum):
         self.next_step = next_step
         self.is_problem = is_problem
 
-
-_LONGEST = 1000
-"""Characters of a reason, which may be a remedy of several sentences."""
-
-
-class Finding(NamedTuple):
-    """Things of one kind.
-
-    Attributes:
-        where: The part of homebot, such as ``gateway/mqtt``.
-        total: How many there are, if more than the rows.
-        hint: How to see the others.
-    """
-
-    kind: FindingKind
-    where: str
-    rows: tuple[FindingRow, ...]
-    total: int = 0
-    hint: str = ""
-
-
-def print_finding(finding: Finding) -> None:
-    """Print *finding* and its next step."""
-    kind, rows = finding.kind, finding.rows
-    title = kind.title.format(finding.where)
-    for row in rows:
-        if not row.what:
-            why = printable(row.why, _LONGEST)
-            print(f"{kind.code} {title}: {why}" if title else f"{kind.code} {why}")
-    print_rows([row for row in rows if row.what], f"{kind.code} {title}:")
-    if finding.total > len(rows):
-        print(f"  … the first {len(rows)} of {finding.total} are shown{finding.hint}")
-    if kind.next_step:
-        print(f"  → {kind.next_step}")
-
-
-def finding_json(findings: Iterable[Finding]) -> list[dict[str, object]]:
-    """Return *findings* as JSON values."""
-    return [
-        {
-            "code": one.kind.code,
-            "is_problem": one.kind.is_problem,
-            "title": one.kind.title.format(one.where),
-            "where": one.where,
-            "total": max(one.total, len(one.rows)),
-            "rows": [row._asdict() for row in one.rows],
-            "next": one.kind.next_step,
-        }
-        for one in findings
-    ]
+    def finding(self, rows: Sequence[Row], where: str = "", total: int = 0, hint: str = "") -> Finding:
+        """Return the finding of *rows*, and of others if *total* is more."""
+        return Finding(
+            code=self.code,
+            is_problem=self.is_problem,
+            title=self.title.format(where),
+            where=where,
+            total=max(total, len(rows)),
+            rows=tuple(FindingRow(what=what, why=why) for what, why in rows),
+            next=self.next_step,
+            hint=hint,
+        )

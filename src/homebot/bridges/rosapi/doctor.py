@@ -1,0 +1,288 @@
+"""A service of our own: what is wrong now, as ``homebot doctor`` and the page show it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple, TypeVar
+
+import anyio
+
+from homebot.devices import QUERY_DEVICES, Device, GatewayState, QueryDevices
+from homebot.devices.findings import Finding, FindingKind, Row
+from homebot.devices.health import Count, GetHealth, HealthRequest, HealthResponse, PartFailure
+from homebot.devices.names import NEEDS_GATEWAY, NEXT_STEP, SENDS_NOTHING, GatewayNames
+from homebot.devices.query import parse_query, query_terms
+from homebot.devices.services import QueryDevicesRequest, QueryDevicesResponse
+from homebot.devices.wording.time_format import age, ago
+from homebot.devices.wording.values import plain_value
+from homebot.errors import ServiceError
+from homebot.graph import EntityKind, Node, qos_profile_latched
+from homebot.messages.message import Message, ServiceType, UInt32
+
+__all__ = ["gateway_finding", "health_findings", "serve"]
+
+_STATE_WITHIN = 2.0
+"""Seconds for the state of a gateway that has just started; that of others is kept for late joiners."""
+
+_FAULTS = (
+    "rejected",
+    "refused",
+    "failed",
+    "dropped",
+    "oversize",
+    "failures",
+    "ignored",
+    "deferred",
+    "quarantines",
+    "damaged",
+    "cut",
+    "lost",
+    "late",
+)
+"""How the names of counts begin or end that should be 0."""
+
+_ILLS = ("commands_failed", "failures", "dropped", "lost")
+"""Those of them that are no matter of outsiders: one is enough for not all to be well."""
+
+_MOST, _FEW = 20, 5
+_WEAK_BATTERY = 20
+
+
+RequestT = TypeVar("RequestT", bound=Message)
+ResponseT = TypeVar("ResponseT", bound=Message)
+
+
+class ExamineRequest(Message):
+    """A question for what is wrong.
+
+    Attributes:
+        counts: Whether counts are told that are no fault.
+        gateways_only: Whether only the gateways are examined.
+    """
+
+    counts: bool = False
+    gateways_only: bool = False
+
+
+class ExaminedGateway(Message):
+    """A gateway.
+
+    Attributes:
+        state: As of :class:`homebot.devices.GatewayState`, or ``silent``.
+        text: The same in words.
+    """
+
+    name: str
+    state: str
+    text: str
+
+
+class ExamineResponse(Message):
+    """The findings, problems and notes as they come, and the devices they were sought among.
+
+    Attributes:
+        devices: How many there are.
+        unconfirmed: How many of them are known from retained announcements alone.
+    """
+
+    gateways: tuple[ExaminedGateway, ...]
+    devices: UInt32
+    unconfirmed: UInt32
+    findings: tuple[Finding, ...]
+
+
+Examine = ServiceType("homebot/srv/Examine", ExamineRequest, ExamineResponse)
+
+
+def serve(node: Node) -> None:
+    """Offer the service on *node*."""
+    node.create_service(Examine, "/rosapi/doctor", _Doctor(node).examine)
+
+
+class _Doctor:
+    """Asks the parts of homebot, and the directory, as any node can."""
+
+    def __init__(self, node: Node) -> None:
+        self._node = node
+
+    async def examine(self, request: ExamineRequest) -> ExamineResponse:
+        now = self._node.graph.clock.now()
+        total, unconfirmed = [(await self._find(query, 1)).total for query in ("", "unconfirmed")]
+        states = {name: await self._state(name) for name in self._gateways()}
+        findings = [one for name, state in states.items() for one in gateway_finding(name, state)]
+        if not request.gateways_only:
+            for one in self._node.graph.get_services_of_type(GetHealth.ros_type):
+                name = one.name.removesuffix("/health").strip("/")
+                findings += health_findings(name, await self._health(one.name), now, everything=request.counts)
+            lost = [name for name, state in states.items() if state is None or state.state != "active"]
+            findings += await self._device_findings(now, lost)
+        gateways = tuple(
+            ExaminedGateway(name=name, state="silent" if one is None else one.state, text=_gateway_line(name, one))
+            for name, one in states.items()
+        )
+        return ExamineResponse(gateways=gateways, devices=total, unconfirmed=unconfirmed, findings=tuple(findings))
+
+    def _gateways(self) -> list[str]:
+        publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
+        topics = {one.name for one in publishers if one.ros_type == GatewayState.ros_type}
+        return sorted(topic.split("/")[2] for topic in topics if re.fullmatch("/gateway/[^/]+/state", topic))
+
+    async def _state(self, gateway: str) -> GatewayState | None:
+        states = self._node.create_subscription(GatewayState, GatewayNames(gateway).state, None, qos_profile_latched)
+        try:
+            with anyio.move_on_after(_STATE_WITHIN):
+                return await states.receive()
+        finally:
+            states.close()
+        return None
+
+    async def _health(self, service: str) -> HealthResponse:
+        try:
+            return await self._call(GetHealth, service, HealthRequest())
+        except ServiceError as exc:
+            return HealthResponse(counts=(), troubles=(str(exc),))
+
+    async def _find(self, query: str, limit: int) -> QueryDevicesResponse:
+        request = QueryDevicesRequest(query=query_terms(parse_query(query)), limit=limit)
+        return await self._call(QueryDevices, QUERY_DEVICES, request)
+
+    async def _call(self, service_type: ServiceType[RequestT, ResponseT], service: str, request: RequestT) -> ResponseT:
+        client = self._node.create_client(service_type, service)
+        try:
+            return await client.call(request)
+        finally:
+            client.close()
+
+    async def _device_findings(self, now: float, lost: Iterable[str]) -> list[Finding]:
+        """Return the findings about devices; those of *lost* gateways are unreachable, as these' finding says."""
+        linked = "".join(f" not gateway={name}" for name in lost)
+        findings = []
+        for kind, query, detail, most in _DEVICE_CHECKS:
+            asked = query + linked if kind is FindingKind.UNREACHABLE else query
+            found = await self._find(asked, most)
+            if found.total:
+                devices = sorted((one.device for one in found.results), key=lambda one: one.id)
+                rows = [(one.id, detail(one, now)) for one in devices]
+                hint = f"; all: homebot find --limit {found.total} '{asked}'"
+                findings.append(kind.finding(rows, total=found.total, hint=hint))
+        return findings
+
+
+def gateway_finding(name: str, state: GatewayState | None) -> Iterator[Finding]:
+    """Yield the finding about a gateway that does not work."""
+    if state is None or state.state != "active":
+        kind = FindingKind.SILENT_GATEWAY if state is None else FindingKind.GATEWAY
+        yield kind.finding([("", _gateway_line(name, state))], f"gateway/{name}")
+
+
+def _gateway_line(name: str, state: GatewayState | None) -> str:
+    if state is None:
+        return f"gateway {name} does not report its state"
+    acts = " and sends commands" if state.acts and state.reason != SENDS_NOTHING else " and only observes"
+    reason = f": {state.reason}" if state.reason else ""
+    return f"gateway {name} is {state.state}{acts if state.state == 'active' else ''}{reason}"
+
+
+def health_findings(name: str, health: HealthResponse, now: float, *, everything: bool) -> Iterator[Finding]:
+    """Yield the findings about a node.
+
+    Args:
+        everything: Whether counts are told that are no fault.
+    """
+    found: dict[FindingKind, list[Row]] = {kind: [] for kind in _OF_A_NODE}
+    for kind, row in _health_rows(health, now, everything=everything):
+        found[kind].append(row)
+    for kind, rows in found.items():
+        if rows:
+            yield kind.finding(rows[:_MOST] if kind in _CUT else rows, name, len(rows))
+
+
+_OF_A_NODE = (
+    FindingKind.TROUBLE,
+    FindingKind.NOTE,
+    FindingKind.COUNT,
+    FindingKind.LOSS,
+    FindingKind.GIVEN_UP,
+    FindingKind.FAILURE,
+    FindingKind.QUARANTINE,
+)
+_CUT = {FindingKind.FAILURE, FindingKind.QUARANTINE}
+
+
+def _health_rows(health: HealthResponse, now: float, *, everything: bool) -> Iterator[tuple[FindingKind, Row]]:
+    for text in health.troubles:
+        yield FindingKind.TROUBLE, ("", text)
+    for text in health.notes:
+        yield FindingKind.NOTE, ("", text)
+    yield from _count_rows(health.counts, everything=everything)
+    for failure in health.failures:
+        yield FindingKind.GIVEN_UP if failure.outcome == "given up" else FindingKind.FAILURE, _failure(failure, now)
+    for one in health.quarantined:
+        text = f"for {age(one.since, now)}, {one.offences} offences, the last: {one.why}"
+        yield FindingKind.QUARANTINE, (one.offender, text)
+
+
+def _count_rows(counts: Iterable[Count], *, everything: bool) -> Iterator[tuple[FindingKind, Row]]:
+    for one in counts:
+        is_listed = one.name == "callback_failures"  # each with its reason, as a failure
+        if everything or (one.count and not is_listed and _is_one_of(_FAULTS, one.name)):
+            kind = FindingKind.LOSS if one.count and _is_one_of(_ILLS, one.name) else FindingKind.COUNT
+            yield kind, (one.name.replace("_", " "), str(one.count))
+
+
+def _failure(one: PartFailure, now: float) -> Row:
+    times = "once" if one.count == 1 else f"{one.count} times"
+    outcome = f"; now {one.outcome}" if one.outcome else ""
+    return (one.part, f"{one.what} {times}, {ago(one.last, now)}: {one.why}{outcome}")
+
+
+class _DeviceCheck(NamedTuple):
+    """A question about all devices, and what is said of each that it finds.
+
+    Attributes:
+        most: How many are shown: a whole house takes long to carry.
+    """
+
+    kind: FindingKind
+    query: str
+    detail: Callable[[Device, float], str]
+    most: int
+
+
+def _dispute(device: Device, _now: float) -> str:
+    more = len(device.conflicts) - 1
+    return device.conflicts[0] + (f" (and {more} more: homebot show '{device.id}')" if more else "")
+
+
+def _charge(device: Device, _now: float) -> str:
+    values = {one.capability: plain_value(one.value) for one in device.states}
+    return f"{values['battery']:.0f} %" if isinstance(values.get("battery"), int | float) else "it says so"
+
+
+def _step(device: Device, _now: float) -> str:
+    """Return the next step with what has a gateway of its own, rather than as a HomeKit accessory, which it may be."""
+    needed = {(one.gateway, one.key): one.value for one in device.facts if one.name == NEEDS_GATEWAY}
+    steps = [
+        (needed.get((one.gateway, one.key)) == "homekit", one.value) for one in device.facts if one.name == NEXT_STEP
+    ]
+    return min(steps, default=(False, ""))[1]
+
+
+_UNUSED = (
+    f'"{NEEDS_GATEWAY}"=homeassistant or "{NEEDS_GATEWAY}"=hue '
+    f'or ("{NEEDS_GATEWAY}"=homekit and not "dns_sd_type"=_hue._tcp)'
+)
+
+_DEVICE_CHECKS = (
+    _DeviceCheck(FindingKind.STALE, "stale", lambda one, now: f"last seen {ago(one.last_seen, now)}", _MOST),
+    _DeviceCheck(FindingKind.UNREACHABLE, "offline not stale", lambda one, _now: one.reachable.why, _MOST),
+    _DeviceCheck(FindingKind.DISPUTED, "disputed", _dispute, _MOST),
+    _DeviceCheck(FindingKind.BATTERY, f"battery < {_WEAK_BATTERY} or battery_low=yes", _charge, _FEW),
+    _DeviceCheck(FindingKind.NO_GATEWAY, _UNUSED, _step, _MOST),
+    _DeviceCheck(FindingKind.NO_ROOM, "without area", lambda one, _now: one.name, _FEW),
+)
+
+
+def _is_one_of(faults: tuple[str, ...], name: str) -> bool:
+    return any(name == fault or name.endswith(f"_{fault}") or name.startswith(f"{fault}_") for fault in faults)
