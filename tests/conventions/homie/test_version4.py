@@ -2,7 +2,7 @@ from collections.abc import Mapping
 from itertools import permutations
 
 import pytest
-from tests.conventions.announced_parts import Say, device_in
+from tests.conventions.announced_parts import Say, device_in, heard, part_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn, Publication
 from homebot.conventions.homie import Homie
@@ -111,6 +111,13 @@ def test_an_incomplete_one_is_no_device(say: Say, missing: str) -> None:
     assert len(say(f"{BASE}/{missing}", LAMP[missing])) == 1
 
 
+def test_a_property_of_version_3_without_datatype_is_a_text(say: Say) -> None:
+    """Source: homie-esp8266 3.0, example SonoffDualShutters, and homie-device 3.0 (npm): datatypes are optional."""
+    rest = {name: value for name, value in LAMP.items() if name not in {"light/on/$datatype", "$state"}}
+    found = part_in(tell(say, {**rest, "$homie": "3.0.1", "$state": "ready"}), "light/on")
+    assert heard(found, f"{BASE}/light/on", "true") == {"text": "true"}
+
+
 def test_a_starting_one_is_awaited(say: Say) -> None:
     assert tell(say, {**LAMP, "$state": "init"}) == ()
     assert len(say(f"{BASE}/$state", "alert")) == 1
@@ -149,6 +156,8 @@ def test_an_array_of_version_3_is_as_many_nodes(say: Say) -> None:
     device = device_in(tell(say, relays, "homie/relays"))
     assert [(one.part.id, one.part.name) for one in device.parts] == [("relay_0", ""), ("relay_1", "Pump")]
     assert device.parts[1].part.writes == ("homie/relays/relay_1/on/set",)
+    (named,) = say("homie/relays/relay/$name", "Relay")
+    assert [one.part.name for one in device_in((named,)).parts] == ["Relay 0", "Pump"]
 
 
 def test_an_illegal_property_is_left_out(homie: Homie, say: Say) -> None:

@@ -1,7 +1,7 @@
 """Devices of Homie 4 and 3, put together from single retained topics. Pure.
 
-A device is complete when every node it announces has its properties, every property its datatype, and its state is
-known and not ``init``.
+A device is complete when every node it announces has its properties, every property its datatype, which is a string by
+default in version 3, and its state is known and not ``init``.
 
 Source: Homie 4.0 and 3.0.1, Device, Node and Property Attributes; arrays: 3.0.1, Arrays.
 """
@@ -34,18 +34,22 @@ def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
     """Return the nodes of a device as documents of version 5 have them; None while an attribute is missing."""
     found: dict[str, object] = {}
     listed = _listed(attributes.get("$nodes"))
+    has_default = attributes.get("$homie", "").startswith("3.")
     for name in listed or ():
         node_id = name.removesuffix("[]")
         elements = _elements(attributes, node_id) if name.endswith("[]") else (node_id,)
         properties = _listed(attributes.get(f"{node_id}/$properties"))
         if elements is None or properties is None:
             return None
-        if not all(f"{node_id}/{one}/$datatype" in attributes for one in properties):
+        if not has_default and not all(f"{node_id}/{one}/$datatype" in attributes for one in properties):
             return None
         described = {one: _property(attributes, f"{node_id}/{one}") for one in properties}
+        shared = attributes.get(f"{node_id}/$name", "")
         for element in elements:
             found[element] = {
-                "name": attributes.get(f"{element}/$name", attributes.get(f"{node_id}/$name", "")),
+                "name": attributes.get(
+                    f"{element}/$name", shared and shared + element[len(node_id) :].replace("_", " ")
+                ),
                 "type": attributes.get(f"{node_id}/$type", ""),
                 "properties": described,
             }
@@ -61,14 +65,15 @@ def _elements(attributes: Mapping[str, str], node_id: str) -> tuple[str, ...] | 
 
 
 def _property(attributes: Mapping[str, str], path: str) -> dict[str, object]:
-    fields: dict[str, object] = {name: attributes.get(f"{path}/${name}", "") for name in _TEXTS}
+    fields: dict[str, object] = {name: attributes.get(f"{path}/${name}", default) for name, default in _TEXTS}
     if fields["datatype"] == "boolean":
         del fields["format"]
     settable, retained = (attributes.get(f"{path}/${name}", "").casefold() for name in ("settable", "retained"))
     return {**fields, "settable": settable == "true", "retained": retained != "false"}
 
 
-_TEXTS = ("name", "datatype", "format", "unit")
+_TEXTS = (("name", ""), ("datatype", "string"), ("format", ""), ("unit", ""))
+"""Attributes that are texts, with their defaults."""
 
 
 def _listed(text: str | None) -> tuple[str, ...] | None:
