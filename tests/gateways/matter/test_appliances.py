@@ -3,7 +3,7 @@
 import pytest
 from tests.gateways.matter.test_node import LOCK, encoded, only_device, orders, readings
 
-from homebot.conventions.matter.endpoint import AttributeWrite
+from homebot.conventions.matter.endpoint import AttributeWrite, ClusterInvocation
 from homebot.devices.always_ask import is_declared
 from homebot.devices.device import DevicePart
 from homebot.devices.value import PlainValue
@@ -246,6 +246,14 @@ def test_a_closure_that_covers_a_window_is_a_blind_with_its_panels(tag: int, ser
     device = only_device({**CLOSURE, **panel, "1/29/3": [2], "1/29/4": tags})
     assert [one.service_type for one in device.device.parts] == [service_type, service_type]
     assert [row.capability for part in "12" for row in device.rows[part][1]] == ["movement", "position"]
+
+
+def test_an_operation_has_a_button_for_each_command_that_it_accepts() -> None:
+    """As the Dishwasher of Matterbridge's example, which is paused, stopped, started and resumed."""
+    washer = only_device({**WASHER, "1/96/65529": [0, 1, 2, 3]})
+    assert [one.name for one in washer.device.parts] == ["", "Pause", "Stop", "Start", "Resume"]
+    assert encoded(washer, "push", True, "1-start") == (ClusterInvocation(96, "Start"),)
+    assert [one.name for one in only_device({**WASHER, "1/96/65529": [1]}).device.parts] == ["", "Stop"]
 
 
 def test_an_oven_tells_whether_it_runs() -> None:

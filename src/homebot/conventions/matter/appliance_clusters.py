@@ -9,8 +9,10 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Final
 
+from homebot.conventions.command_values import require_true
 from homebot.conventions.matter.cluster_row import ClusterRow, any_bit, choice, number, one_of
 from homebot.conventions.matter.endpoint import (
+    ACCEPTED_COMMANDS,
     AttributeWrite,
     ClusterInvocation,
     MatterEndpoint,
@@ -136,6 +138,23 @@ def _listed_row(
     )
 
 
+def _button_row(number_: int, name: str) -> ClusterRow:
+    """Return the row of a command of an operation, which is a part beside it."""
+
+    def write(_at: MatterEndpoint, command: Command) -> MatterOrders:
+        require_true("push", command.value.plain())
+        return (ClusterInvocation(OPERATION, name),)
+
+    return ClusterRow(
+        OPERATION,
+        ACCEPTED_COMMANDS,
+        "push",
+        write=write,
+        when=lambda one: one.accepts(OPERATION, number_),
+        part_suffix=name.casefold(),
+    )
+
+
 def _read_vacuum(endpoint: MatterEndpoint, _raw: object) -> PlainValue:
     state = endpoint.whole(CLEANING, _STATE)
     if state in _VACUUM_STATES:
@@ -189,6 +208,7 @@ APPLIANCE_ROWS: Final = (
     ),
     ClusterRow(OPERATION, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OPERATION, _STATE, "problem", one_of(_ERROR)),
+    *(_button_row(number_, name) for number_, name in enumerate(("Pause", "Stop", "Start", "Resume"))),
     ClusterRow(OVEN_CAVITY, _STATE, "running", one_of(_RUNNING)),
     ClusterRow(OVEN_CAVITY, _STATE, "problem", one_of(_ERROR)),
     ClusterRow(

@@ -12,6 +12,7 @@ from homebot.conventions.payload import text_of
 from homebot.support.numbers import finite_number, whole_number
 
 __all__ = [
+    "ACCEPTED_COMMANDS",
     "DESCRIPTOR",
     "TAG_LIST",
     "AttributeWrite",
@@ -24,7 +25,7 @@ __all__ = [
 
 DESCRIPTOR: Final = 29
 _DEVICE_TYPE_LIST, _PARTS_LIST, TAG_LIST = 0, 3, 4
-_FEATURE_MAP, _ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
+_FEATURE_MAP, ACCEPTED_COMMANDS = 0xFFFC, 0xFFF9
 _NOTHING: Final[Mapping[int, object]] = {}
 _TIMED_MS: Final = 1_000
 
@@ -74,7 +75,7 @@ class MatterEndpoint:
 
     def accepts(self, cluster: int, command: int) -> bool:
         """Return whether it accepts a command of a cluster; true if it has no list of accepted commands."""
-        accepted = self.value(cluster, _ACCEPTED_COMMANDS)
+        accepted = self.value(cluster, ACCEPTED_COMMANDS)
         return command in accepted if isinstance(accepted, list) else True
 
     @property
