@@ -210,8 +210,12 @@ MODE = {"type": "string", "enum": ["off", "heat", "auto"]}
     ],
 )
 def test_a_temperature_a_setpoint_in_degrees_and_a_mode_are_a_thermostat(warm: str, setpoint: str, mode: str) -> None:
-    found, relay = parts({warm: WARM, setpoint: SETPOINT, mode: MODE, "light": FLAG})
+    """ECHONET's air conditioners have an outdoor temperature as well."""
+    found, outside, relay = parts(
+        {warm: WARM, setpoint: SETPOINT, mode: MODE, "outdoorTemperature": WARM, "light": FLAG}
+    )
     assert (found.part.service_type, found.part.guessed, relay.part.service_type) == ("thermostat", True, "switch")
+    assert outside.part.service_type == "temperature_sensor"
     assert {one.name: (one.settable, one.options) for one in found.part.capabilities} == {
         "local_temperature": (False, ()),
         "heating_setpoint": (True, ()),

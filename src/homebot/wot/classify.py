@@ -226,7 +226,7 @@ _NO_LAMPS = frozenset(
 def _assign_thermostat(found: Collection[_Candidate]) -> bool:
     """Assign the meanings of a thermostat to one temperature, setpoint and mode of *found*; return False without."""
     roles = {
-        "local_temperature": [one for one in found if one.capability == "temperature" and not one.is_settable],
+        "local_temperature": [one for one in found if _is_indoors(one)],
         "heating_setpoint": [one for one in found if one.capability == "heating_setpoint" or _is_setpoint(one)],
         "thermostat_mode": [one for one in found if one.capability == "thermostat_mode" or _is_mode(one)],
     }
@@ -247,6 +247,10 @@ def _climate_type(found: Collection[_Candidate]) -> str:
     return climate_type(modes)
 
 
+def _is_indoors(one: _Candidate) -> bool:
+    return one.capability == "temperature" and not one.is_settable and _OUTDOORS.isdisjoint(_words_of(one))
+
+
 def _is_setpoint(one: _Candidate) -> bool:
     in_degrees = unit_of(one.affordance.schema) in {"°C", "°F"}
     return one.capability == "number" and in_degrees and not _SETPOINTS.isdisjoint(_words_of(one))
@@ -261,6 +265,7 @@ def _words_of(one: _Candidate) -> tuple[str, ...]:
     return words_of(_TOKEN_BREAK.sub("_", one.name))
 
 
+_OUTDOORS = frozenset({"outdoor", "outside"})
 _SETPOINTS = frozenset({"desired", "set", "setpoint", "target"})
 _MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
