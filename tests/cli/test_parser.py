@@ -19,6 +19,7 @@ Text = pytest.CaptureFixture[str]
         ("devices extra", "homebot devices: unexpected argument 'extra'; see `homebot devices --help`"),
         ("device", "homebot: no command 'device'; did you mean devices?"),
         ("devcies --json", "homebot: no command 'devcies'; did you mean devices?"),
+        ("lst", "homebot: no command 'lst'; did you mean devices?"),
         ("topic lst", "homebot topic: no command 'lst'; did you mean list?"),
         ("frobnicate", "homebot: no command 'frobnicate'; see `homebot --help`"),
     ],

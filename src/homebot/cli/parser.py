@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import Final, NoReturn
 
 from homebot.support.similar import similar_to
@@ -72,9 +73,8 @@ class CommandParser(argparse.ArgumentParser):
     def _check_value(self, action: argparse.Action, value: str) -> None:
         commands = self._commands()
         if commands is not None and action is commands and value not in commands.choices:
-            synonym = SYNONYMS.get(value.lower(), "")
-            meant = f"did you mean {synonym}?" if synonym in commands.choices else self._meant(value, commands.choices)
-            self._refuse(f"no command {value!r}; {meant}")
+            words = {word: command for word, command in SYNONYMS.items() if command in commands.choices}
+            self._refuse(f"no command {value!r}; {self._meant(value, commands.choices, words=words)}")
         super()._check_value(action, value)
 
     @property
@@ -101,10 +101,12 @@ class CommandParser(argparse.ArgumentParser):
         known = [one[2:] for one in self._option_string_actions if one.startswith("--")]
         return f"unknown option {name}; {self._meant(name.lstrip('-'), known, '--')}"
 
-    def _meant(self, name: str, known: Iterable[str], prefix: str = "") -> str:
-        """Return the most likely meaning, or the place to look."""
-        similar = similar_to(name, known, _CUTOFF)
-        return f"did you mean {prefix}{similar[0]}?" if similar else self._hint
+    def _meant(
+        self, name: str, known: Iterable[str], prefix: str = "", words: Mapping[str, str] = MappingProxyType({})
+    ) -> str:
+        """Return the most likely meaning of the *known* ones, and of those that *words* have, or the place to look."""
+        similar = similar_to(name, (*known, *words), _CUTOFF)
+        return f"did you mean {prefix}{words.get(similar[0], similar[0])}?" if similar else self._hint
 
     def _refuse(self, problem: str) -> NoReturn:
         self.exit(_WRONG_COMMAND_LINE, f"{self.prog}: {problem}\n")
