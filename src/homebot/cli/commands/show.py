@@ -21,7 +21,7 @@ from homebot.cli.terminal import print_line, print_rows
 from homebot.devices.capabilities import EVENTS
 from homebot.devices.names import OWNER, PREFER, TAG
 from homebot.devices.wording.time_format import ago
-from homebot.devices.wording.values import is_topic, life, plain_value, span, value_text
+from homebot.devices.wording.values import is_topic, life, plain_value, span, type_text, value_text
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -116,7 +116,7 @@ def _facts(device: Device, now: float) -> list[tuple[str, ...]]:
 
 
 def _overview(device: Device, now: float) -> Iterator[tuple[str, ...]]:
-    yield "type", ", ".join(device.service_types) or device.service_type
+    yield "type", ", ".join(dict.fromkeys(map(type_text, device.service_types))) or device.service_type
     if device.area:
         outer = f" ({', '.join(device.outer_areas)})" if device.outer_areas else ""
         yield "area", device.area + outer
@@ -139,7 +139,8 @@ def _title(part: DevicePart) -> str:
     more += [f"announced as {shown.advertised}"] if shown.advertised not in {"", shown.service_type} else []
     more += [one for one in (shown.tag, shown.category) if one]
     more += ["guessed"] if shown.guessed else []
-    return f"{shown.service_type} ({', '.join(more)})" if more else shown.service_type
+    name = type_text(shown.service_type)
+    return f"{name} ({', '.join(more)})" if more else name
 
 
 def _part(

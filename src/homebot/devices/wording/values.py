@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from homebot.devices.part import Capability
     from homebot.devices.value import Value
 
-__all__ = ["is_topic", "life", "main_parts", "plain_value", "span", "state_text", "types", "value_text"]
+__all__ = ["is_topic", "life", "main_parts", "plain_value", "span", "state_text", "type_text", "types", "value_text"]
 
 PlainValue: TypeAlias = "bool | float | str | list[float] | None"
 
@@ -65,8 +65,13 @@ def types(device: Device) -> str:
     """Return the types that the device offers, each once; for one that sends plain text, its own word for that."""
     if device.parts and device.service_type not in DEVICE_TYPES:
         return device.service_type
-    found = dict.fromkeys(one.part.service_type for one in main_parts(device))
+    found = dict.fromkeys(type_text(one.part.service_type) for one in main_parts(device))
     return ", ".join(found) or device.service_type
+
+
+def type_text(name: str) -> str:
+    """Return a type for people: those that Matter does not have without the mark of that."""
+    return name.removeprefix("x_")
 
 
 def main_parts(device: Device) -> Sequence[DevicePart]:
