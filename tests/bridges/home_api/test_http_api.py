@@ -35,6 +35,8 @@ async def test_a_house_is_found_commanded_and_explained(tmp_path: Path) -> None:
         await api.command("lamp1", "level 50")
         why_not = (await api.get("/api/why/lamp1?state=40")).values["why"]
         assert why_not.endswith("(reported); it changed after that: a question without a state has the reason")
+        is_so = (await api.get("/api/why/lamp1?state=50")).values
+        assert (is_so["is_so"], is_so.get("steps")) == (True, None)
 
         await api.until("/api/history?device=lamp1&capability=on_off", lambda found: bool(found.get("series")))
         history = (await api.get("/api/history?device=lamp1&capability=on_off&since=1h")).values

@@ -378,6 +378,13 @@ def test_of_a_command_that_was_cut_short_it_is_told_that_nobody_knows(
     assert capsys.readouterr().out.rstrip().endswith(f"  follow_me  {result}")
 
 
+def test_of_a_state_that_is_so_the_last_command_is_enough(still: StillHouse, run: Run, capsys: Text) -> None:
+    """It listed ten confirmed ones."""
+    still.journal = [*command("a-1", 90, CONFIRMED, on_off=True), *command("a-2", 60, CONFIRMED, on_off=True)]
+    assert run("why-not", "Kitchen lamp", "on") == 0
+    assert "… the last 1 of 2; all: homebot journal" in capsys.readouterr().out
+
+
 def test_why_not_without_a_state_says_what_to_give(run: Run, capsys: Text) -> None:
     assert run("why-not", "Kitchen lamp", " ") == 1
     assert capsys.readouterr() == ("", "homebot: give the state that the device is not in, such as on, open or 40\n")

@@ -144,10 +144,10 @@ async def why(home: HomeCalls, asked: shapes.WhyQuestion) -> shapes.WhyAnswer:
 
 def _why_not(wanted: ExplainMissingStateResponse, now: float) -> tuple[str, list[str]]:
     """Return why a device is not in a state, and the commands that asked for it."""
+    if wanted.is_so:
+        return "it is so; a question without a state has the reason", []
     chains = chains_of(wanted.entries)
     steps = [f"{clock_text(one[0].at, now)} {issuer_text(one[0].issuer)}: {result_text(one, now)}" for one in chains]
-    if wanted.is_so:
-        return "it is so", steps
     reason = wanted.problem or (steps[-1] if steps else "no command asked for that")
     if chains and was_obeyed(chains[-1]):
         reason += "; it changed after that: a question without a state has the reason"

@@ -122,7 +122,7 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
     if found.is_so:
         print(f"So it is {_wanted(options)} already; `homebot why {_quoted(device)}` tells why.")
     if asked:
-        _print_asked(asked, client, options, device, now)
+        _print_asked(asked, client, options, device, now, 1 if found.is_so else _MOST)
         if not found.is_so and was_obeyed(asked[-1]):
             print(f"\nIt changed after that: `homebot why {_quoted(device)}` tells why.")
     elif not found.is_so:
@@ -131,14 +131,14 @@ def _why_not(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _print_asked(
-    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: Device, now: float
+    asked: Sequence[Chain], client: JournalClient, options: argparse.Namespace, device: Device, now: float, most: int
 ) -> None:
     times = "once" if len(asked) == 1 else f"{len(asked)} times"
     print(f"{_wanted(options)} was asked for {times}:")
     print()
-    print_rows([_row(one, client, now) for one in asked[-_MOST:]])
-    if len(asked) > _MOST:
-        print(f"  … the last {_MOST} of {len(asked)}; all: homebot journal {_quoted(device)}")
+    print_rows([_row(one, client, now) for one in asked[-most:]])
+    if len(asked) > most:
+        print(f"  … the last {most} of {len(asked)}; all: homebot journal {_quoted(device)}")
 
 
 def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingStateResponse, now: float) -> str:
