@@ -82,11 +82,15 @@ async def test_a_dimmer_that_is_off_fades_up_from_nothing(open_home: OpenHome) -
     assert (round(outcome.latency), sendings) == (8, 1)
 
 
-async def test_a_dimmer_that_gets_stuck_on_its_way_is_told_again_and_contradicted(open_home: OpenHome) -> None:
-    behaviour = ramp(100.0, 8.0, on_and_level, stuck_at=60.0)
+@pytest.mark.parametrize("stuck_at", [60.0, 40.0])
+async def test_a_dimmer_that_gets_stuck_on_its_way_is_told_again_and_contradicted(
+    open_home: OpenHome, stuck_at: float
+) -> None:
+    """It is told again after a silence, which ends later than commands to other devices."""
+    behaviour = ramp(100.0, 8.0, on_and_level, stuck_at=stuck_at)
     outcome, sendings = await commanded(open_home, 100.0, ("level", 20.0), behaviour)
     assert isinstance(outcome, Contradicted)
-    assert (outcome.saw, sendings > 1) == ("level is 60", True)
+    assert (outcome.saw, sendings > 1) == (f"level is {stuck_at:g}", True)
 
 
 async def test_a_dimmer_that_reports_the_end_of_its_ramp_alone_is_told_once_after_it_gave_no_answer(home: Home) -> None:

@@ -90,6 +90,8 @@ class Sending:
                 await sent.wait(step.until - now)
             else:
                 plan.attempts += 1
+                if plan.attempts > 1:  # a device that got stuck on its way is told again later than any other
+                    plan.lasts = max(plan.lasts, now + plan.interval - plan.began)
                 if plan.attempts == 1 or self._policies.check(command) is None:
                     problem = await self._send(sent, plan)
                     is_acknowledged = problem is None and not progress.is_unacknowledged

@@ -135,7 +135,9 @@ def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: floa
 
 
 def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, is_echoed: bool) -> Step:
-    if not (progress.is_on_its_way or is_echoed) and plan.attempts < plan.tries and not progress.is_overruled:
+    is_late = now >= plan.began + plan.lasts and progress.moved_at is None
+    is_awaited = progress.is_on_its_way or is_echoed or is_late
+    if not is_awaited and plan.attempts < plan.tries and not progress.is_overruled:
         return _repetition(progress, plan, now)
     return _last_wait(progress, plan, now)
 
