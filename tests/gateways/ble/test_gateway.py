@@ -243,6 +243,18 @@ async def test_lights_that_left_do_not_keep_others_from_being_connected(radio_ho
                 await radio_house.until(lambda: radio_house.newest(light.address, "", "on_off") is False)
 
 
+async def test_a_thermometer_that_is_an_ibeacon_as_well_is_a_thermometer(radio_house: RadioHouse) -> None:
+    """Govee's H5174, as its advertisement was recorded; all of them are one and the same iBeacon."""
+    pytest.importorskip("govee_ble")
+    address, beacon = "A4:C1:38:6B:6B:E0", b"\x4c\x00\x02\x15INTELLI_ROCKS_HWPu\xf2\xff\xc2"
+    data = [(0x09, b"GVH5174_6BE0"), (0xFF, bytes.fromhex("0100 010102f7d664")), (0xFF, beacon)]
+    async with radio_house.running(signal=False):
+        radio_house.radio.transmit(address, data)
+        await radio_house.until(lambda: radio_house.newest(address, "temperature", "temperature") == 19.4)
+        assert radio_house.newest(address, "humidity", "humidity") == 51.8
+    assert list(radio_house.sightings) == [address]
+
+
 async def test_a_beacon_is_known_by_its_identity_whatever_its_address(radio_house: RadioHouse) -> None:
     async with radio_house.running():
         for address in ("C0:00:00:00:00:01", "C0:00:00:00:00:02"):

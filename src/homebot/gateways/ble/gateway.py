@@ -11,6 +11,7 @@ import anyio.lowlevel
 from anyio.abc import TaskStatus
 from pydantic import BaseModel
 
+from homebot.conventions.bluetooth.beacons import BeaconParser
 from homebot.conventions.bluetooth.broadcast import Advertisement, Broadcast, BroadcastParser, BroadcastValue
 from homebot.conventions.bluetooth.gatt_profile import GattProfile
 from homebot.devices.gateway_messages import Command
@@ -308,4 +309,4 @@ def _find_parsers(settings: BleGatewaySettings) -> tuple[BroadcastParser, ...]:
         found.append(kind(keys))
     if keys and not found:
         raise UsageError("bind keys are configured, but no parser that uses them")
-    return tuple(found)
+    return tuple(sorted(found, key=lambda one: isinstance(one, BeaconParser)))  # many sensors are iBeacons as well
