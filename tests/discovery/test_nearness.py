@@ -177,6 +177,14 @@ async def test_the_lamp_behind_the_wall_is_farther_and_a_door_changes_that_with_
         assert (await house.why("lamps near robi"))["kitchen_lamp"] == "7.1 m = 7.1 path by Hall-Kitchen"
 
 
+async def test_a_locked_door_is_named_only_if_it_is_in_the_way() -> None:
+    async with golden(rooms=(HALL, KITCHEN, HouseRoom("Shed"))) as house:
+        await house.hears(door("locked", house.app.graph.clock.now()))
+        await house.robot_at(3.5, 1.0, room="Shed")
+        answer = await house.find("lamps near robi")
+        assert [one.value for one in answer.left_out] == ["no way leads to Hall", "no way leads to Kitchen"]
+
+
 async def test_the_metres_of_a_closed_door_are_a_setting() -> None:
     async with golden(closed_door=7.5) as house:
         await house.robot_at(3.5, 1.0)

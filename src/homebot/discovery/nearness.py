@@ -4,7 +4,7 @@ Loaded with the first query that asks for it.
 """
 
 import math
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Iterator
 from itertools import starmap
 from operator import is_not
 from typing import Final, NamedTuple, final
@@ -134,7 +134,7 @@ class Nearness:
             limit=limit,
         )
         left_out = [(one, "it waits for the owner's approval") for one in sorted(forbidden)]
-        left_out += [(one, self._no_way(one, locked)) for one in unreachable[:_MOST_LEFT_OUT]]
+        left_out += self._no_ways(unreachable[:_MOST_LEFT_OUT], start.room, locked)
         answer = QueryDevicesResponse(
             success=True,
             message=_text(pose, start.room, age),
@@ -263,11 +263,13 @@ class Nearness:
             device_id = self._named[named] = min(found, default="")
         return self._index.get(device_id)
 
-    def _no_way(self, device_id: str, locked: frozenset[str]) -> str:
-        """Return why no way leads to a device."""
-        place = self._finder.place_of(device_id)
-        reason = f": {', '.join(locked)} is locked" if len(locked) == 1 else ""
-        return "its room is not known" if place is None else f"no way leads to {place.room}{reason}"
+    def _no_ways(self, devices: list[str], room: str, locked: frozenset[str]) -> Iterator[tuple[str, str]]:
+        """Yield each of *devices* with the reason why no way leads from *room* to it."""
+        apart = self._finder.unreachable(room) if devices and locked else set()  # also with all doors unlocked
+        for device_id in devices:
+            place = self._finder.place_of(device_id)
+            reason = f": {', '.join(locked)} is locked" if len(locked) == 1 and device_id not in apart else ""
+            yield device_id, "its room is not known" if place is None else f"no way leads to {place.room}{reason}"
 
 
 def _text(pose: RobotPose, room: str, age: float) -> str:
