@@ -161,6 +161,14 @@ def test_maker_and_model_are_facts_of_the_device() -> None:
     assert "LYWSDCGQ" in found.name
 
 
+@pytest.mark.parametrize(
+    ("advertisement", "name"), [(TAG, "RuuviTag EFAF"), (FRIDGE, "IBS-TH EEFF"), (DOOR, "Door/Window Sensor 2030")]
+)
+def test_a_device_has_the_name_that_its_library_gives_it(advertisement: Advertisement, name: str) -> None:
+    """A RuuviTag advertises none, and a thermometer of Inkbird calls itself ``sps``."""
+    assert read(SensorLibraryParser({}), advertisement).name == name
+
+
 def test_an_advertisement_that_is_repeated_reports_nothing_new() -> None:
     parser = SensorLibraryParser({})
     assert values(read(parser, BUTTON))["button_0", "press"] == "single"

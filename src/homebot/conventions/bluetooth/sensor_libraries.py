@@ -113,7 +113,7 @@ class SensorLibraryParser(BroadcastParser):
         if is_new:
             values = tuple(_read_update(sensor, update))
         return Broadcast(
-            name=update.title or advertisement.name,
+            name=update.title or _name_of(update) or advertisement.name,
             parts=tuple(sensor.parts.values()),
             values=values,
             expiries={
@@ -283,6 +283,11 @@ def _part_id(key: DeviceKey) -> str:
     key_of_value: object = key.key  # some are members of an enumeration, and Qingping has (None, "door_left_open")
     name = str(key_of_value[-1] if isinstance(key_of_value, tuple) else key_of_value)
     return name if key.device_id is None else f"{key.device_id}_{name}"
+
+
+def _name_of(update: SensorUpdate) -> str:
+    """Return the name that a library without titles gives the device: ``RuuviTag EFAF``, ``IBS-TH EEFF``."""
+    return next((one.name for one in update.devices.values() if one.name), "")
 
 
 def _metadata(update: SensorUpdate) -> dict[str, str]:
