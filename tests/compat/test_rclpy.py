@@ -185,6 +185,9 @@ def test_parameters_are_declared_together_and_asked_for_with_an_alternative(node
     other = rclpy.Parameter("reach", rclpy.Parameter.Type.DOUBLE, 2.0)
     assert node.get_parameter_or("arm.reach", other).value == 1.5
     assert node.get_parameter_or("reach", other) is other
+    spans = node.declare_parameter("spans", [0.5, 1.5])
+    assert (spans.value, spans.type_) == ([0.5, 1.5], rclpy.Parameter.Type.DOUBLE_ARRAY)
+    assert spans.get_parameter_value().double_array_value == [0.5, 1.5]
 
 
 def test_a_line_of_a_program_is_logged_once_or_once_in_a_time(node: rclpy.Node) -> None:

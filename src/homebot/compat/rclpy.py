@@ -136,7 +136,7 @@ class RclpyParameter(graph.Parameter):
     )
 
     def __new__(cls, name: str, type_: Type | None = None, value: Any = None) -> Self:  # noqa: ARG004
-        return super().__new__(cls, name, value)
+        return super().__new__(cls, name, to_program(value))
 
     @property
     def type_(self) -> Type:
