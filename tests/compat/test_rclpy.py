@@ -96,6 +96,7 @@ def test_a_timer_begins_anew_after_a_reset_and_ends_when_it_is_destroyed(node: r
     assert calls == ["now"]
     assert node.destroy_timer(timer)
     assert timer.is_canceled()
+    assert node.create_timer(0.01, list, object(), autostart=False).is_canceled()
 
 
 def test_a_blocking_call_in_a_callback_runs_the_callbacks_of_other_groups(node: rclpy.Node) -> None:

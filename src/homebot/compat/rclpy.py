@@ -202,7 +202,9 @@ class RclpyNode(Remote):
         """Return each service of the graph with its type."""
         return _with_lists(CONTEXT.call(self.graph_object.graph.get_service_names_and_types))
 
-    def create_timer(self, timer_period_sec: float, callback: Callable[[], object], **_: object) -> Any:
+    def create_timer(
+        self, timer_period_sec: float, callback: Callable[[], object], *_: object, autostart: bool = True, **__: object
+    ) -> Any:
         """Call *callback* once in a period, also after ``cancel()`` again from ``reset()`` on."""
         create = partial(CONTEXT.call, self.graph_object.create_timer, timer_period_sec, self.callback(callback))
         timer: Any = Remote(create(), self.executor)
@@ -212,6 +214,8 @@ class RclpyNode(Remote):
             timer.graph_object = create()
 
         timer.reset, timer.destroy = reset, timer.cancel
+        if not autostart:
+            timer.cancel()
         return timer
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Callable[[Any, Any], object], **_: object) -> Any:
