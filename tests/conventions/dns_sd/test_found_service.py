@@ -38,6 +38,8 @@ def test_of_matter_the_host_is_the_hardware_address_and_the_instance_is_the_node
     (host, node) = identifiers_of(MATTER)
     assert host == "mac:b827eba1b2c3"
     assert node == f"id:matter:deviceid_{MATTER.name}-MatterNodeDevice"
+    on_matter_js = found(MATTER.name, "_matter._tcp", "B827EBA1B2C30000.local.", T="6")
+    assert identifiers_of(on_matter_js) == (host, node)
 
 
 def test_the_pairing_id_of_homekit_is_no_hardware_address() -> None:

@@ -34,6 +34,9 @@ _ID = re.compile(r"[0-9A-Za-z]+[_-][0-9A-Fa-f]{12,}|[0-9A-Fa-f]{12,}")
 _ADDRESS_BEHIND = re.compile(r"\s*\[((?:[0-9A-Fa-f]{2}[:-]){5}[0-9A-Fa-f]{2})\]$")
 """Of computers, ``office [00:0e:c6:12:34:56]``, and of Bosch's controller, with hyphens."""
 
+_PADDED = re.compile(r"^([0-9A-Fa-f]{12})0000$")
+"""The host of a node on matter.js, such as Matterbridge: its hardware address and four zeros."""
+
 _MOST_ADDRESSES = 8
 
 _FACTS = {
@@ -88,7 +91,7 @@ def identifiers_of(service: FoundService) -> tuple[str, ...]:
     people give. For the host as such, see :func:`host_identifiers`.
     """
     said = service.properties
-    label = service.host.removesuffix(".").removesuffix(".local")
+    label = _PADDED.sub(r"\1", service.host.removesuffix(".").removesuffix(".local"))
     named = [label] if _has_address(label, "mac:", "eui64:") else []
     # Not of 64 bits: an instance of Matter is called <fabric>-<node>, and neither is an address.
     named += [one for one in (service.name, service.name.partition("@")[0]) if _has_address(one, "mac:")]
