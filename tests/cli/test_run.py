@@ -281,6 +281,18 @@ def test_a_wrong_option_is_a_matter_of_usage(
     assert problem in capsys.readouterr().err
 
 
+def test_a_service_with_wrong_tables_ends_for_good_and_names_all_mistakes(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It ended with 1, so systemd started it for ever, and named the first."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOMEBOT_SERVICE", "1")
+    (tmp_path / "homebot.toml").write_text("[gateways.mqtt]\nulr = 1\n[apps.lights_out]\nquiet = 3\n")
+    assert main(["run"]) == 2
+    problems = capsys.readouterr().err.splitlines()
+    assert [one.split(": ")[2] for one in problems] == ["gateways.mqtt.ulr", "apps.lights_out.quiet"]
+
+
 def test_a_watchdog_that_was_not_needed_leaves_no_thread() -> None:
     with Watchdog() as watchdog:
         watchdog.start()

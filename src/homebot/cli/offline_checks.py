@@ -8,8 +8,7 @@ from pathlib import Path
 import anyio
 
 from homebot.bridges.admission import AccessSettings
-from homebot.cli.commands.config import config_errors
-from homebot.cli.commands.run import with_environment
+from homebot.cli.commands.run import config_errors, with_environment
 from homebot.config import load_config, load_tables
 from homebot.devices.findings import Finding, FindingKind, Row
 from homebot.errors import ConfigError, HomebotError

@@ -2,18 +2,17 @@
 
 import argparse
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
 from homebot.cli.arguments import add_verb, add_verbs, set_command
-from homebot.cli.commands.run import with_environment
-from homebot.config import load_config, load_tables, parse_config
-from homebot.errors import ConfigError
+from homebot.cli.commands.run import config_errors, with_environment
+from homebot.config import load_config, load_tables
 from homebot.gateways import Gateway
 from homebot.log import configure_logging
-from homebot.runtime.plan import Plan, PlannedComponent, make_plan, plan_errors
+from homebot.runtime.plan import Plan, PlannedComponent, make_plan
 
-__all__ = ["add_arguments", "config_errors", "plan_of"]
+__all__ = ["add_arguments", "plan_of"]
 
 _EXAMPLES = """\
   homebot config check                            check homebot.toml
@@ -53,17 +52,6 @@ def plan_of(path: Path) -> Plan:
         ConfigError: Something in it is wrong.
     """
     return make_plan(with_environment(load_config(path)))
-
-
-def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
-    """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
-    try:
-        return plan_errors(with_environment(parse_config(tables, str(path), path.parent)))
-    except ConfigError as exc:
-        found = (exc, *exc.others)
-        wrong = {error.key.partition(".")[0] for error in found}
-    rest = {name: table for name, table in tables.items() if name not in wrong}
-    return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
 
 
 def _gateway_text(gateway: PlannedComponent[Gateway]) -> str:

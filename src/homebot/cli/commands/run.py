@@ -8,8 +8,8 @@ import atexit
 import gc
 import os
 import sys
-from collections.abc import AsyncIterator, Callable, Iterator
-from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
+from collections.abc import AsyncIterator, Callable, Iterable, Iterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, TypeAlias, cast
@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Final, TypeAlias, cast
 from homebot.cli.arguments import DEFAULT_CONFIG, door_address, door_of_environment, seconds, set_command
 from homebot.cli.main import gc_paused
 from homebot.cli.serve import on_an_event_loop, serve
-from homebot.config import Config, Table, load_config, parse_config
-from homebot.errors import UsageError
+from homebot.config import Config, Table, load_config, load_tables, parse_config
+from homebot.errors import ConfigError, UsageError
 from homebot.log import LogFormat, configure_logging
 from homebot.plugins import add_app, check_extra, is_file, name_in_file
 from homebot.support.output import queued_output
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
 """Enters a runtime, and shows it or not."""
 
-__all__ = ["add_arguments", "configuration", "run", "with_environment"]
+__all__ = ["add_arguments", "config_errors", "configuration", "run", "with_environment"]
 
 _WRONG_CONFIGURATION = 2
 """Exit code of a service whose configuration is wrong: to start it again does not help."""
@@ -156,19 +156,45 @@ def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
     if not options.config and DEFAULT_CONFIG.exists():
         options.config = str(DEFAULT_CONFIG)  # if it is gone at a reload, that is a mistake and no simulated house
+    try:
+        return _run_configured(options)
+    except UsageError as exc:
+        for problem in _problems(exc, options.config):
+            print(f"homebot: {problem}", file=sys.stderr)
+        return _WRONG_CONFIGURATION if is_service() else 1
+
+
+def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
+    """Return *first*, and all else that is wrong in the configuration, as ``homebot config check`` names it."""
+    if not isinstance(first, ConfigError):
+        return (first,)
+    found = [first, *first.others]
+    with suppress(ConfigError):
+        found += config_errors(load_tables(Path(path)), Path(path)) if path else ()
+    return [*{(one.key, one.reason): one for one in reversed(found)}.values()][::-1]
+
+
+def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
+    """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
+    from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - after a mistake alone
+
+    try:
+        return plan_errors(with_environment(parse_config(tables, str(path), path.parent)))
+    except ConfigError as exc:
+        found = (exc, *exc.others)
+        wrong = {error.key.partition(".")[0] for error in found}
+    rest = {name: table for name, table in tables.items() if name not in wrong}
+    return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
+
+
+def _run_configured(options: argparse.Namespace) -> int:
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
     is_watched = _is_watched(options)
     if is_watched and _is_simulated(options) and house_name(options) != THESIS:
         print("homebot · a simulated house is starting …", flush=True)  # before all that takes time
-    try:
-        with gc_paused():
-            config, house = configuration(options)
-    except UsageError as exc:
-        if not is_service():
-            raise
-        print(f"homebot: {exc}", file=sys.stderr)
-        return _WRONG_CONFIGURATION
+    with gc_paused():
+        config, house = configuration(options)
     view = None
     if is_watched and house is not None and not house.time.is_real:
         view = partial(_watched, house)
