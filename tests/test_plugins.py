@@ -10,7 +10,7 @@ import pytest
 
 from homebot.apps.light_service import LightService
 from homebot.errors import PluginError, UsageError
-from homebot.plugins import check_extra, load_plugin, name_in_file, plugin_names
+from homebot.plugins import add_app, check_extra, load_plugin, name_in_file, plugin_names
 
 
 def test_installed_plugins_are_found_by_name() -> None:
@@ -205,3 +205,13 @@ for group in ("homebot.gateways", "homebot.drivers", "homebot.ble_parsers"):
 """
     ended = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, check=False)
     assert (ended.returncode, ended.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("wanted", ["hall.py:Hall", "hall:Hall"])
+def test_an_app_with_a_table_is_added_once_however_its_file_is_written(
+    wanted: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    apps: dict[str, dict[str, object]] = {"mine": {"class": f"{tmp_path}/hall.py:Hall"}}
+    add_app(apps, wanted)
+    assert list(apps) == ["mine"]

@@ -147,7 +147,7 @@ def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
 def _place_of(name: str) -> tuple[Path, str]:
     """Return the file in which ``module:Class`` or ``FILE.py:Class`` is looked for, and the rest of *name*."""
     module, _, kind = name.rpartition(":")
-    return Path(module if module.endswith(".py") else f"{module.replace('.', '/')}.py"), kind
+    return Path(module if module.endswith(".py") else f"{module.replace('.', '/')}.py").absolute(), kind
 
 
 def check_extra(what: str, extra: str, *modules: str) -> None:
