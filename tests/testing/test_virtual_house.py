@@ -115,7 +115,7 @@ async def test_a_day_of_the_thesis_house_passes_with_every_heartbeat_in_it() -> 
         assert house.broker.stats.messages_received > 3 * 24 * 3600 / 300
 
 
-@pytest.mark.parametrize("bad", [{"start": "noon"}, {"heartbeat": "often"}, {"heartbeat": 0}])
+@pytest.mark.parametrize("bad", [{"start": "noon"}, {"heartbeat": "often"}, {"heartbeat": 0}, {"world": "villa.toml"}])
 async def test_what_cannot_be_is_refused(bad: dict[str, Any]) -> None:
     with pytest.raises(UsageError):
         async with virtual_house_of(**bad):

@@ -248,6 +248,8 @@ async def virtual_house_of(
 def _on_a_broker(world: World | None) -> World:
     if world is None:
         return World.of()
+    if not isinstance(world, World):
+        raise UsageError(f"world is a World, such as load_world(Path('house.toml')) returns, got {world!r}")
     if served := [name for name in world.families() if name in FAMILIES]:
         raise UsageError(f"world: {', '.join(served)} needs a network, and a virtual house has a broker alone")
     return world
