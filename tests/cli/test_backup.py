@@ -110,8 +110,10 @@ def test_a_stopped_house_goes_and_comes_back(data: Path, files: dict[str, Sqlite
 
     Path("homebot.toml").write_text("# lost")
     rows_before = rows(data / "apps.sqlite", "SELECT * FROM store")
+    Path("password").unlink()
     assert main(["restore", "villa.tar"]) == 0
     out = capsys.readouterr().out
+    assert "missing, as they hold secrets: password; put them there" in out
     assert out.startswith("restored villa, as it was on ")
     assert out.count("moved aside: ") == 2
     assert Path("homebot.toml").read_text() == CONFIG

@@ -44,6 +44,7 @@ class Manifest(BaseModel):
         made: When, in ISO 8601.
         folder: The folder of the data, below that of all homes.
         files: By their names in the archive: ``data/…`` and ``config/…``.
+        left_out: Names of files with secrets that it lacks, beside ``homebot.toml``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -54,6 +55,7 @@ class Manifest(BaseModel):
     home: str
     folder: Annotated[str, Field(pattern=r"^\w+/\w+$")]
     files: Annotated[dict[_Name, ArchivedFile], Field(max_length=1000)]
+    left_out: tuple[str, ...] = ()
 
 
 def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -> None:

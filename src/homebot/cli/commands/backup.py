@@ -61,6 +61,7 @@ def _back_up(options: argparse.Namespace) -> int:
             home=config.home.name,
             folder=f"{folder.parent.name}/{folder.name}",
             files=archived,
+            left_out=tuple(secrets),
         )
         write_archive(Path(options.file), manifest, {**data, **files})
     finally:

@@ -57,6 +57,8 @@ def _restore(options: argparse.Namespace) -> int:
     print(f"restored {manifest.home}, as it was on {manifest.made}: {folder}, {options.into.absolute()}")
     for one in aside:
         print(f"moved aside: {one}")
+    if missing := [name for name in manifest.left_out if not (options.into / name).exists()]:
+        print(f"missing, as they hold secrets: {', '.join(missing)}; put them there before the start")
     return 0
 
 
