@@ -62,6 +62,15 @@ def test_the_name_of_the_first_libraries_is_a_title() -> None:
     assert read_thing(old).title == "Old lamp"
 
 
+@pytest.mark.parametrize(
+    "security", [{}, {"securityDefinitions": '{"nosec_sc": {"scheme": "nosec"}}', "security": "nosec_sc"}]
+)
+def test_the_library_for_arduino_lists_its_only_thing(security: dict[str, Any]) -> None:
+    """Its ids are no URIs: two houses have a ``led``."""
+    thing = read_thing([lamp(id="led", **security)])
+    assert (thing.title, thing.id, len(parts_of(thing, HTTP))) == ("Lamp", "", 2)
+
+
 def test_a_description_with_forms_is_no_older_one() -> None:
     contexts = ["https://www.w3.org/2022/wot/td/v1.1", "https://webthings.io/schemas"]
     with pytest.raises(WireError, match="security"):

@@ -1,6 +1,7 @@
 """Descriptions of the Web Thing API, which is older than the forms of Thing Descriptions, as those. Pure.
 
-Many self-made devices run a library of this API. Their properties are read and written as an object with one member,
+Many self-made devices run a library of this API. That for Arduino lists its things, also a single one, by ids that are
+no URIs: each house has a ``led``. Their properties are read and written as an object with one member,
 ``{"on": true}``, at the address of a link. Actions and events are left out: they have protocols of their own.
 
 Source: Web Thing API, https://webthings.io/api, sections 3 and 4, as the libraries ``webthing`` for Python and Arduino
@@ -22,7 +23,8 @@ _KEPT: Final = ("@type", "title", "description", "readOnly")
 
 def with_forms(description: object, context: str) -> object:
     """Return the description of a Web Thing as a Thing Description of this *context*; another description as it is."""
-    fields = as_fields(description)
+    only = description[0] if isinstance(description, list) and len(description) == 1 else description
+    fields = as_fields(only)
     named = fields.get("@context")
     if not (isinstance(named, str) and named.rstrip("/") in _CONTEXTS):
         return description
@@ -32,6 +34,8 @@ def with_forms(description: object, context: str) -> object:
     return {
         **NO_SECURITY,
         **fields,
+        **({} if isinstance(fields.get("securityDefinitions"), dict) else NO_SECURITY),  # one version has it as text
+        "id": fields.get("id") if ":" in str(fields.get("id")) else None,
         "@context": context,
         "title": fields.get("title", fields.get("name")),
         "properties": found,
