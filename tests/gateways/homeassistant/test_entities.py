@@ -135,12 +135,21 @@ def test_what_homebot_shows_to_home_assistant_does_not_come_back(device: dict[st
         ("scene.leave", {"entity_id": ["light.hall", "lock.door"]}),
         ("camera.door", {}),
         ("script.leave", {}),
+        ("switch.all", {"entity_id": ["switch.lamp", "switch.garage_door"]}),
+        ("light.hall", {"is_hue_group": True, "lights": ["Hall lamp"]}),
+        ("light.hall", {"is_deconz_group": True}),
     ],
 )
-def test_secrets_and_scenes_that_move_locks_are_left_out(entity_id: str, attributes: dict[str, object]) -> None:
+def test_secrets_groups_and_scenes_that_move_locks_are_left_out(entity_id: str, attributes: dict[str, object]) -> None:
     entities = home()
     entities.put(entity_id, state("on", **attributes), is_new=True)
     assert entities.regroup() == {}
+
+
+def test_a_group_of_sensors_is_read() -> None:
+    entities = home()
+    entities.put("binary_sensor.any_motion", state("on", entity_id=["binary_sensor.hall"]), is_new=True)
+    assert entities.regroup()
 
 
 def test_unavailable_is_unreachable_and_unknown_is_unknown() -> None:

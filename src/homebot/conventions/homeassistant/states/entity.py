@@ -76,13 +76,18 @@ class HomeAssistantEntity:
 
     @property
     def is_left_out(self) -> bool:
-        """True for one that homebot does not use: no type of its domain, a secret, or a scene that could hurt."""
+        """True for one that homebot does not use: no type of its domain, a secret, a group, a scene that could hurt."""
         kind = DOMAINS.get(self.domain)
         if kind is None or self.entry.is_disabled or (self.domain == "sensor" and names_secret(self.name)):
             return True
-        return self.domain == "scene" and any(
-            one.partition(".")[0] in _CAN_HURT for one in options_of(self.info, "entity_id")
-        )
+        members = options_of(self.info, "entity_id")
+        if self.domain == "scene":
+            return any(one.partition(".")[0] in _CAN_HURT for one in members)
+        return any(row.write for row in kind.rows) and (bool(members) or self._is_marked_as_group)
+
+    @property
+    def _is_marked_as_group(self) -> bool:
+        return any(self.info.get(mark) is True for mark in _GROUP_MARKS)
 
     @property
     def name(self) -> str:
@@ -172,6 +177,9 @@ class HomeAssistantEntity:
             return False
         return abs(happened_at - self._changed_at) < _JUST_NOW
 
+
+_GROUP_MARKS: Final = ("is_hue_group", "is_deconz_group")
+"""Attributes of groups without a list of members, which are devices themselves: each with its room and approval."""
 
 _CAN_HURT: Final = frozenset(
     {"alarm_control_panel", "climate", "cover", "lawn_mower", "lock", "script", "valve", "water_heater"}
