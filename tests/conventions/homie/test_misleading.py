@@ -101,6 +101,13 @@ def test_a_name_counts_only_where_the_form_bears_it_out(
     assert loads(parts_of({node: props})) == expected
 
 
+def test_the_lock_of_a_plug_at_a_car_is_no_door_lock() -> None:
+    """Source: eBus 0.9 (SPAN Drive): the device charges a car, and none of the words of its node says so."""
+    lock = {"datatype": "enum", "format": "UNLOCKED,LOCKED"}
+    assert loads(parts_of({"switch": {"lock-state": lock}}, name="EVSE")) == []
+    assert loads(parts_of({"switch": {"lock-state": lock}}, name="Door")) == ["door_lock"]
+
+
 def test_another_switch_is_not_that_of_a_lamp() -> None:
     parts = {one.part.id: one for one in parts_of({"pump": {"power": FLAG}, "lamp": {"brightness": PERCENT}})}
     assert {name: one.part.service_type for name, one in parts.items()} == {"pump": "switch", "lamp": "light"}

@@ -113,11 +113,13 @@ def guessed_kinds(node: HomieNode, around: frozenset[str]) -> tuple[str, ...]:
     own = tokens_in(node.type, node.id, node.name, *(prop.id for prop in node.properties))
     if own & _CHARGERS:
         return ()
-    return tuple(dict.fromkeys(kind for tokens in (own, around) for kind, hints in _GUESSES if tokens & hints))
+    left_out = "lock" if around & _CHARGERS else ""
+    found = (kind for tokens in (own, around) for kind, hints in _GUESSES if tokens & hints and kind != left_out)
+    return tuple(dict.fromkeys(found))
 
 
 _CHARGERS = frozenset({"charger", "ev", "evse"})
-"""Words of nodes that charge a car, whose lock is that of the plug."""
+"""Words of nodes and devices that charge a car, whose lock is that of the plug."""
 
 
 def tokens_in(*texts: str) -> frozenset[str]:
