@@ -35,6 +35,7 @@ def test_a_quantity_converts_into_the_vocabularys_unit() -> None:
         ("energy", "KWh", 1.0),
         ("energy", "kwh", 1.0),
         ("energy", "wh", 0.001),
+        ("energy_returned", "Wh", 0.001),
         ("energy", "mwh", None),
         ("power", "KW", 1000.0),
         ("power", "mw", None),

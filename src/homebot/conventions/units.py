@@ -75,7 +75,7 @@ def conversion_of(capability: str, unit: str) -> Conversion | None:
         unit.strip().replace("° ", "°").replace("\u03bc", "\u00b5").replace("\u2103", "°C").replace("\u2109", "°F")
     )
     spelled = spelled.replace("\u00ba", "°")  # the ordinal indicator, which looks like it
-    known = {**_UNITS.get(capability, {}), CAPABILITIES[capability].unit: _SAME}
+    known = {**_UNITS.get(capability.removesuffix("_returned"), {}), CAPABILITIES[capability].unit: _SAME}
     if spelled in known:
         return known[spelled]
     alike = {one for name, one in known.items() if name.casefold() == spelled.casefold()}

@@ -271,6 +271,33 @@ def test_electrical_measurements_are_one_part(introduce: Introduce) -> None:
     assert read(meter, "m/energy", "1500") == {"energy": 1.5}
 
 
+@pytest.mark.parametrize(
+    ("device_type", "expected"),
+    [
+        ("energy.ebus.device.circuit", [{"power": 420.0}, {"energy_returned": 0.5}, {"energy": 12.345}]),
+        ("energy.ebus.device.lugs", [{"power": -420.0}, {"energy": 0.5}, {"energy_returned": 12.345}]),
+    ],
+)
+def test_a_circuit_of_a_panel_is_measured_the_other_way(
+    introduce: Introduce, device_type: str, expected: list[object]
+) -> None:
+    """Source: eBus, as SPAN panels publish it: what a circuit consumes leaves the panel, and is negative there."""
+    names = {"active-power": "W", "imported-energy": "Wh", "exported-energy": "Wh"}
+    properties = {name: {"datatype": "float", "unit": unit} for name, unit in names.items()}
+    meter = introduce({"meter": {"properties": properties}}, type=device_type)["meter/$meter"]
+    payloads = zip(names, ("-420.0", "500", "12345"), strict=True)
+    assert [read(meter, f"meter/{name}", payload) for name, payload in payloads] == expected
+
+
+def test_the_facts_about_a_device_are_diagnostic(introduce: Introduce) -> None:
+    properties = {"model": {"datatype": "string"}, "nominal-power": {"datatype": "float", "unit": "W"}}
+    parts = introduce({"info": {"properties": properties}}, type="energy.ebus.device.pv")
+    assert [(one.part.category, one.part.capabilities[0].name) for one in parts.values()] == [
+        ("diagnostic", "value"),
+        ("diagnostic", "measurement"),
+    ]
+
+
 def test_a_press_is_none_when_it_was_kept(introduce: Introduce) -> None:
     action = {"datatype": "enum", "format": "press,long-press", "retained": False}
     button = introduce({"b": {"type": f"{CAP}button", "properties": {"action": action}}})["b/action"]

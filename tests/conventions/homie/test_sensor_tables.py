@@ -18,6 +18,8 @@ def test_the_rating_of_a_breaker_is_no_measured_current() -> None:
     """Source: SPAN panel, eBus, Homie 5: the property breaker-rating has the unit A."""
     assert quantity_of("A", frozenset({"breaker", "rating", "main"})) == ("measurement", False)
     assert quantity_of("A", frozenset({"breaker", "main"})) == ("current", False)
+    assert quantity_of("A", frozenset({"maximum", "charge", "current"})) == ("measurement", False)
+    assert quantity_of("kWh", frozenset({"soe"})) == ("measurement", False)
 
 
 @pytest.mark.parametrize(

@@ -111,6 +111,7 @@ class HomieProperty:
         is_retained: Whether its value is a state; otherwise it is an event.
         names_form: Whether a colour's form stands before its numbers, as in version 5.
         flags: The payloads of a boolean for false and true.
+        sign: -1 if a measured number is to be negated.
     """
 
     id: str
@@ -124,6 +125,7 @@ class HomieProperty:
     is_retained: bool = True
     names_form: bool = True
     flags: tuple[str, str] = ("false", "true")
+    sign: float = 1.0
 
     @property
     def is_number(self) -> bool:

@@ -191,8 +191,10 @@ _BY_TOKEN: tuple[tuple[str, str, frozenset[str]], ...] = (
 _NO_MEASURE = frozenset({"color", "colour", "count", "cycles", "health", "time"})
 """Words that change the meaning of others: the temperature of a colour, the cycles of a battery."""
 
-_RATINGS = frozenset({"advertised", "limit", "nameplate", "rated", "rating"})
-"""Words of what a thing is made for or allowed, not of what is measured: a breaker of 200 A."""
+_RATINGS = frozenset({"advertised", "limit", "maximum", "nameplate", "nominal", "rated", "rating", "soe"})
+"""Words of what a thing is made for, allowed or holds, not of what is measured: a breaker of 200 A."""
+
+_RETURNED = frozenset({"export", "exported", "returned"})
 
 _SHORT = 4
 """Longer words also count as the beginning of another, as ``battery`` in ``batterystate``."""
@@ -220,7 +222,7 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
     if unit == "dBm":
         return "signal_strength", False
     if found := measured_in(unit):
-        return found, False
+        return "energy_returned" if found == "energy" and tokens & _RETURNED else found, False
     if not tokens.isdisjoint(_NO_MEASURE):
         return "measurement", False
     for token, capability, units in _BY_TOKEN:

@@ -6,6 +6,7 @@ kind are settings: the power of its fan makes it no fan.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 
 from homebot.conventions.description import DescribedPart
 from homebot.conventions.homie.controls import (
@@ -48,7 +49,7 @@ def build_parts(device: HomieDevice) -> tuple[DescribedPart, ...]:
         controls.extend(_alarms(node))
         if node not in lamp:
             controls.extend(_controls(device, node))
-        others.extend((*_meters(node), *_singles(node)))
+        others.extend((*_meters(node, is_of_circuit=device.type == _CIRCUIT), *_singles(node)))
     formats = _command_formats(device)
     digest = payload_digest(formats) if formats else ""
     return tuple(part.build(digest=digest) for part in (*controls, *others))
@@ -167,12 +168,16 @@ def _alarms(node: NodeRoles) -> Iterator[BytesPart]:
 
 
 _OF_ALARM = frozenset({"alarm", "arm"})
-_ELECTRICAL = frozenset({"power", "energy", "voltage", "current", "frequency"})
+_ELECTRICAL = frozenset({"power", "energy", "energy_returned", "voltage", "current", "frequency"})
+_CIRCUIT = "energy.ebus.device.circuit"
+"""Device type of a circuit of a panel, which measures it the other way: as flowing into the panel. Source: eBus."""
+
+_FROM_CIRCUIT = {"energy": "energy_returned", "energy_returned": "energy"}
 _DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
 _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}
 
 
-def _meters(node: NodeRoles) -> Iterator[BytesPart]:
+def _meters(node: NodeRoles, *, is_of_circuit: bool) -> Iterator[BytesPart]:
     roles = _metered(node)
     if not roles:
         return
@@ -180,7 +185,11 @@ def _meters(node: NodeRoles) -> Iterator[BytesPart]:
         node.node, "electrical_meter", suffix="$meter", guessed=any(role.is_guess for role in roles.values())
     )
     for role in reversed(roles.values()):
-        add_property(part, role.name, role.prop)
+        name, prop = role.name, role.prop
+        if is_of_circuit:
+            name = _FROM_CIRCUIT.get(name, name)
+            prop = replace(prop, sign=-1.0) if name == "power" else prop
+        add_property(part, name, prop)
     yield part
 
 
@@ -214,7 +223,8 @@ _RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "
 
 
 def _sensor(node: HomieNode, role: Role) -> BytesPart:
-    category: Category = "diagnostic" if role.name in _DIAGNOSTIC else ""
+    is_info = "info" in tokens_in(node.id, node.type)
+    category: Category = "diagnostic" if is_info or role.name in _DIAGNOSTIC else ""
     service_type = sensor_type(role.name)
     part = node_part(
         node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess

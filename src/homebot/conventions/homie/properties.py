@@ -100,7 +100,7 @@ def _add_press(part: BytesPart, prop: HomieProperty) -> None:
 def _plain_codec(capability: str, prop: HomieProperty) -> _ValueCodec:
     conversion = conversion_of(capability, prop.unit) or Conversion()
     return _ValueCodec(
-        lambda value: conversion.value(value) if isinstance(value, float) else value,
+        lambda value: conversion.value(value * prop.sign) if isinstance(value, float) else value,
         lambda value: spell_plain(prop, capability, value),
         unit=prop.unit if capability in {"number", "measurement"} else "",
         bounds=_bounds(prop) if capability == "number" else (),
