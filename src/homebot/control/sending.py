@@ -90,8 +90,6 @@ class Sending:
                 await sent.wait(step.until - now)
             else:
                 plan.attempts += 1
-                if plan.attempts > 1:  # a device that got stuck on its way is told again later than any other
-                    plan.lasts = max(plan.lasts, now + plan.interval - plan.began)
                 if plan.attempts == 1 or self._policies.check(command) is None:
                     problem = await self._send(sent, plan)
                     is_acknowledged = problem is None and not progress.is_unacknowledged
@@ -125,6 +123,8 @@ class Sending:
         profile = sent.timeline.profile
         ineffective = profile.ineffective if profile.failures else ()
         began = clock.monotonic()
+        if is_repeated:  # one that got stuck on its way is told again later than any other
+            plan.lasts = max(plan.lasts, began + plan.interval - plan.began)
         self._journal.record("sent", command, "again" if is_repeated else "")
         sent.progress.send(began)
         if command.place in self._leases.parts:
