@@ -107,16 +107,28 @@ class _ThingSource:
 
 
 class ThingDevice:
-    """The values and commands of one thing; values that are not pushed are polled every *poll_every* seconds."""
+    """The values and commands of one thing; values that are not pushed are polled every *poll_every* seconds.
+
+    Args:
+        is_behind: Whether it is behind the device of *host*, which has described it.
+    """
 
     def __init__(
-        self, thing: Thing, device: GatewayDevice, port: ThingPort, host: DriverHost, poll_every: float = POLL_EVERY
+        self,
+        thing: Thing,
+        device: GatewayDevice,
+        port: ThingPort,
+        host: DriverHost,
+        poll_every: float = POLL_EVERY,
+        *,
+        is_behind: bool = False,
     ) -> None:
         self._thing = thing
         self._device = device
         self._port = port
         self._host = host
         self._poll_every = poll_every
+        self._key = device.key if is_behind else ""
         self._parts: tuple[ClassifiedPart, ...] = parts_of(thing, port.binding)
         self._asked: list[_ThingSource] = []
         self._in_units: dict[tuple[str, str], Affordance] = {}  # by part and capability: in the unit that came last
@@ -133,7 +145,8 @@ class ThingDevice:
             PeerError: It lets homebot read nothing.
         """
         self._is_reached, self._refusal = False, None
-        self._host.describe(self._device)
+        if not self._key:
+            self._host.describe(self._device)
         observed = self._sources()
         with ungrouped():
             async with anyio.create_task_group() as tasks:
@@ -295,7 +308,7 @@ class ThingDevice:
         if value is None:
             self._host.reject(payload.data, f"{one.affordance.name[:60]!a} cannot be {shown(document)}")
         else:
-            await self._host.report({one.capability.name: value[0]}, part)
+            await self._host.report({one.capability.name: value[0]}, part, self._key)
 
 
 def _grouped(read: Iterable[tuple[Form, str, ClassifiedAffordance]]) -> tuple[_ThingSource, ...]:

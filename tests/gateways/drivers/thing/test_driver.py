@@ -74,7 +74,7 @@ async def test_a_password_is_sent_the_way_the_description_asks_for(scheme: str, 
         thing = driver(lamp.server.port, host, settings)
         async with running(thing):
             await host.until(lambda: ("", "on_off") in host.values)
-            await thing.perform(command("", "on_off", True))
+            await thing.perform(command("", "on_off", True, key=thing.service.key))
     assert lamp.told == ["on"]
 
 
@@ -176,9 +176,35 @@ async def test_a_web_thing_is_read_and_commanded_as_its_api_wants_it() -> None:
         thing = ThingDriver(service, ThingDriverSettings(), host)
         async with running(thing):
             await host.until(lambda: host.values.get(("", "on_off")) is True)
-            await thing.perform(command("", "on_off", False))
+            await thing.perform(command("", "on_off", False, key=thing.service.key))
             await host.until(lambda: host.values.get(("", "on_off")) is False)
     assert state == {"on": False}
+
+
+async def test_each_web_thing_of_a_server_is_a_device_behind_it() -> None:
+    """As the servers of the libraries for Python and Arduino have it."""
+
+    def web_thing(number: int) -> dict[str, object]:
+        on = {"type": "boolean", "@type": "OnOffProperty", "links": [{"href": f"/{number}/properties/on"}]}
+        return {"@context": "https://webthings.io/schemas", "title": f"Lamp {number}", "properties": {"on": on}}
+
+    state = {"/0/properties/on": {"on": True}, "/1/properties/on": {"on": True}}
+
+    async def answer(request: web.Request) -> web.StreamResponse:
+        if request.method == "PUT":
+            state[request.path] = await request.json()
+        return web.json_response(state.get(request.path, [web_thing(0), web_thing(1)]))
+
+    host = KeepingHost()
+    async with serving(answer) as origin:
+        service = found("_webthing._tcp.local.", port_of(origin), path="/")
+        things = ThingDriver(service, ThingDriverSettings(), host)
+        async with running(things):
+            await host.until(lambda: host.values.get(("", "on_off")) is True)
+            assert [one.name for one in (host.device, *host.behind.values())] == ["Hall", "Lamp 0", "Lamp 1"]
+            await things.perform(command("", "on_off", False, key=f"{service.key}/1"))
+            await host.until(lambda: host.values.get(("", "on_off")) is False)
+    assert state == {"/0/properties/on": {"on": True}, "/1/properties/on": {"on": False}}
 
 
 async def test_forms_that_lead_to_other_hosts_are_not_used() -> None:
@@ -271,7 +297,7 @@ async def test_an_action_is_posted_and_an_event_is_reported() -> None:
         thing = driver(port_of(origin), host)
         async with running(thing):
             await host.until(lambda: ("boiled", "press", "hot") in host.events)
-            await thing.perform(command("boil", "push", True))
+            await thing.perform(command("boil", "push", True, key=thing.service.key))
         over.set()
     assert posted == ["POST"]
 

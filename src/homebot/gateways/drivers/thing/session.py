@@ -7,6 +7,7 @@ Source: W3C Recommendation "Web of Things (WoT) Discovery", 5 December 2023, sec
 """
 
 from collections.abc import Sequence
+from contextlib import AsyncExitStack
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -35,6 +36,9 @@ WELL_KNOWN: Final = "/.well-known/wot"
 READ_AGAIN: Final = 18.0
 """Seconds between two readings of the description. With the time limit of a request, a vanished thing is noticed within
 half a minute."""
+
+MOST_THINGS: Final = 16
+"""Of one server of Web Things; the first ones are used."""
 
 _ACCEPTED = "application/td+json, application/json;q=0.9"
 _NOT_THERE = frozenset({404, 405, 410})
@@ -68,7 +72,7 @@ class ThingSession:
         self._guard = AddressGuard(service.addresses)
         self._own_hosts = frozenset(one.lower() for one in (self._host_name, *service.addresses) if one)
         self._logins = tuple(self._known_as(one) for one in logins)
-        self._device: ThingDevice | None = None
+        self._devices: dict[str, ThingDevice] = {}
 
     async def run(self) -> None:
         """Read the description and use the thing until cancelled."""
@@ -80,31 +84,46 @@ class ThingSession:
 
     async def perform(self, command: Command) -> None:
         """Carry out a command; return when the thing has accepted it."""
-        if self._device is None:
+        device = self._devices.get(command.key)
+        if device is None:
             raise LinkError(f"{self._service.name} is not connected")
-        await self._device.perform(command)
+        await device.perform(command)
 
     async def _follow(self, description: _ReadDescription) -> _ReadDescription:
         """Use the thing until its description changes, and return the new one."""
-        thing = self._usable(read_thing(parse_json(description.data), description.url))
-        device = describe_thing(thing, self._service.key, HTTP_BINDING)
-        if self._service.properties.get("type") == "Directory" or "ThingDirectory" in thing.types:
+        things = self._read_things(description)
+        own = next((one for one in things if one[1].key == self._service.key), None)
+        if own is None:
+            self._host.describe(GatewayDevice(self._service.key, self._service.name))
+        elif self._service.properties.get("type") == "Directory" or "ThingDirectory" in own[0].types:
             place = str(URL(description.url).origin())
-            self._host.describe(
-                replace(device, parts=(), metadata={**device.metadata, "thing_directory": clean_text(place)})
-            )
+            metadata = {**own[1].metadata, "thing_directory": clean_text(place)}
+            self._host.describe(replace(own[1], parts=(), metadata=metadata))
             return await self._until_changed(description)
+        self._host.describe_behind([] if own else [device for _, device in things])
         changed = description
         try:
             with ungrouped():
-                async with HttpThingPort(thing, self._logins, self._guard) as port, anyio.create_task_group() as tasks:
-                    self._device = ThingDevice(thing, device, port, self._host, self._poll_every)
-                    tasks.start_soon(run_as, "a thing", self._device.run)
+                async with AsyncExitStack() as ports, anyio.create_task_group() as tasks:
+                    for thing, device in things:
+                        port = await ports.enter_async_context(HttpThingPort(thing, self._logins, self._guard))
+                        used = ThingDevice(thing, device, port, self._host, self._poll_every, is_behind=not own)
+                        self._devices[device.key] = used
+                        tasks.start_soon(run_as, "a thing", used.run)
                     changed = await self._until_changed(description)
                     tasks.cancel_scope.cancel()
         finally:
-            self._device = None
+            self._devices.clear()
         return changed
+
+    def _read_things(self, description: _ReadDescription) -> list[tuple[Thing, GatewayDevice]]:
+        """Return the described thing as the device of the service, or of several Web Things each as one behind it."""
+        described, key = parse_json(description.data), self._service.key
+        listed = {key: described}
+        if isinstance(described, list) and len(described) != 1:
+            listed = {f"{key}/{number}": one for number, one in enumerate(described[:MOST_THINGS])}
+        things = {key: self._usable(read_thing(one, description.url)) for key, one in listed.items()}
+        return [(thing, describe_thing(thing, key, HTTP_BINDING)) for key, thing in things.items()]
 
     async def _until_changed(self, description: _ReadDescription) -> _ReadDescription:
         while True:
