@@ -276,6 +276,18 @@ async def test_a_report_replaces_none_with_other_values_on_its_topic() -> None:
             assert told == [{"on_off": False}, {"power": False, "on_off": True}, {"power": True}]
 
 
+async def test_a_report_of_one_of_many_topics_replaces_none_of_another() -> None:
+    """A device of Homie may have 500 properties, each with a topic, and publish them all at once."""
+    async with simple_house() as house:
+        topics = [f"lamp1/{number}" for number in range(500)]
+        await house.announce("lamp1", parts=" ".join(f"p{number}" for number in range(500)), state=" ".join(topics))
+        for topic in topics:
+            await house.say(topic, "on_off=on")
+        qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        late = house.watcher.create_subscription(Report, house.gateway.names.readings, qos_profile=qos)
+        assert len(kept(late)) == 500
+
+
 async def test_a_late_joiner_gets_the_newest_report_of_each_topic_and_none_of_what_was_removed_or_left() -> None:
     async with simple_house() as house:
         await house.announce("lamp1", parts="a b", state="lamp1/a lamp1/b")

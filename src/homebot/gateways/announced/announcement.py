@@ -32,7 +32,9 @@ _NOTHING: Mapping[str, Any] = MappingProxyType({})
 _reading_of, _sighting_of, _value_of = Reading.of_checked, Sighting.of_checked, Value.of
 
 _PLAIN = frozenset({bool, float})
-_MAX_STREAMS = 100
+_MAX_STREAMS = 1000
+"""Streams of reports of one device, which may have 500 properties with a topic each; further ones share one."""
+
 _MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
 _NO_ENDPOINT = TextEndpoint("", "", "")
@@ -198,14 +200,14 @@ class StoredAnnouncement:
     def report_stream(self, *source: object) -> str:
         """Return the name of the report stream of *source*: the address, and what is reported.
 
-        A report never takes the place of one with other values. The sources of a device with hundreds share a stream.
+        A report never takes the place of one with other values. Sources beyond 1,000 of a device share a stream.
         """
+        if source not in self.report_streams and len(self.report_streams) >= _MAX_STREAMS:
+            source = ("*",)
         name = self.report_streams.get(source)
         if name is None:
-            if len(self.report_streams) >= _MAX_STREAMS:
-                source = ("*",)
             number = sum(one[0] == source[0] for one in self.report_streams)
-            name = self.report_streams.setdefault(source, f"{self.key} {source[0]} {number}")
+            name = self.report_streams[source] = f"{self.key} {source[0]} {number}"
         return name
 
     def copy_state(self, before: StoredAnnouncement) -> None:
