@@ -56,6 +56,23 @@ def test_a_web_thing_is_read_as_a_thing(context: str) -> None:
     assert decode_document(on.capability, on.affordance, True) == (True,)  # as all properties at once have it
 
 
+@pytest.mark.parametrize(
+    ("types", "service_type", "capability"),
+    [
+        (["MultiLevelSensor"], "x_sensor", "measurement"),
+        (["MultiLevelSensor", "TemperatureSensor"], "x_sensor", "measurement"),
+        (["WindowCovering"], "window_covering", "position"),
+    ],
+)
+def test_a_level_that_is_only_read_is_no_blind_without_its_type(
+    types: list[str], service_type: str, capability: str
+) -> None:
+    """As that of the humidity sensor in the examples of the libraries."""
+    level = {"@type": "LevelProperty", "type": "number", "unit": "percent", "readOnly": True, "links": [{"href": "/l"}]}
+    (found,) = parts_of(read_thing(lamp(**{"@type": types, "properties": {"level": level}}), "http://h/"), HTTP)
+    assert (found.part.service_type, [one.name for one in found.part.capabilities]) == (service_type, [capability])
+
+
 def test_the_name_of_the_first_libraries_is_a_title() -> None:
     old = lamp(name="Old lamp")
     del old["title"]

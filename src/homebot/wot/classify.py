@@ -137,12 +137,19 @@ def _find_meaning(one: _Candidate, main: str) -> None:
 def _by_type(affordance: Affordance, main: str) -> str:
     """Return the capability of the first semantic type that suits the values; empty for none."""
     for name in () if affordance.schema.members else affordance.types:
-        capability = _in_context(_BY_TYPE.get(name, ""), main)
-        if capability == "heating_setpoint" and "cool" in affordance.name.casefold():
-            capability = "cooling_setpoint"  # WebThings have one type for both
+        capability = _in_context(_of_type(name, affordance, main), main)
         if capability and _suits(capability, affordance.schema):
             return capability
     return ""
+
+
+def _of_type(name: str, affordance: Affordance, main: str) -> str:
+    """Return the capability of a semantic type; WebThings have one for both setpoints, and one for all levels."""
+    if name == "TargetTemperatureProperty" and "cool" in affordance.name.casefold():
+        return "cooling_setpoint"
+    if name == "LevelProperty" and affordance.read_only and main not in _OPENINGS:
+        return "measurement"  # of humidity or a tank
+    return _BY_TYPE.get(name, "")
 
 
 def _by_options(one: _Candidate) -> str:
@@ -189,9 +196,12 @@ def _in_context(capability: str, main: str) -> str:
         return "local_temperature"
     if main == "window_covering" and capability == "level":
         return "position"
-    if main not in {"", "window_covering", "closure", "water_valve"} and capability == "position":
+    if main not in {"", *_OPENINGS} and capability == "position":
         return "level"
     return capability
+
+
+_OPENINGS = frozenset({"window_covering", "closure", "water_valve"})
 
 
 def _suits(capability: str, schema: DataSchema) -> bool:
