@@ -298,6 +298,13 @@ def test_the_facts_about_a_device_are_diagnostic(introduce: Introduce) -> None:
     ]
 
 
+def test_the_maintenance_of_a_device_is_diagnostic(introduce: Introduce) -> None:
+    """When a device was last heard was shown beside the temperature, as what it measures."""
+    properties = {"last-update": {"datatype": "datetime"}, "reachable": {"datatype": "boolean"}}
+    parts = introduce({"m": {"type": f"{CAP}maintenance", "properties": properties}})
+    assert {one.part.category for one in parts.values()} == {"diagnostic"}
+
+
 def test_a_press_is_none_when_it_was_kept(introduce: Introduce) -> None:
     action = {"datatype": "enum", "format": "press,long-press", "retained": False}
     button = introduce({"b": {"type": f"{CAP}button", "properties": {"action": action}}})["b/action"]

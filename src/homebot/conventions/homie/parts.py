@@ -174,6 +174,9 @@ _CIRCUIT = "energy.ebus.device.circuit"
 
 _FROM_CIRCUIT = {"energy": "energy_returned", "energy_returned": "energy"}
 _DIAGNOSTIC = frozenset({"battery", "battery_low", "signal_strength"})
+_ABOUT = frozenset({"info", "maintenance"})
+"""Words of nodes about the device itself, as of eBus and hc-smarthome."""
+
 _SETTINGS: Mapping[str, str] = {"boolean": "state", "integer": "number", "float": "number", "enum": "option"}
 
 
@@ -223,8 +226,8 @@ _RELATIVE = frozenset({"toggle", "brighter", "darker", "step-up", "step-down", "
 
 
 def _sensor(node: HomieNode, role: Role) -> BytesPart:
-    is_info = "info" in tokens_in(node.id, node.type)
-    category: Category = "diagnostic" if is_info or role.name in _DIAGNOSTIC else ""
+    is_about = not _ABOUT.isdisjoint(tokens_in(node.id, node.type))
+    category: Category = "diagnostic" if is_about or role.name in _DIAGNOSTIC else ""
     service_type = sensor_type(role.name)
     part = node_part(
         node, service_type, suffix=role.prop.id, name=role.prop.name, category=category, guessed=role.is_guess
