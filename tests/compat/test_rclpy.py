@@ -11,7 +11,7 @@ from tests.patience import PATIENCE
 
 from homebot.compat import rclpy
 from homebot.compat.messages import program_type
-from homebot.errors import DuplicateNameError, ServiceUnavailableError, TypeMismatchError, UsageError
+from homebot.errors import DuplicateNameError, QosError, ServiceUnavailableError, TypeMismatchError, UsageError
 from homebot.messages import Duration, SetBool, String, Time
 from homebot.messages.interfaces import find_action, find_message, find_service
 from homebot.messages.rcl_interfaces import Parameter, ParameterValue
@@ -205,10 +205,15 @@ def test_a_line_of_a_program_is_logged_once_or_once_in_a_time(node: rclpy.Node) 
     assert [line["event"] for line in lines] == events
 
 
-def test_the_durations_of_a_profile_are_those_of_rclpy(node: rclpy.Node) -> None:
+def test_the_policies_of_a_profile_can_be_set_and_its_durations_are_those_of_rclpy(node: rclpy.Node) -> None:
     profile = rclpy.qos.QoSProfile(depth=1, deadline=rclpy.Duration(seconds=0.5))
+    profile.reliability = rclpy.qos.ReliabilityPolicy.BEST_EFFORT
     node.create_publisher(String, "chatter", profile)
-    assert (profile.depth, profile.deadline) == (1, 0.5)
+    [end] = node.graph_object.graph.get_endpoints(name="/chatter")
+    assert (end.qos.depth, end.qos.deadline, end.qos.reliability) == (1, 0.5, profile.reliability)
+    profile.depth = 0
+    with pytest.raises(QosError, match="depth must be at least 1, got 0"):
+        node.create_publisher(String, "chatter", profile)
 
 
 def test_a_wrong_value_is_refused_when_it_is_published(node: rclpy.Node) -> None:

@@ -17,9 +17,10 @@ import math
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import asdict
 from enum import Enum, IntEnum
 from functools import partial
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any, Final, Self
 
 from homebot import graph
@@ -71,10 +72,18 @@ MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
 ClockType = IntEnum("ClockType", ("ROS_TIME", "SYSTEM_TIME", "STEADY_TIME"))
 
 
-def _profile(**policies: Any) -> graph_qos.QoSProfile:
-    """Return a profile of *policies*, with durations in seconds."""
-    seconds = {name: value / 10**9 for name, value in policies.items() if isinstance(value, RclpyDuration)}
-    return graph_qos.QoSProfile(**policies | seconds)
+class RclpyProfile(SimpleNamespace):
+    """A profile with policies that can be set, which are checked when an end of a topic is created with it."""
+
+    def __init__(self, **policies: object) -> None:
+        super().__init__(**asdict(graph_qos.QoSProfile()) | policies)
+
+    @property
+    def _interface(self) -> graph_qos.QoSProfile:
+        """The profile for the graph, with durations in seconds."""
+        policies = vars(self)
+        seconds = {name: value / 10**9 for name, value in policies.items() if isinstance(value, RclpyDuration)}
+        return graph_qos.QoSProfile(**policies | seconds)
 
 
 qos = ModuleType("rclpy.qos")
@@ -83,7 +92,7 @@ vars(qos).update(
     QoSDurabilityPolicy=graph_qos.DurabilityPolicy,
     QoSHistoryPolicy=graph_qos.HistoryPolicy,
     QoSLivelinessPolicy=graph_qos.LivelinessPolicy,
-    QoSProfile=_profile,
+    QoSProfile=RclpyProfile,
     QoSReliabilityPolicy=graph_qos.ReliabilityPolicy,
     qos_profile_parameters=graph_qos.qos_profile_parameter_events,
     qos_profile_system_default=graph_qos.qos_profile_default,
