@@ -218,6 +218,14 @@ def test_a_single_setpoint_is_that_of_the_modes_that_use_it(part: DescribedPart,
     assert [name for name in names(part) if name.endswith("setpoint")] == setpoints
 
 
+def test_what_a_thermostat_does_is_only_reported() -> None:
+    """AVATTO TRV26 and Tuya BAB-1413_Pro declare it settable."""
+    action = feature("enum", "running_state", 3, values=["idle", "heat"])
+    part = only({"type": "climate", "features": [action]})
+    assert said(part, running_state="heat") == {"thermostat_action": "heating"}
+    assert not part.part.capabilities[0].settable
+
+
 def binary(name: str, on: object, off: object) -> dict[str, Any]:
     return feature("binary", name, 1, value_on=on, value_off=off)
 

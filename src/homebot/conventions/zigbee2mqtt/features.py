@@ -171,11 +171,11 @@ class Zigbee2MqttPart(JsonPart):
         self.add_feature(feature, capability, finite_number, writer, unit=unit, bounds=bounds)
 
     def add_enum(self, feature: Expose | None, capability: str, names: Mapping[str, str] | None = None) -> None:
-        """Add *capability* from an enum *feature*, with the vocabulary's *names* of its values if given."""
+        """Add *capability* from an enum *feature*, or a reported one with the vocabulary's *names* of its values."""
         if feature is None:
             return
         writer = None
-        if feature.is_settable:
+        if feature.is_settable and names is None:
             writer = option_writer(
                 capability, feature.options, lambda option: self.topics.publish({feature.key: feature.options[option]})
             )
