@@ -265,6 +265,10 @@ async def test_a_door_with_a_token_shows_nothing_before_it_is_typed_in(page: Ope
             await own.click("form button")
             await own.shows(shown)
         assert "hunter2" not in own.browser.current_url
+        await own.click("header button")
+        await own.shows("not logged in")
+        await own.open("#token=hunter2", shows="3 devices")  # a link, where the page is open already
+        assert "hunter2" not in own.browser.current_url
 
 
 async def test_a_page_with_a_token_that_is_valid_no_more_goes_on_without_one(page: OpenPage, tmp_path: Path) -> None:

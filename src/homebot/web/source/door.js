@@ -74,6 +74,13 @@ export function subscribe(topic, handler) {
 }
 
 export function connect() {
+  // The link may be opened where the page is open already, which loads nothing.
+  addEventListener("hashchange", () => {
+    const given = takeToken();
+    if (given === token.value) return;
+    token.value = given;
+    reconnect();
+  });
   // A page that is not looked at costs homebot nothing.
   document.addEventListener("visibilitychange", reconnect);
   reconnect();
