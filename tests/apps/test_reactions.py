@@ -58,6 +58,25 @@ async def test_a_condition_counts_once_it_has_lasted(open_home: OpenHome) -> Non
     assert [at for at, _ in quiet] == [210 + 300, 1170 + 300]
 
 
+async def test_a_condition_that_is_to_last_is_known_while_it_does(open_home: OpenHome) -> None:
+    """`homebot app list` had nothing of it."""
+    async with open_home() as home, Node(home.graph, "mine") as node:
+        home.put("hall", "occupancy_sensor", readable=("occupancy",))
+
+        def on_quiet(change: HandleChange[OccupancySensor]) -> None: ...
+
+        def set_up(app: App) -> None:
+            app.on(app.devices.follow(OccupancySensor).became(occupied=False, lasting="5m"), on_quiet)
+
+        app = await started(home, node, set_up)
+        assert [*app.waits] == []
+        await home.report("hall", "occupancy", False)
+        await anyio.sleep(60)
+        assert [(name, device, round(left)) for name, device, left in app.waits] == [("on_quiet", "Hall", 240)]
+        await anyio.sleep(300)
+        assert [*app.waits] == []
+
+
 async def test_a_restart_begins_anew_but_for_what_the_device_proves(open_home: OpenHome) -> None:
     """It has reported that it is quiet for four minutes when the app starts."""
     quiet: list[float] = []

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterable, Sequence
+from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime, tzinfo
 from functools import partial
 from inspect import isasyncgenfunction, iscoroutinefunction
-from typing import TYPE_CHECKING, ClassVar, Generic, TypeAlias, get_args, get_origin, overload
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, get_args, get_origin, overload
+from weakref import WeakSet
 
 import anyio
 from anyio.abc import TaskGroup, TaskStatus
@@ -128,6 +129,7 @@ class App(ABC, Generic[SettingsT]):
         self.context = AppContext()
         self._store: Store | None = None
         self._schedule: Schedule | None = None
+        self._reactions: WeakSet[Reaction[Any]] = WeakSet()
         self._tasks: TaskGroup | None = None
         self._log_limit = LogLimit(self.clock)
 
@@ -154,6 +156,12 @@ class App(ABC, Generic[SettingsT]):
     def jobs(self) -> tuple[Job, ...]:
         """The jobs of :meth:`after`, :meth:`every`, :meth:`daily` and :meth:`at` that are to be called."""
         return () if self._schedule is None else self._schedule.jobs
+
+    @property
+    def waits(self) -> Iterator[tuple[str, str, float]]:
+        """The handlers that are called if a device stays as it is, with its name, and in how many seconds."""
+        for one in self._reactions:
+            yield from ((one.name, device, seconds) for device, seconds in one.waiting)
 
     def after(
         self,
@@ -330,7 +338,9 @@ class App(ABC, Generic[SettingsT]):
         from homebot.apps.reactions import Reaction  # noqa: PLC0415 - some apps follow by themselves
 
         queries = query if isinstance(query, Sequence) else (query,)
-        return Reaction(self.node, self.start_task, queries, handler, mode, most, key)
+        reaction = Reaction(self.node, self.start_task, queries, handler, mode, most, key)
+        self._reactions.add(reaction)
+        return reaction
 
     def log_limited(self, event: str, text: str, **facts: object) -> None:
         """Log *text* for information, with its *facts*: the same at most once in 10 s."""

@@ -1,6 +1,6 @@
 """A reaction of an app: a handler that is called with each item of live queries."""
 
-from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Sequence
+from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterator, Sequence
 from functools import partial
 from inspect import isawaitable
 from typing import Any, Final, Generic, TypeAlias, TypeVar, final
@@ -8,6 +8,7 @@ from typing import Any, Final, Generic, TypeAlias, TypeVar, final
 import anyio
 
 from homebot.apps.run_modes import HandlerRuns, RunMode, check_handler
+from homebot.devices.handles.follow import Became
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 from homebot.graph.current_cause import CURRENT_CAUSE
@@ -57,6 +58,7 @@ class Reaction(Generic[ItemT]):
         )
         self._runs[None] = self._new_runs()
         self._scope = anyio.CancelScope()
+        self._queries = queries
         self._readers = len(queries)
         start_task(partial(self._read_all, queries))
 
@@ -74,6 +76,13 @@ class Reaction(Generic[ItemT]):
     def trouble(self) -> str:
         """Reason for which the handler is called no longer, of one key at least; empty while it is."""
         return next((one.trouble for one in self._runs.values() if one.trouble), "")
+
+    @property
+    def waiting(self) -> Iterator[tuple[str, float]]:
+        """The names of the devices with which it is called if they stay as they are, and in how many seconds."""
+        for query in self._queries if not self._scope.cancel_called else ():
+            if isinstance(query, Became):
+                yield from query.waiting
 
     def cancel(self) -> None:
         """End it, with the calls that run or wait. Twice is fine."""

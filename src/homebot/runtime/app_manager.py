@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
+from itertools import islice
 from typing import TYPE_CHECKING, TypeAlias, final
 
 import anyio
@@ -49,6 +50,9 @@ LOADED = "app.loaded"
 UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
 NOT_RELOADED = "app.not_reloaded"
+_MOST_WAITS = 20
+"""Devices that are listed for an app that waits whether they stay as they are."""
+
 _TRIAL = 1.0
 """Seconds of the first start, in which a crash of the new code brings back the old."""
 
@@ -277,11 +281,18 @@ def _ended(planned: PlannedApp) -> _RunningApp:
 
 
 def _info(name: str, app: App | None, crashes: ComponentCrashes | None) -> AppInfo:
-    jobs = () if app is None else tuple(map(_job, app.jobs))
+    jobs: tuple[AppJob, ...] = ()
+    if app is not None:
+        waits = (_wait(app.clock.now(), *one) for one in islice(app.waits, _MOST_WAITS))
+        jobs = (*map(_job, app.jobs), *waits)
     if crashes is None:
         return AppInfo(name=name, state="running" if app is not None else "ended", jobs=jobs)
     state = crashes.state if app is None else "running"
     return AppInfo(name=name, state=state, crashes=crashes.count, last_crash=crashes.last, jobs=jobs)
+
+
+def _wait(now: float, name: str, device: str, seconds: float) -> AppJob:
+    return AppJob(name=name, text=f"if {device} stays so", next=Time.from_seconds(now + seconds))
 
 
 def _job(job: Job) -> AppJob:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Iterable, Iterator
 from dataclasses import dataclass
 from datetime import timedelta
 from typing import TYPE_CHECKING, Final, Generic, Literal, Self, TypeAlias, TypeVar, final, get_args
@@ -234,6 +234,13 @@ class Became(Generic[HandleT]):
         self._clock = clock
         self._since: dict[HandleT, float] = {}
         self._due: TimerQueue[HandleT, tuple[HandleChange[HandleT], object]] = TimerQueue()
+
+    @property
+    def waiting(self) -> Iterator[tuple[str, float]]:
+        """The names of handles that match, and will have for long enough in so many seconds."""
+        for handle in self._since:
+            if (due := self._due.time_of(handle)) is not None:
+                yield handle.name, due - self._clock.monotonic()
 
     def __aiter__(self) -> Self:
         return self
