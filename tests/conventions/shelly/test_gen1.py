@@ -81,6 +81,13 @@ THINGS: dict[str, Thing] = {
         {"temperature 999": {"temperature": None}, "temperature 21.5": {"temperature": 21.5}, "temperature hot": {}},
         {},
     ),
+    "a thermometer tells its unit elsewhere": (  # bieniu/ha-shellies-discovery#143
+        {"id": "shellyht-746E93", "model": "SHHT-1"}, "temperature", "temperature_sensor",
+        {"sensor/temperature 23.62": {"temperature": 23.62},
+         'info {"tmp":{"value":74.3,"units":"F","tC":23.5,"tF":74.3,"is_valid":true}}': {"temperature": 23.5},
+         "sensor/temperature 74.3": {"temperature": 23.5}, "sensor/temperature 999": {"temperature": None}},
+        {},
+    ),
     "a switch in roller mode is a covering": (
         ROLLER, "roller:0", "window_covering",
         {"roller/0 close": {"movement": "closing"}, "roller/0/pos 30": {"position": 30.0},

@@ -10,7 +10,7 @@ from functools import partial
 from homebot.conventions.command_values import number_writer
 from homebot.conventions.description import Publication, Publications
 from homebot.conventions.part_builder import BytesPart, JsonPart
-from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_text
+from homebot.conventions.payload import NO_READINGS, Readings, as_fields, percent_of, read_number, to_json, to_text
 from homebot.conventions.shelly.status import Fields, StatusDecoder, reader_of
 from homebot.conventions.units import sensor_type, to_celsius, to_fahrenheit
 from homebot.devices.part import Category
@@ -106,9 +106,32 @@ def build_sensor(base: str, sensor: Gen1Sensor, index: int | None = None) -> Byt
         part_id, topic = f"{part_id}:{index}", f"{topic}/{index}"
     service_type = sensor.service_type or sensor_type(sensor.capability)
     part = BytesPart(part_id, service_type, advertised=sensor.suffix, category=sensor.category)
-    part.read_from(topic, sensor.read)
+    if sensor.suffix == "sensor/temperature":
+        _read_room(part, topic, f"{base}/info", sensor)
+    else:
+        part.read_from(topic, sensor.read)
     part.add_capability(sensor.capability, unit=sensor.unit)
     return part
+
+
+def _read_room(part: BytesPart, topic: str, info: str, sensor: Gen1Sensor) -> None:
+    """Read the temperature of a room, which is in the unit of the owner; only *info* names it."""
+    is_fahrenheit = False
+
+    def read_info(payload: bytes) -> Readings:
+        nonlocal is_fahrenheit
+        status = as_fields(to_json(payload))
+        is_fahrenheit = as_fields(status.get("tmp")).get("units") == "F"
+        return _read_temperature(sensor.capability, status)
+
+    def read(payload: bytes) -> Readings:
+        found = sensor.read(payload)
+        number = found.get(sensor.capability)
+        return {sensor.capability: to_celsius(number)} if is_fahrenheit and isinstance(number, float) else found
+
+    part.read_from(topic, read)
+    part.read_from(info, read_info)
+    part.remembers()
 
 
 def build_meter(base: str, part_id: str, suffixes: Mapping[str, str]) -> BytesPart:
