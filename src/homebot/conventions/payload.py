@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import NoReturn, TypeAlias, TypeVar
 
 from pydantic_core import from_json
+from pydantic_core import to_json as json_of
 
 from homebot.devices.text.states import means_unknown
 from homebot.devices.value import PlainValue
@@ -82,13 +83,14 @@ def parse_json(payload: bytes | str, limit: int = MAX_STATE_BYTES, *, unique: bo
     """
     if len(payload) > limit:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {limit}")
-    if not unique and _recorded.get() is None:
+    if not unique:
         try:
             value: object = from_json(payload, allow_inf_nan=False, cache_strings="keys")
         except (ValueError, TypeError):
             pass  # invalid JSON, and half of a surrogate pair, are refused below, with the reason
         else:
-            if _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
+            recorded = _recorded.get() is not None
+            if _is_plain(payload, value) if recorded else _is_flat_and_finite(value) or _is_finite(value, MAX_DEPTH):
                 return value
     return _parse_slowly(payload, unique=unique)
 
@@ -110,6 +112,15 @@ def _parse_slowly(payload: bytes | str, *, unique: bool) -> object:
     if "\\u" in text or (text is payload and not text.isascii()):
         check_surrogates(value)
     return value
+
+
+def _is_plain(payload: bytes | str, value: object) -> bool:
+    """Return whether *value* has few levels, only finite numbers and all keys of *payload*: each comes with a colon."""
+    text = payload.encode() if isinstance(payload, str) else payload
+    if text.count(b"{") + text.count(b"[") > MAX_DEPTH or b"\\u" in text:  # which may be a colon
+        return False
+    found = json_of(value, inf_nan_mode="constants")
+    return b"Infinity" not in found and found.count(b":") == text.count(b":")
 
 
 def _is_flat_and_finite(value: object) -> bool:
