@@ -64,38 +64,38 @@ class DerivedAnnouncements:
     """
 
     def __init__(self) -> None:
-        self._registered: defaultdict[str, dict[str, DeviceAnnounced]] = defaultdict(dict)
+        self._registered: defaultdict[tuple[bool, str, str], dict[str, DeviceAnnounced]] = defaultdict(dict)
 
     def is_derived(self, described: DeviceAnnounced) -> bool:
         """Return whether the program that made *described* lists the device itself."""
-        return not described.native and any(one.native and _describes(one, described) for one in self._like(described))
+        return not described.native and any(_describes(one, described) for one in self._like(described, native=True))
 
     def of(self, listed: DeviceAnnounced) -> tuple[str, ...]:
         """Return the keys of the registered announcements that are derived from *listed*."""
-        derived = [one.full_key for one in self._like(listed) if not one.native and _describes(listed, one)]
+        derived = [one.full_key for one in self._like(listed, native=False) if _describes(listed, one)]
         return tuple(dict.fromkeys(derived))
 
     def put(self, described: DeviceAnnounced) -> None:
         """Record a registered announcement."""
-        for mark in _marks(described):
+        for mark in _marks(described, native=described.native):
             self._registered[mark][described.full_key] = described
 
     def remove(self, described: DeviceAnnounced) -> None:
         """Record that an announcement is registered no more."""
-        for mark in _marks(described):
+        for mark in _marks(described, native=described.native):
             self._registered[mark].pop(described.full_key, None)
             if not self._registered[mark]:
                 del self._registered[mark]
 
-    def _like(self, described: DeviceAnnounced) -> Iterator[DeviceAnnounced]:
-        """Yield what is registered of the same device by the same program."""
-        for mark in _marks(described):
+    def _like(self, described: DeviceAnnounced, *, native: bool) -> Iterator[DeviceAnnounced]:
+        """Yield the lists, or all else, that are registered of the same device by the same program."""
+        for mark in _marks(described, native=native):
             yield from self._registered.get(mark, {}).values()
 
 
-def _marks(described: DeviceAnnounced) -> list[str]:
-    """Return the identifiers of the device, each with the program that announces it."""
-    return [f"{described.facts['origin']} {one}" for one in described.identifiers]
+def _marks(described: DeviceAnnounced, *, native: bool) -> list[tuple[bool, str, str]]:
+    """Return the identifiers of the device, each with the program that announces it, and whether that lists it."""
+    return [(native, described.facts["origin"], one) for one in described.identifiers]
 
 
 def _describes(listed: DeviceAnnounced, announced: DeviceAnnounced) -> bool:
