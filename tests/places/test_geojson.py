@@ -95,6 +95,7 @@ def test_a_floor_that_is_null_is_none() -> None:
         ([feature("Polygon", [square(0, 0)])], {}, "features.0.properties.name", "is missing"),
         ([feature("Polygon", [square(0, 0, 0.001)], name="a")], {}, "homebot", '"origin": [lon, lat]'),
         ([feature("Polygon", [square(0, 0, 0.01)], name="a")], {"homebot": {"origin": 3}}, "homebot.origin", "[x, y]"),
+        ([], {"homebot": {"frame": "odom", "units": "m"}}, "homebot.frame", "must be map, the frame of the house"),
         (
             [feature("Polygon", [square(0, 0)], name="a", floor=one) for one in (1, 2)],
             {},

@@ -53,6 +53,8 @@ class _File:
         self._origin: Point | None = None
         self._bearing = 0.0
         self._plan = HousePlan(source, self._known, source)
+        if (frame := settings.get("frame", "map")) != "map":
+            raise ConfigError(source, "homebot.frame", f"must be map, the frame of the house, got {frame!r}")
         self._is_in_metres = settings.get("units") == "m"
         if settings and not self._is_in_metres:
             self._origin = self._point(settings.get("origin"), "homebot.origin")
