@@ -147,6 +147,13 @@ def test_a_lock_goes_by_its_state_and_else_by_its_bolt() -> None:
         lock.codec.write("lock", "open")
 
 
+def test_the_main_purpose_of_a_device_comes_first() -> None:
+    """Tuya's TS0601_thermostat exposes its window sensor first, so that it was listed as a contact sensor."""
+    window = feature("binary", "window_open", 1, value_on=True, value_off=False)
+    climate = {"type": "climate", "features": [feature("numeric", "occupied_heating_setpoint")]}
+    assert [one.part.service_type for one in built(window, climate)] == ["thermostat", "contact_sensor"]
+
+
 @pytest.mark.parametrize("key", ["child_lock", "keypad_lockout"])
 def test_a_key_lock_of_older_versions_is_a_setting(key: str) -> None:
     state = feature("binary", "state", 3, key=key, value_on="LOCK", value_off="UNLOCK")
@@ -347,7 +354,7 @@ def test_a_lamp_that_cannot_fade_gets_no_transition() -> None:
 def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> None:
     """It finds ``state_l2`` by the names of endpoints; ``occupied_heating_setpoint_3`` it does not find at all."""
     target = feature("numeric", "occupied_heating_setpoint", key="occupied_heating_setpoint_3")
-    relay, valve, floor, code = built(
+    valve, relay, floor, code = built(
         {"type": "switch", "endpoint": "l2", "features": [onoff("_l2")]},
         {"type": "climate", "endpoint": "3", "features": [target]},
         feature("numeric", "floor_min", key="floor_min_3", endpoint="3"),

@@ -41,6 +41,9 @@ _MOST_PARTS = 500
 _MOST_RAW = 20
 _MAX_RAW = 255
 _SERVICES: Mapping[str, str] = {"light": "light", "cover": "window_covering", "lock": "door_lock", "fan": "fan"}
+_MAIN = frozenset({"climate", "cover", "fan", "lock"})
+"""Types that are the main purpose of any device that has one."""
+
 _THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
 _DOOR = "garage_door_contact"
@@ -82,7 +85,8 @@ class _PartsBuilder:
             self._auxiliary["door"] = self._door
 
     def parts(self) -> Iterable[DescribedPart]:
-        for expose in map(_key_lock_as_setting, self._exposes):
+        first = sorted(self._exposes, key=lambda expose: expose.type not in _MAIN)
+        for expose in map(_key_lock_as_setting, first):
             yield from self._parts_of(self._topics.of(expose), expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
