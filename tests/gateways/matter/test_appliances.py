@@ -256,6 +256,28 @@ def test_an_operation_has_a_button_for_each_command_that_it_accepts() -> None:
     assert [one.name for one in only_device({**WASHER, "1/96/65529": [1]}).device.parts] == ["", "Stop"]
 
 
+def area(number: int, name: str | None) -> dict[str, object]:
+    return {"0": number, "1": 4, "2": {"0": None if name is None else {"0": name, "1": 0, "2": 20}, "1": None}}
+
+
+AREAS = {"1/336/0": [area(7, "Kitchen"), area(8, "Room"), area(9, "Room"), area(10, None)], "1/336/2": [8]}
+
+
+def test_a_vacuum_cleaner_cleans_the_area_that_is_selected_or_everywhere() -> None:
+    """As those of Ecovacs, Eufy and Roborock list the rooms of their map."""
+    vacuum = only_device({**VACUUM, **AREAS, "1/336/65529": [0]})
+    assert [(one.id, one.name) for one in vacuum.device.parts] == [("1", ""), ("1-area", "Area")]
+    (option,) = vacuum.device.parts[1].capabilities
+    assert option.options == ("everywhere", "Kitchen", "Room", "Room 9", "Area 10")
+    assert readings(vacuum, "1-area") == {"option": "Room"}
+    assert readings(only_device({**VACUUM, **AREAS, "1/336/2": []}), "1-area") == {"option": "everywhere"}
+    assert readings(only_device({**VACUUM, **AREAS, "1/336/2": [7, 8]}), "1-area") == {"option": None}
+    for name, areas in (("Room 9", [9]), ("everywhere", [])):
+        assert encoded(vacuum, "option", name, "1-area") == (
+            ClusterInvocation(336, "SelectAreas", {"newAreas": areas}),
+        )
+
+
 def test_an_oven_tells_whether_it_runs() -> None:
     assert readings(only_device({**CABINET, "1/72/4": 1})) == {"number": -18.0, "running": True, "problem": False}
 

@@ -1,8 +1,8 @@
 """The clusters of appliances: modes, temperatures, operational states, pumps, vacuum cleaners and car chargers. Pure.
 
-Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 4.2
-(Pump), 6.10 (Media Playback), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control), 9.3 (Energy
-EVSE), 9.5 (Water Heater).
+Source: Matter 1.4 Application Clusters, 1.9 (Mode Select), 1.10 (Mode Base), 1.14 (Operational State), 1.17 (Service
+Area), 4.2 (Pump), 6.10 (Media Playback), 7.2 to 7.4 (RVC), 8 (home appliances, among them 8.2, Temperature Control),
+9.3 (Energy EVSE), 9.5 (Water Heater).
 """
 
 from collections.abc import Callable, Iterator
@@ -20,7 +20,7 @@ from homebot.conventions.matter.endpoint import (
     MatterOrders,
     field_of,
 )
-from homebot.conventions.payload import clean_text
+from homebot.conventions.payload import as_fields, clean_text, text_of
 from homebot.devices.gateway_messages import Command
 from homebot.devices.value import PlainValue
 from homebot.support.numbers import whole_number
@@ -29,7 +29,7 @@ __all__ = ["APPLIANCE_ROWS", "MODE_SELECT", "is_oven_cabinet"]
 
 MODE_SELECT, RUN_MODE, TEMPERATURE, OPERATION, CLEANING, EVSE = 80, 84, 86, 96, 97, 153
 OVEN_CAVITY, OVEN_MODE, FRIDGE_ALARM, WATER_HEATER, HEATER_MODE, PUMP = 72, 73, 87, 148, 158, 512
-WASHER, _SPIN, ENERGY_MODE, PLAYBACK = 83, 1, 159, 0x0506
+WASHER, _SPIN, ENERGY_MODE, PLAYBACK, SERVICE_AREA = 83, 1, 159, 0x0506, 336
 _CHARGES, _FAULT, _IS_OPEN = 3, 6, 1
 _SUPPLY, _CIRCUIT_CURRENT, _LEAST_CURRENT, _ENABLE_CHARGING = 1, 5, 6, 2
 _MODE_CLUSTERS: Final = (MODE_SELECT, OVEN_MODE, 81, 82, 85, 89, 94, 157, HEATER_MODE, ENERGY_MODE)
@@ -49,6 +49,8 @@ _VACUUM_OPTIONS: Final = ("cleaning", "paused", "idle", "returning", "docked", "
 _IDLE_TAG, _CLEANING_TAG, _MAPPING_TAG = 0x4000, 0x4001, 0x4002
 _VACUUM_COMMANDS: Final = {"paused": (0, "Pause"), "returning": (128, "GoHome")}
 _RESUME: Final = 3
+_AREAS, _SELECTED, _SELECT_AREAS = 0, 2, 0
+_EVERYWHERE: Final = "everywhere"
 _PLAYER_COMMANDS: Final = {"playing": (0, "Play"), "paused": (1, "Pause"), "stopped": (2, "Stop")}
 
 
@@ -181,6 +183,18 @@ def _vacuum_orders(endpoint: MatterEndpoint) -> dict[str, MatterOrder]:
     return orders
 
 
+def _areas(endpoint: MatterEndpoint) -> dict[str, list[int]]:
+    """Return the selection that cleans each area, by its name, and that without one, which cleans all; {} for none."""
+    found: dict[str, list[int]] = {}
+    for area in endpoint.structs(SERVICE_AREA, _AREAS):
+        number_ = whole_number(field_of(area, 0, "areaID"))
+        place = as_fields(field_of(as_fields(field_of(area, 2, "areaInfo")), 0, "locationInfo"))
+        if number_ is not None and len(found) < _MOST_MODES:
+            name = text_of(field_of(place, 0, "locationName"))
+            found[name if name and name not in found else f"{name or 'Area'} {number_}"] = [number_]
+    return {_EVERYWHERE: [], **found} if found else {}
+
+
 def _write_charging(endpoint: MatterEndpoint, command: Command) -> MatterOrders:
     """Return the order to charge without an end, at most with the current of the circuit, or not to charge."""
     if not command.value.flag:
@@ -220,6 +234,19 @@ APPLIANCE_ROWS: Final = (
         orders=_vacuum_orders,
         options=_VACUUM_OPTIONS,
         also_read=RUN_MODE,
+    ),
+    ClusterRow(
+        SERVICE_AREA,
+        _SELECTED,
+        "option",
+        lambda one, raw: next((name for name, areas in _areas(one).items() if areas == raw), None),
+        when=_areas,
+        orders=lambda one: {
+            name: ClusterInvocation(SERVICE_AREA, "SelectAreas", {"newAreas": areas})
+            for name, areas in _areas(one).items()
+        },
+        accepts=_SELECT_AREAS,
+        spare_suffix="area",
     ),
     ClusterRow(
         PLAYBACK,
