@@ -98,6 +98,14 @@ async def test_a_client_gets_the_sum_from_a_service() -> None:
     assert "Result of add_two_ints: for 41 + 1 = 42" in run.text
 
 
+async def test_a_program_imports_the_modules_beside_it(tmp_path: Path) -> None:
+    (tmp_path / "beside.py").write_text("WORD = 'imported'\n")
+    (tmp_path / "program.py").write_text("import beside\nprint(beside.WORD)\n")
+    async with running(str(tmp_path / "program")) as run:
+        assert await run.exit_code() == 0
+    assert run.text == "imported\n"
+
+
 async def test_an_action_reports_feedback_and_a_result_and_can_be_cancelled() -> None:
     """The execution blocks its thread; feedback arrives meanwhile, and so does the request to cancel a second goal."""
     async with running("action_client", "action_server") as run:

@@ -43,6 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     end = words.index("--") if "--" in words else len(words)
     options = parser.parse_args(words[:end])
     sys.argv[1:] = words[end + 1 :]
+    sys.path[:0] = [str(Path(one).resolve().parent) for one in options.programs]
     texts = {key: text for folder in options.interfaces for key, text in Interfaces.read_folder(folder).items()}
     _install_modules(Interfaces(texts))
     failed: list[str] = []
