@@ -11,12 +11,15 @@ def entity(**fields: object) -> Entity:
     return Entity(DiscoveryConfig("sensor", "node x", fields), "x_sensor")
 
 
-def test_a_message_with_which_a_template_asks_for_its_last_state_changes_nothing() -> None:
-    template = "{{ value_json.t if value_json.t is defined else this.state }}"
+@pytest.mark.parametrize("otherwise", ["if value_json.t is defined else this.state", "| default(this.state)"])
+def test_a_message_with_which_a_template_asks_for_its_last_state_changes_nothing(otherwise: str) -> None:
+    """The WeeWX extension MQTTConfigHA has it as a default."""
+    template = f"{{{{ value_json.t {otherwise} }}}}"
     config = {"state_topic": "a", "value_template": template, "unit_of_measurement": "°C"}
     codec = homeassistant_part("temperature", "sensor", config).codec
-    payloads = (b'{"t": 20.5}', b'{"rssi": -60}')
-    assert [dict(codec.read("a", one, retained=False)) for one in payloads] == [{"temperature": 20.5}, {}]
+    payloads = (b'{"t": 20.5}', b'{"rssi": -60}', b'{"t": 0}')
+    found = [dict(codec.read("a", one, retained=False)) for one in payloads]
+    assert found == [{"temperature": 20.5}, {}, {"temperature": 0.0}]
 
 
 LOCK = {"command_topic": "a/set", "state_topic": "a"}

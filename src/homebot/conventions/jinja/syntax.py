@@ -283,7 +283,17 @@ class _Compiler:
     def visit_filter(self, node: nodes.Filter) -> Evaluate:
         if node.node is None or node.name not in FILTERS:
             raise TemplateError(f"uses the filter `{node.name[:_MOST_SHOWN]}`, which is not supported")
-        return self._call(FILTERS[node.name], [node.node, *node.args], node)
+        call = self._call(FILTERS[node.name], [node.node, *node.args], node)
+        if node.name not in _DEFAULTS:
+            return call
+        value, is_plain = self._compile(node.node), len(node.args) == 1 and not node.kwargs
+
+        def evaluate_default(run: Run) -> object:
+            """Evaluate the default only if it is needed: in ``default(this.state)`` it fails."""
+            found = run.handle(value(run))
+            return call(run) if isinstance(found, Undefined) or not (is_plain or found) else found
+
+        return evaluate_default
 
     def visit_test(self, node: nodes.Test) -> Evaluate:
         if node.name not in CHECKS:
@@ -324,6 +334,8 @@ class _Compiler:
 
         return evaluate
 
+
+_DEFAULTS: Final = frozenset({"d", "default"})
 
 _DICT: Final = nodes.Name("dict", "load")
 _DICT_FROM_KEYS: Final = nodes.Getattr(_DICT, "from_keys", "load")
