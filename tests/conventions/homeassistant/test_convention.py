@@ -160,8 +160,9 @@ def test_a_refused_config_is_counted(convention: HomeAssistantDiscovery) -> None
     assert convention.rejected == 3
 
 
-def test_a_hidden_part_and_a_group_are_facts(convention: HomeAssistantDiscovery) -> None:
-    device = take(convention, "switch/x", {**SWITCH, "enabled_by_default": False, "group": ["0x1_light", "0x2_light"]})
+@pytest.mark.parametrize("shown", [False, "false"])  # the text is of tesla_ble_mqtt_docker
+def test_a_hidden_part_and_a_group_are_facts(convention: HomeAssistantDiscovery, shown: object) -> None:
+    device = take(convention, "switch/x", {**SWITCH, "enabled_by_default": shown, "group": ["0x1_light", "0x2_light"]})
     assert isinstance(device, DeviceAnnounced)
     assert device.facts == {"hidden s": "by default", "group s": "0x1_light 0x2_light"}
 

@@ -138,7 +138,7 @@ def _facts(parts: _Parts) -> dict[str, str]:
     """Return the facts of parts: hidden ones, and the members of groups."""
     facts = {}
     for part_id, (_, config) in parts.items():
-        if config.values.get("enabled_by_default") is False:
+        if not config.flag("enabled_by_default", default=True):
             facts[f"hidden {part_id}"] = "by default"
         members = config.values.get("group")
         if isinstance(members, list) and members:
