@@ -43,7 +43,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     end = words.index("--") if "--" in words else len(words)
     options = parser.parse_args(words[:end])
     sys.argv[1:] = words[end + 1 :]
-    sys.path[:0] = [str(Path(one).resolve().parent) for one in options.programs]
     texts = {key: text for folder in options.interfaces for key, text in Interfaces.read_folder(folder).items()}
     _install_modules(Interfaces(texts))
     failed: list[str] = []
@@ -88,6 +87,7 @@ def _interface(find: Callable[[str], Interface], prefix: str, name: str) -> obje
 
 
 def _run(program: str, failed: list[str]) -> None:
+    sys.path.insert(0, str(Path(program).resolve().parent))
     try:
         code = compile(Path(program).read_bytes(), program, "exec")
         exec(code, {"__name__": "__main__", "__file__": program})  # noqa: S102 - the program that was named
