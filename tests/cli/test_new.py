@@ -25,12 +25,13 @@ def test_a_new_folder_passes_without_a_warning(tmp_path: Path, plugins: tuple[st
 
 
 def test_nothing_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = tmp_path / "porch"
+    folder = tmp_path / "my porch"
     assert main(["new", str(folder)]) == 0
-    before = (folder / "porch.py").read_text()
+    assert f"try it: cd '{folder}' && " in capsys.readouterr().out
+    before = (folder / "my_porch.py").read_text()
     assert main(["new", str(folder)]) == 1
-    assert f"homebot: {folder}/porch.py exists; give another folder" in capsys.readouterr().err
-    assert (folder / "porch.py").read_text() == before
+    assert f"homebot: {folder}/my_porch.py exists; give another folder" in capsys.readouterr().err
+    assert (folder / "my_porch.py").read_text() == before
 
 
 @pytest.mark.parametrize(

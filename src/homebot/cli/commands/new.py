@@ -4,6 +4,7 @@ import argparse
 import importlib.util
 import keyword
 import re
+import shlex
 import sys
 from importlib.resources import files
 from pathlib import Path
@@ -54,7 +55,8 @@ def _new(options: argparse.Namespace) -> int:
     except OSError as exc:
         raise UsageError(f"{folder} cannot be written: {exc.strerror}") from exc
     print(f"made {options.folder} with {', '.join(path.name for path in texts)}")
-    print(f"try it: cd {options.folder} && pytest && homebot config check && homebot run --house house.toml")
+    there = shlex.quote(str(options.folder))
+    print(f"try it: cd {there} && pytest && homebot config check && homebot run --house house.toml")
     return 0
 
 
