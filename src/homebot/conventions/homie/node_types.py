@@ -222,13 +222,17 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
     if unit == "dBm":
         return "signal_strength", False
     if found := measured_in(unit):
-        return "energy_returned" if found == "energy" and tokens & _RETURNED else found, False
+        return _directed(found, tokens), False
     if not tokens.isdisjoint(_NO_MEASURE):
         return "measurement", False
     for token, capability, units in _BY_TOKEN:
         if unit in units and any(one.startswith(token) if len(token) > _SHORT else one == token for one in tokens):
             return capability, True
     return "measurement", False
+
+
+def _directed(capability: str, tokens: frozenset[str]) -> str:
+    return "energy_returned" if capability == "energy" and tokens & _RETURNED else capability
 
 
 def condition_of(tokens: frozenset[str], around: frozenset[str]) -> str:

@@ -34,26 +34,30 @@ def _nodes(attributes: Mapping[str, str]) -> dict[str, object] | None:
     """Return the nodes of a device as documents of version 5 have them; None while an attribute is missing."""
     found: dict[str, object] = {}
     listed = _listed(attributes.get("$nodes"))
-    has_default = attributes.get("$homie", "").startswith("3.")
     for name in listed or ():
         node_id = name.removesuffix("[]")
         elements = _elements(attributes, node_id) if name.endswith("[]") else (node_id,)
-        properties = _listed(attributes.get(f"{node_id}/$properties"))
+        properties = _properties(attributes, node_id)
         if elements is None or properties is None:
             return None
-        if not has_default and not all(f"{node_id}/{one}/$datatype" in attributes for one in properties):
-            return None
-        described = {one: _property(attributes, f"{node_id}/{one}") for one in properties}
         shared = attributes.get(f"{node_id}/$name", "")
         for element in elements:
+            numbered = shared and shared + element[len(node_id) :].replace("_", " ")
             found[element] = {
-                "name": attributes.get(
-                    f"{element}/$name", shared and shared + element[len(node_id) :].replace("_", " ")
-                ),
+                "name": attributes.get(f"{element}/$name", numbered),
                 "type": attributes.get(f"{node_id}/$type", ""),
-                "properties": described,
+                "properties": properties,
             }
     return None if listed is None else found
+
+
+def _properties(attributes: Mapping[str, str], node_id: str) -> dict[str, object] | None:
+    """Return the properties of a node; None while an attribute is missing. Version 3 needs no datatypes."""
+    listed = _listed(attributes.get(f"{node_id}/$properties"))
+    has_default = attributes.get("$homie", "").startswith("3.")
+    if listed is None or not (has_default or all(f"{node_id}/{one}/$datatype" in attributes for one in listed)):
+        return None
+    return {one: _property(attributes, f"{node_id}/{one}") for one in listed}
 
 
 def _elements(attributes: Mapping[str, str], node_id: str) -> tuple[str, ...] | None:
