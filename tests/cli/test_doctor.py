@@ -187,6 +187,8 @@ def test_before_the_start_the_configuration_and_its_secrets_are_checked(folder: 
     assert code == 1
     assert why(found["HB101"]) == "homebot.toml: gateways.mqtt.urll: unknown key; did you mean url or user?"
     assert why(found["HB106"]).startswith("token can be read by others")
+    assert main(["doctor", "--offline"]) == 1
+    assert "HB101 wrong configuration: homebot.toml: gateways.mqtt.urll" in capsys.readouterr().out
 
 
 def test_before_the_start_a_missing_extra_is_named_with_its_command(

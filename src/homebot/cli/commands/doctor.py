@@ -67,7 +67,7 @@ def _check_offline(options: argparse.Namespace) -> int:
     from homebot.cli.offline_checks import offline_findings  # noqa: PLC0415 - loads the plug-ins
 
     file = Path(options.config or DEFAULT_CONFIG)
-    findings = [one.model_dump() for one in offline_findings(file, reaches=options.reach)]
+    findings = [one.model_dump(mode="json") for one in offline_findings(file, reaches=options.reach)]
     return _show(f"checked {file} and what it needs", {"config": str(file)}, findings, options)
 
 
