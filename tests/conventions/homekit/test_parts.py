@@ -77,7 +77,9 @@ def described(found: HomekitPart, capability: str) -> Capability:
         ("8C", {"6D": 0, "7C": 0, "72": 2}, "window_covering", {"position": 0.0, "movement": "closed"}),
         ("8C", {"6D": 5, "7C": 5, "72": 2, "6C": -45, "7B": -45}, "window_covering",
          {"position": 5.0, "movement": "open", "tilt": 50.0}),
-        ("8B", {"6D": 5, "7C": 5, "72": 1}, "closure", {"position": 5.0, "movement": "opening"}),
+        ("8B", {"6D": 5, "7C": 100, "72": 1}, "closure", {"position": 5.0, "movement": "opening"}),
+        # Apple's Home compares both positions, so that many programs leave the state of HAP-NodeJS as it begins.
+        ("8C", {"6D": 100, "7C": 100, "72": 0}, "window_covering", {"position": 100.0, "movement": "open"}),
         ("D0", {"B0": 1, "D2": 1, "D5": 0}, "water_valve", {"valve": "open"}),
         ("D0", {"B0": 1, "D2": 0, "D5": 0}, "water_valve", {"valve": "opening"}),
         ("D0", {"B0": 0, "D2": 0, "D3": 1200}, "water_valve", {"valve": "closed", "number": 1200.0}),

@@ -69,7 +69,7 @@ def _target_row(
 
 def _read_movement(service: HapService) -> PlainValue:
     movement, position = service.number(MOVEMENT), service.number(POSITION)
-    if movement in {0, 1}:
+    if movement in {0, 1} and position != service.number(POSITION_TARGET):  # some never say that they stopped
         return "opening" if movement else "closing"
     return None if position is None else "open" if position else "closed"
 
@@ -106,7 +106,7 @@ OPENING_ROWS: Final = (
     ServiceRow(
         _MOTORS,
         "movement",
-        f"{POSITION} {MOVEMENT}",
+        f"{POSITION} {MOVEMENT} {POSITION_TARGET}",
         POSITION_TARGET,
         None,
         _read_movement,
