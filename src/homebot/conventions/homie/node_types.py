@@ -226,9 +226,13 @@ def quantity_of(unit: str, tokens: frozenset[str]) -> tuple[str, bool]:
     if not tokens.isdisjoint(_NO_MEASURE):
         return "measurement", False
     for token, capability, units in _BY_TOKEN:
-        if unit in units and any(one.startswith(token) if len(token) > _SHORT else one == token for one in tokens):
+        if unit in units and _contains(tokens, token):
             return capability, True
     return "measurement", False
+
+
+def _contains(tokens: frozenset[str], token: str) -> bool:
+    return any(one.startswith(token) if len(token) > _SHORT else one == token for one in tokens)
 
 
 def _directed(capability: str, tokens: frozenset[str]) -> str:
