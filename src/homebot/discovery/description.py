@@ -97,6 +97,7 @@ def describe_device(
     )
 
 
+_fact_of = Fact.of_checked  # looked up once, as it says
 _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
 _CATEGORY: Final = attrgetter("category")
@@ -301,12 +302,13 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
             continue
         before = announced
         at = source.first_seen
-        like = Fact(name="", value="", gateway=gateway, convention=convention, key=sighting.key, said_at=at)
         for name, value in (("name", sighting.name), ("area", sighting.area), *map(_PAIR, sighting.metadata)):
             if value and (fact := (name, value, gateway, convention)) not in found:
                 changed_value, changed_at = source.facts.get(name, ("", at))
                 said_at = changed_at if changed_value == value else at
-                found[fact] = like.model_copy(update={"name": name, "value": value, "said_at": said_at})
+                found[fact] = _fact_of(
+                    name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
+                )
         if len(found) >= MAX_FACTS:
             break
     return tuple(found.values())[:MAX_FACTS]
