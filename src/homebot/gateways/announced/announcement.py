@@ -37,6 +37,16 @@ _MAX_STREAMS = 1000
 
 _MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
+_UNPUBLISHED: Mapping[str, Any] = {
+    "kind": "updated",
+    "why": "",
+    "seen_at": _NEVER,
+    "expires_at": _NEVER,
+    "confirmed": False,
+    "heard_at": 0.0,
+}
+"""What is new in each sighting, as it is before the first one."""
+
 _NO_ENDPOINT = TextEndpoint("", "", "")
 _ONLY_TEXTS = frozenset({str})
 
@@ -164,7 +174,7 @@ class StoredAnnouncement:
         refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
         reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
         report_streams: The streams of reports that late joiners get, by address and reported values.
-        template: A sighting with all that its sightings have in common.
+        template: Its last sighting, or before the first one a sighting with what all have in common.
     """
 
     gateway: str
@@ -195,7 +205,7 @@ class StoredAnnouncement:
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
         """Return whether the graph sees no difference between the two."""
-        return self.template == other.template
+        return self.template.model_copy(update=_UNPUBLISHED) == other.template.model_copy(update=_UNPUBLISHED)
 
     def report_stream(self, *source: object) -> str:
         """Return the name of the report stream of *source*: the address, and what is reported.
@@ -257,8 +267,7 @@ class StoredAnnouncement:
         return _sighting_of(
             gateway=self.gateway,
             key=self.key,
-            kind="updated",
-            why="",
+            **_UNPUBLISHED,
             name=described.name,
             service_type=endpoint.service_type,
             address=endpoint.address,
@@ -273,10 +282,6 @@ class StoredAnnouncement:
             parts=parts,
             owns=described.owns,
             announced_on=announced_on,
-            seen_at=_NEVER,
-            expires_at=_NEVER,
-            confirmed=False,
-            heard_at=0.0,
         )
 
 

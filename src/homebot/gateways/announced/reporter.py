@@ -56,18 +56,17 @@ class DeviceReporter:
         stale_after = device.stale_after or self._stale_after
         if stale_after != self._until[0]:  # nearly all devices have the same
             self._until = stale_after, Time.from_seconds(min(self._seconds + stale_after, _LAST))
-        self._gateway.publish_sighting(
-            device.template.model_copy(
-                update={
-                    "kind": kind,
-                    "why": why,
-                    "confirmed": confirmed,
-                    "seen_at": self.stamp,
-                    "expires_at": self._until[1],
-                    "heard_at": self.now,
-                }
-            )
+        device.template = device.template.model_copy(
+            update={
+                "kind": kind,
+                "why": why,
+                "confirmed": confirmed,
+                "seen_at": self.stamp,
+                "expires_at": self._until[1],
+                "heard_at": self.now,
+            }
         )
+        self._gateway.publish_sighting(device.template)
 
     def publish_report(
         self,
