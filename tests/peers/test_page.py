@@ -304,6 +304,8 @@ async def test_a_device_that_can_hurt_is_approved_after_its_topics_were_shown(pa
         await own.open(LAMP, shows="not approved")
         await own.click("button[role=switch]")
         await own.shows("refused (approval)", "[role=alert]")
+        await own.click("[role=alert] button")
+        await own.hides("refused (approval)")
         await own.open("#/system", shows="Waiting for your approval")
         await own.shows("HB206 note on control: 2 devices wait for approval")
         await own.click("button[aria-label='show what approving roomlights405 allows']")

@@ -55,7 +55,9 @@ function Page() {
     </header>
     ${(mustLogIn || isLoggingIn.value) && html`<${LogIn} reason=${mustLogIn ? reason : ""} />`}
     <main class=${state === "open" ? "" : "old"}>${view === "device" ? html`<${Device} key=${id} id=${id} />` : View ? html`<${View} />` : html`<p class="empty">There is no such view.</p>`}</main>
-    <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>${outcome.value?.text}</p>`;
+    <p role="alert" class=${outcome.value ? `outcome ${outcome.value.isGood ? "good" : "bad"}` : "hidden"}>
+      ${outcome.value?.text} ${outcome.value && !outcome.value.isGood && html`<button type="button" onClick=${() => (outcome.value = null)}>close</button>`}
+    </p>`;
 }
 
 function LogIn({ reason }) {
