@@ -51,7 +51,7 @@ class DiscoveryConfig:
             self.qos = self.integer("qos", 0, least=0, most=2)
             self.retain = self.flag("retain")
             encoding = self.text("encoding", "utf-8").lower()
-            self.encoding = encoding if encoding in _CODECS else "utf-8"
+            self.encoding = _CODECS.get(encoding, "utf-8")
 
     @property
     def is_secret(self) -> bool:
@@ -232,7 +232,12 @@ class DiscoveryConfig:
 
 
 _TRANSPORT = frozenset({"encoding", "qos", "retain"})
-_CODECS = frozenset({"", "utf-8", "ascii", "us-ascii", "latin-1", "latin1", "iso-8859-1", "cp1252", "windows-1252"})
+_CODECS = {
+    "": "",
+    **dict.fromkeys(("ascii", "us-ascii"), "ascii"),
+    **dict.fromkeys(("latin-1", "latin1", "iso-8859-1"), "latin-1"),
+    **dict.fromkeys(("cp1252", "windows-1252"), "cp1252"),
+}
 _SHOWN = frozenset(
     {
         *("availability", "availability_mode", "default_entity_id", "device", "device_class"),

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
+from homebot.conventions.jinja import PayloadContext, SharedWork, Template, TemplateError, UndefinedValueError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
 
@@ -78,13 +78,13 @@ _MAX_CONFIG_TOPIC = 512
 _FORBIDDEN = re.compile("[\x00-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff]")
 
 
-@lru_cache(maxsize=2)  # the parts of a device read the same message, one after the other
+@lru_cache(maxsize=4)  # the parts of a device read the same message, one after the other, each in its encoding
 def _context(payload: bytes, encoding: str) -> PayloadContext | None:
     """Return the variables of a template; None if the payload is too long or no text in this encoding."""
     if len(payload) > MAX_LONG_STATE_BYTES or not encoding:
         return None
     try:
-        return PayloadContext(payload.decode(encoding))
+        return PayloadContext(payload.decode(encoding), payload)
     except UnicodeDecodeError:
         return None
 
@@ -117,6 +117,8 @@ class ValueSource(NamedTuple):
             return None
         if self.template is None:
             return context.value
+        if context.source is not payload:  # the same text again
+            context.source, context.work = payload, SharedWork()
         try:
             return self.template.render_value(context, self.variables)
         except UndefinedValueError:

@@ -1,12 +1,14 @@
 """Programs of templates, and their renderings: the values of names, the output, and the remaining work. Pure."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TypeAlias, final
 
 from homebot.conventions.jinja.values import (
+    FREE_STEPS,
     MAX_NUMBER_BITS,
+    MAX_SHARED_STEPS,
     MAX_STEPS,
     MAX_TEXT,
     UNDEFINED,
@@ -16,7 +18,7 @@ from homebot.conventions.jinja.values import (
     weigh,
 )
 
-__all__ = ["Evaluate", "Program", "Run", "path_program"]
+__all__ = ["Evaluate", "Program", "Run", "SharedWork", "path_program"]
 
 
 @final
@@ -25,14 +27,17 @@ class Run:
 
     Args:
         names: The values of the template's names at its start.
+
+    Attributes:
+        steps: Its remaining work.
     """
 
-    __slots__ = ("_length", "_names", "_parts", "_steps")
+    __slots__ = ("_length", "_names", "_parts", "steps")
 
-    def __init__(self, names: Mapping[str, object]) -> None:
+    def __init__(self, names: Mapping[str, object], steps: int = MAX_STEPS) -> None:
         self._names = dict(names)
         self._parts: list[str] = []
-        self._steps = MAX_STEPS
+        self.steps = steps
         self._length = 0
 
     def lookup(self, name: str, default: object = UNDEFINED) -> object:
@@ -58,9 +63,19 @@ class Run:
         Raises:
             TemplateError: It is too much.
         """
-        self._steps -= steps
-        if self._steps < 0:
+        self.steps -= steps
+        if self.steps < 0:
             raise TemplateError("it does too much work")
+
+    def spend_on_search(self, values: Iterable[object]) -> None:
+        """Count the work of a function that looks for one text of *values* in another.
+
+        Raises:
+            TemplateError: It is too much.
+        """
+        lengths = sorted([len(one) for one in values if isinstance(one, (str, bytes))])
+        if len(lengths) > 1:
+            self.spend(lengths[-1] * lengths[-2] // _COMPARED_PER_STEP)
 
     def handle(self, value: object) -> object:
         """Return *value*, with its size counted as work.
@@ -106,10 +121,24 @@ class Run:
         return len(self._parts)
 
 
+@final
+class SharedWork:
+    """The work of all renderings for one message beyond what each has for itself.
+
+    Thousands of parts may read one topic, and a stranger announces as many.
+    """
+
+    __slots__ = ("steps",)
+
+    def __init__(self) -> None:
+        self.steps = MAX_SHARED_STEPS
+
+
 Evaluate: TypeAlias = Callable[[Run], object]
 """Evaluates an expression, or executes a statement."""
 
 _MOST_SHOWN = 80
+_COMPARED_PER_STEP = 1024
 
 
 @final
@@ -128,9 +157,15 @@ class Program:
         self._weight = weight
         self.names = names
 
-    def render(self, variables: Mapping[str, object]) -> str:
-        """Return its output; see :meth:`Template.render`."""
-        run = Run(variables)
+    def render(self, variables: Mapping[str, object], shared: SharedWork | None = None) -> str:
+        """Return its output; see :meth:`Template.render`.
+
+        Args:
+            shared: What it draws on with all others that read the same message; none for a template on its own.
+        """
+        free = FREE_STEPS + self._weight
+        steps = MAX_STEPS if shared is None else min(MAX_STEPS, free + shared.steps)
+        run = Run(variables, steps)
         try:
             run.spend(self._weight)
             self._body(run)
@@ -141,6 +176,9 @@ class Program:
         except (ValueError, LookupError, AttributeError) as error:
             # Their messages may show a value, which may be the code of a lock.
             raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
+        finally:
+            if shared is not None and steps - run.steps > free:
+                shared.steps = max(0, shared.steps - (steps - run.steps - free))
         return run.written()
 
 

@@ -11,7 +11,7 @@ from typing import Final, NoReturn
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.lists import CHECKS, LIST_FILTERS, LIST_FUNCTIONS, attribute_of, values_of
 from homebot.conventions.jinja.numbers import MISSING, NUMBER_FILTERS, NUMBER_FUNCTIONS
-from homebot.conventions.jinja.patterns import find_all, find_all_index, matches, replaces, searches
+from homebot.conventions.jinja.patterns import COMPILING, find_all, find_all_index, matches, replaces, searches
 from homebot.conventions.jinja.texts import TEXT_FILTERS, TEXT_FUNCTIONS, strftime_format
 from homebot.conventions.jinja.values import Namespace, TemplateError, Undefined, real, text
 
@@ -62,8 +62,9 @@ def _as_datetime(_: Run, value: object, default: object = MISSING) -> object:
     return _or_default(None if default is MISSING else default, "as_datetime", lambda: datetime.fromisoformat(value))
 
 
-def _strptime(_: Run, value: object, date_format: object, default: object = MISSING) -> object:
+def _strptime(run: Run, value: object, date_format: object, default: object = MISSING) -> object:
     layout = strftime_format(text(date_format))
+    run.spend(COMPILING)
     return _or_default(default, "strptime", lambda: datetime.strptime(_short(value), layout))  # noqa: DTZ007 - without a zone, as in Home Assistant
 
 
@@ -106,7 +107,11 @@ def _map(run: Run, value: object, *arguments: object, **named: object) -> object
     mapped = FILTERS.get(str(arguments[0])) if arguments else None
     if mapped is None or mapped is _map:
         raise TemplateError("map is given no filter that it could apply")
-    return [run.handle(mapped(run, run.handle(one), *arguments[1:], **named)) for one in values]
+    found: list[object] = []
+    for one in values:
+        run.spend_on_search((one, *arguments[1:], *named.values()))
+        found.append(run.handle(mapped(run, run.handle(one), *arguments[1:], **named)))
+    return found
 
 
 def _attributes(values: Iterable[object], name: object, default: object) -> list[object]:

@@ -100,7 +100,10 @@ def values_of(run: Run, value: object) -> list[object]:
 
 def attribute_of(value: object, path: object) -> object:
     """Return the value at *path* in *value*: keys and indexes with dots between them, or one index."""
-    for part in path.split(".") if isinstance(path, str) else [path]:
+    parts: list[object] = [*path.split(".", _DEEPEST)] if isinstance(path, str) else [path]
+    if len(parts) > _DEEPEST:
+        raise TemplateError(f"an attribute is more than {_DEEPEST} levels deep")
+    for part in parts:
         value = item(value, int(part) if isinstance(part, str) and _INDEX.fullmatch(part) else part)
     return value
 
@@ -170,11 +173,13 @@ def _selecting(*, expected: bool, of_attribute: bool) -> Callable[..., object]:
         run.spend(4 * len(values))
         rest = arguments[1:] if of_attribute else arguments
         check = CHECKS[str(rest[0])] if rest else lambda _, one: bool(one)
-        return [
-            one
-            for one in values
-            if bool(check(run, attribute_of(one, arguments[0]) if of_attribute else one, *rest[1:])) is expected
-        ]
+        found: list[object] = []
+        for one in values:
+            checked = attribute_of(one, arguments[0]) if of_attribute else one
+            run.spend_on_search((checked, *rest[1:]))
+            if bool(check(run, checked, *rest[1:])) is expected:
+                found.append(one)
+        return found
 
     return select
 
@@ -232,6 +237,7 @@ def _dictionary(run: Run, *values: object, **named: object) -> object:
     return _python_dict(*[value if isinstance(value, dict) else values_of(run, value) for value in values], **named)
 
 
+_DEEPEST = 8
 _INDEX = re.compile("[0-9]{1,5}", re.ASCII)
 _python_sorted: Callable[..., object] = sorted
 _python_dict: Callable[..., object] = dict

@@ -14,10 +14,16 @@ from functools import lru_cache
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.values import MAX_TEXT, TemplateError, text, whole
 
-__all__ = ["find_all", "find_all_index", "matches", "replaces", "searches"]
+__all__ = ["COMPILING", "find_all", "find_all_index", "matches", "replaces", "searches"]
 
 _LONGEST = 200
-_COMPILING = 200
+COMPILING = 200
+"""Steps for what a regular expression takes to be compiled."""
+
+_WIDE_RANGE = re.compile(r"-(?:[^\x00-\xff]|\\[uUN])")
+"""Python goes through all characters of such a range one by one."""
+
+_COMPILING_RANGE = 5000
 _PLACES_PER_STEP = 100
 
 
@@ -62,7 +68,7 @@ def _pattern(run: Run, find: object, subject: str, ignorecase: object) -> re.Pat
     expression = text(find)
     if len(expression) > _LONGEST:
         raise TemplateError(f"a regular expression has more than {_LONGEST} characters")
-    run.spend(_COMPILING)
+    run.spend(COMPILING + _COMPILING_RANGE * len(_WIDE_RANGE.findall(expression)))
     repeats, branches, pattern = _compiled(expression, re.IGNORECASE if ignorecase else re.NOFLAG)
     # The places where a match starts and where each repetition ends are in order; at each, the fixed rest is tried.
     ends = math.comb(len(subject) + repeats + 1, repeats + 1) << branches

@@ -260,14 +260,16 @@ class _Compiler:
     visit_not = visit_neg = visit_pos = _unary
 
     def visit_compare(self, node: nodes.Compare) -> Evaluate:
-        steps = [(ORDER[one.op], self._compile(one.expr)) for one in node.ops]
+        steps = [(ORDER[one.op], "in" in one.op, self._compile(one.expr)) for one in node.ops]
         first = self._compile(node.expr)
 
         def evaluate(run: Run) -> object:
             left = first(run)
             result: object = True
-            for compare, value in steps:
+            for compare, is_search, value in steps:
                 right = value(run)
+                if is_search:
+                    run.spend_on_search((left, right))
                 result = compare(_counted(run, left), _counted(run, right))
                 if not result:
                     break
@@ -330,7 +332,9 @@ class _Compiler:
 
         def evaluate(run: Run) -> object:
             values = [run.handle(one(run)) for one in compiled]
-            return run.handle(function(run, *values, **{key: run.handle(one(run)) for key, one in named}))
+            by_name = {key: run.handle(one(run)) for key, one in named}
+            run.spend_on_search((*values, *by_name.values()))
+            return run.handle(function(run, *values, **by_name))
 
         return evaluate
 

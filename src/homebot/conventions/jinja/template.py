@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
+from homebot.conventions.jinja.evaluation import SharedWork
 from homebot.conventions.jinja.syntax import parse
 from homebot.conventions.jinja.values import MAX_SOURCE, UNDEFINED, TemplateError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json
@@ -25,12 +26,18 @@ class PayloadContext:
 
     Args:
         value: The text of the message.
+
+    Attributes:
+        source: The bytes of the message.
+        work: The work of all templates that read it.
     """
 
-    __slots__ = ("_json", "value")
+    __slots__ = ("_json", "source", "value", "work")
 
-    def __init__(self, value: str) -> None:
+    def __init__(self, value: str, source: bytes = b"") -> None:
         self.value = value
+        self.source = source
+        self.work = SharedWork()
         self._json: object = _UNREAD
 
     @property
@@ -95,7 +102,7 @@ class Template:
         names = {**(variables or {}), "value": context.value}
         if "value_json" in program.names:
             names["value_json"] = context.value_json
-        return _checked_text(program.render(names))
+        return _checked_text(program.render(names, context.work))
 
     def _checked(self) -> Program:
         if self._program is None:

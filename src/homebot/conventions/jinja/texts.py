@@ -23,14 +23,15 @@ __all__ = ["METHODS", "TEXT_FILTERS", "TEXT_FUNCTIONS", "join", "method_of", "pe
 
 def percent(template: str, values: object) -> str:
     """Return ``template % values``; a width may have two digits."""
-    for width in _PERCENT.findall(template):
-        if "*" in width or _LARGE.search(width):
-            raise TemplateError("a text is formatted to a large width")
+    if template.count("%") > _MOST_FIELDS or not _PERCENT.fullmatch(template):
+        raise TemplateError("a text is formatted with more than plain values, or to a large width")
     return template % values
 
 
 def _braces(template: str, values: tuple[object, ...], named: dict[str, object]) -> str:
     """Return ``template.format(*values, **named)``, with plain fields only."""
+    if template.count("{") > _MOST_FIELDS:
+        raise TemplateError(f"a text is formatted with more than {_MOST_FIELDS} values")
     for _, field, width, _ in Formatter().parse(template):
         if field is not None and not _FIELD.fullmatch(field):
             raise TemplateError("a text is formatted with more than plain values")
@@ -46,8 +47,9 @@ def strftime_format(template: str) -> str:
     return template
 
 
-_PERCENT = re.compile(r"%(?:\([^)]*\))?[-+ #0]*([0-9*]*(?:\.[0-9*]*)?)")
-_LARGE = re.compile(r"[0-9]{3}")
+_MOST_FIELDS = 32
+_PERCENT = re.compile(r"(?:[^%]++|%(?:\([^()%]*+\))?[-+ #0]*+[0-9]{0,2}+(?:\.[0-9]{0,2}+)?[a-zA-Z%])*+")
+_LARGE = re.compile(r"\d{3}")  # of any script, as for str.format
 _FIELD = re.compile(r"[A-Za-z0-9_]{0,32}")
 _LONGEST_TIME = 64
 _TIME = re.compile(r"(?:[^%]|%-?[A-Za-z%])*")
