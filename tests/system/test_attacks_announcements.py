@@ -16,7 +16,7 @@ import pytest
 from tests.gateways.mqtt.test_long_lists import TOPIC, house_of
 from tests.patience import PATIENCE
 from tests.sizes import NIGHTLY, nightly, size
-from tests.system.attack_probe import Attacked, attacked, rss, until
+from tests.system.attack_probe import Attacked, attacked, begun, rss, until
 from tests.system.broker_probe import Client
 from tests.turns import slowness
 from websockets.sync.client import connect
@@ -288,3 +288,30 @@ def test_large_announcements_leave_turns_to_others(tmp_path: Path) -> None:
             toll = homebot.toll()
             print(f"\n{name}: {toll}", end="")
             assert toll.busy < MOST_BUSY * slowness()
+
+
+def heavy_templates(number: int) -> tuple[str, bytes]:
+    """The announcement of a device of 250 parts, all of which work for long at each message on one topic."""
+    work = f"{{% for i in range({1500 + number}) %}}{{% endfor %}}{{{{ value }}}}"
+    parts = {
+        f"p{part}": {"p": "sensor", "unique_id": f"h{number}p{part}", "state_topic": "s/all", "value_template": work}
+        for part in range(250)
+    }
+    told = {"device": {"identifiers": [f"h{number}"]}, "origin": {"name": "x"}, "components": parts}
+    return f"homeassistant/device/h{number}/config", json.dumps(told).encode()
+
+
+def test_a_message_that_thousands_of_heavy_templates_read_leaves_turns_to_others(tmp_path: Path) -> None:
+    with attacked(tmp_path) as homebot, closing(Hostile(homebot.broker)) as hostile:
+        for number in range(20):
+            hostile.publish(*heavy_templates(number))
+        hostile.publish(*config("lock", "first"))
+        until(lambda: finds(homebot, "first") or None, PATIENCE)
+        begun(homebot).toll()
+        for payload in (b"1", b"1", b"2"):
+            hostile.publish("s/all", payload)
+        hostile.publish(*config("lock", "honest"))
+        until(lambda: finds(homebot, "honest") or None, PATIENCE)
+        toll = homebot.toll()
+        print(f"\n5,000 heavy templates: {toll}", end="")
+        assert toll.busy < MOST_BUSY * slowness()

@@ -72,6 +72,7 @@ class GatewayEngine(Generic[MessageT]):
             self.scheduler,
             self.counters,
             self.quarantine.record_plugin_failure,
+            node.graph.clock,
         )
         node.create_task(self.listeners.watch_nodes)
         node.create_task(self.scheduler.run)

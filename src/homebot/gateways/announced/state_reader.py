@@ -4,12 +4,12 @@ A message is the bytes on an *address*, on which devices publish their state; it
 before, and then tells a past state.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
+from operator import length_hint
 from typing import NamedTuple
 
-import anyio.lowlevel
-
+from homebot.clock import Clock, TimeSlice
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
@@ -35,9 +35,6 @@ _new = tuple.__new__
 
 _reading_of, _value_of = Reading.of_checked, Value.of  # looked up once, as `of_checked` says
 
-_TURN = 100
-"""Readers of one message after which others get their turn."""
-
 
 class StateReader:
     """The way from messages of state to the graph.
@@ -54,8 +51,10 @@ class StateReader:
         scheduler: Scheduler,
         counters: GatewayCounters,
         record_failure: Callable[[str, str, BaseException], None],
+        clock: Clock,
     ) -> None:
         self._devices = devices
+        self._clock = clock
         self._reporter = reporter
         self._listeners = listeners
         self._scheduler = scheduler
@@ -78,21 +77,23 @@ class StateReader:
         Args:
             payload: Its bytes; where they are too long for a state, that is only counted.
         """
+        work = TimeSlice(self._clock)
         if availability_readers:
-            await self._read_availability(address, payload, availability_readers, retained=retained)
+            await self._read_availability(address, payload, availability_readers, work, retained=retained)
         if not announced_parts:
             return
         if len(payload) > longest:
             self._counters.oversize += 1
             return
-        for some in _portions(announced_parts):
-            if some is not announced_parts:
-                await anyio.lowlevel.checkpoint()
-            for text in self.read_parts(address, payload, some, retained=retained):
+        unread = iter(announced_parts)
+        while length_hint(unread):
+            if work.is_over:
+                await work.pause()
+            for text in self.read_parts(address, payload, _in_time(unread, work), retained=retained):
                 await self._listeners.deliver(text, wait_if_full=wait_if_full)
 
     def read_parts(
-        self, address: str, payload: bytes, announced_parts: Sequence[AnnouncedPart], *, retained: bool
+        self, address: str, payload: bytes, announced_parts: Iterable[AnnouncedPart], *, retained: bool
     ) -> Sequence[RawMessage]:
         """Read a message as :meth:`read`, but return the texts to be delivered: none without a listener to texts."""
         readings: list[Reading] = []
@@ -174,12 +175,21 @@ class StateReader:
             await self._listeners.deliver(text, wait_if_full=True)
 
     async def _read_availability(
-        self, address: str, payload: bytes, availability_readers: tuple[AvailabilityReader, ...], *, retained: bool
+        self,
+        address: str,
+        payload: bytes,
+        availability_readers: tuple[AvailabilityReader, ...],
+        work: TimeSlice,
+        *,
+        retained: bool,
     ) -> None:
         """Read whether devices can be reached."""
-        count = 0
         for availability_reader in availability_readers:
             shared, index = availability_reader.reachability, availability_reader.index
+            if work.is_over:
+                await work.pause()
+                if not shared.members:
+                    continue  # they went meanwhile
             said = self._read_source(shared, index, address, payload)
             if said is None:
                 continue
@@ -189,9 +199,8 @@ class StateReader:
             if retained and shared.value is before:
                 continue  # all its members have reported that
             for stored, part in tuple(shared.members):
-                count += 1
-                if count % _TURN == 0:
-                    await anyio.lowlevel.checkpoint()
+                if work.is_over:
+                    await work.pause()
                     if self._devices.get(stored.key) is not stored:
                         continue
                 if said and not retained:
@@ -310,18 +319,12 @@ class StateReader:
                 listener.publish(raw)
 
 
-def _portions(announced_parts: tuple[AnnouncedPart, ...]) -> Iterator[Sequence[AnnouncedPart]]:
-    """Yield *announced_parts* about a hundred at a time, those of one device together."""
-    if len(announced_parts) <= _TURN:
-        yield announced_parts
-        return
-    portion: list[AnnouncedPart] = []
-    for part in announced_parts:
-        if len(portion) >= _TURN and part.stored is not portion[-1].stored:
-            yield portion
-            portion = []
-        portion.append(part)
-    yield portion
+def _in_time(unread: Iterator[AnnouncedPart], work: TimeSlice) -> Iterator[AnnouncedPart]:
+    """Yield from *unread* until the slice of *work* is over."""
+    for part in unread:
+        yield part
+        if work.is_over:
+            return
 
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:
