@@ -175,6 +175,12 @@ def test_there_are_two_filters_per_component_and_prefix() -> None:
     assert {"homeassistant/light/+/config", "ha/two/device/+/+/config"} <= set(filters)
 
 
+def test_the_lock_that_has_the_name_of_its_device_is_read_before_the_rest_of_it() -> None:
+    """The id of a device is made of its name when it is found; other configs of Nuki Hub have only its identifiers."""
+    lock, *others = map(COMPONENTS.index, ("lock", "binary_sensor", "button", "number", "select", "sensor"))
+    assert lock < min(others)
+
+
 def test_every_prefix_is_understood() -> None:
     convention = HomeAssistantDiscovery(HomeAssistantSettings(prefixes=("a", "b/c")))
     for topic in ("a/switch/x/config", "b/c/switch/x/config"):

@@ -46,8 +46,14 @@ No builder reads a meaning from a name or an id: parts that differ in these alon
 Other components are ignored without a log line.
 """
 
-COMPONENTS = (*BUILDERS, "device")
-"""Components of configs: those with a builder, or a whole device."""
+_SECONDARY = frozenset({"binary_sensor", "button", "number", "select", "sensor", "text"})
+
+COMPONENTS = ("device", *sorted(BUILDERS, key=_SECONDARY.__contains__))
+"""Components of configs: a whole device, or those with a builder.
+
+The secondary ones are read last: their configs often have only the identifiers of the device, such as those of Nuki
+Hub, and the id of a device is made of its name when it is found.
+"""
 
 LOCK_STATES = ("unlocked", "locked", "unlocking", "open", "locking", "opening", "jammed")
 
