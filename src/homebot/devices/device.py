@@ -294,7 +294,7 @@ class StateChange(Message):
 
     def state_of(self, reading: Reading) -> State:
         """Return the state that *reading*, one of :attr:`readings`, tells."""
-        return State(
+        return State.of_checked(
             part=reading.part,
             capability=reading.capability,
             value=reading.value,

@@ -3,7 +3,7 @@
 from typing import final
 
 from homebot.devices.device import Device, State, StateChange
-from homebot.devices.value import PlainValue, Value
+from homebot.devices.value import PlainValue, Reading, Value
 from homebot.messages import Time
 
 __all__ = ["DeviceView"]
@@ -24,7 +24,7 @@ class DeviceView:
         self.device = device
         self.is_gone = False
         self.sequence = sequence
-        self._newer: dict[tuple[str, str], tuple[int, State]] = {}  # each with its number among the changes
+        self._newer: dict[tuple[str, str], tuple[StateChange, Reading]] = {}
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
         """Store a description, unless it is older than the stored one."""
@@ -33,35 +33,48 @@ class DeviceView:
         self.sequence, self.device, self.is_gone = sequence, device, is_gone
         if self._newer:
             parts = {part.id for part in device.parts}
-            self._newer = {place: new for place, new in self._newer.items() if new[0] > sequence and place[0] in parts}
+            self._newer = {
+                place: new for place, new in self._newer.items() if new[0].sequence > sequence and place[0] in parts
+            }
 
     def record_values(self, change: StateChange) -> None:
         """Store new values, ordered by their number: the clock of their stamps may have been set back."""
-        for state in change.states:
-            if change.sequence >= self._sequence_of(state.part, state.capability):
-                self._newer[state.part, state.capability] = change.sequence, state
+        for reading in change.readings:
+            if change.sequence >= self._sequence_of(place := (reading.part, reading.capability)):
+                self._newer[place] = change, reading
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
         """Store a value from an outcome, reported *now* in seconds since the Unix epoch, until a newer one comes."""
         if self.value(part_id, capability) == value:
             return  # it has been so since it was reported
-        at = Time.from_seconds(now)
-        state = State(part=part_id, capability=capability, value=Value.of(value), since=at, told_at=at, live=True)
-        self._newer[part_id, capability] = self._sequence_of(part_id, capability), state
+        reading = Reading(part=part_id, capability=capability, value=Value.of(value))
+        self.record_values(
+            StateChange(
+                stream="",
+                device=self.device.id,
+                readings=(reading,),
+                told_at=Time.from_seconds(now),
+                live=True,
+                sequence=self._sequence_of((part_id, capability)),
+            )
+        )
 
-    def _sequence_of(self, part_id: str, capability: str) -> int:
-        known = self._newer.get((part_id, capability))
-        return self.sequence if known is None else known[0]
+    def _sequence_of(self, place: tuple[str, str]) -> int:
+        known = self._newer.get(place)
+        return self.sequence if known is None else known[0].sequence
 
     def value(self, part_id: str, capability: str) -> PlainValue:
         """Return the latest value of the part; None if it is unknown."""
+        if (new := self._newer.get((part_id, capability))) is not None:
+            return new[1].value.plain()
         state = self.state(part_id, capability)
         return None if state is None else state.value.plain()
 
     def state(self, part_id: str, capability: str) -> State | None:
         """Return the latest value of the part with its times; None if it reported none."""
         if (new := self._newer.get((part_id, capability))) is not None:
-            return new[1]
+            change, reading = new
+            return change.state_of(reading)
         for state in self.device.states:
             if state.capability == capability and state.part == part_id:
                 return state
@@ -76,6 +89,6 @@ class DeviceView:
         """Return the device with the newest values of its parts."""
         if not self._newer:
             return self.device
-        newer = {place: state for place, (_, state) in self._newer.items()}
+        newer = {place: change.state_of(reading) for place, (change, reading) in self._newer.items()}
         states = [newer.pop((state.part, state.capability), state) for state in self.device.states]
         return self.device.model_copy(update={"states": (*states, *newer.values())})
