@@ -3,10 +3,14 @@
 Reads lines of JSON, ``[component, config]``, and prints one line for each that is refused.
 """
 
+import asyncio
 import importlib
 import json
 import sys
 from typing import Any
+
+from homeassistant.core import HomeAssistant
+from homeassistant.helpers import frame
 
 ROOT = "homeassistant.components.mqtt"
 EXTRA = frozenset({"origin"})
@@ -23,9 +27,16 @@ def schema_of(component: str) -> Any:
     return module.DISCOVERY_SCHEMA_MODERN
 
 
-for line in sys.stdin:
-    component, config = json.loads(line)
-    try:
-        schema_of(component)({key: value for key, value in config.items() if key not in EXTRA})
-    except Exception as error:  # noqa: BLE001 - each is the answer
-        print(json.dumps([component, config, f"{type(error).__name__}: {error}"]))  # noqa: T201
+async def check() -> None:
+    """Check all lines; in Home Assistant 2025.4, schemas of templates need a running one."""
+    if hasattr(frame, "async_setup"):
+        frame.async_setup(HomeAssistant(""))
+    for line in sys.stdin:
+        component, config = json.loads(line)
+        try:
+            schema_of(component)({key: value for key, value in config.items() if key not in EXTRA})
+        except Exception as error:  # noqa: BLE001 - each is the answer
+            print(json.dumps([component, config, f"{type(error).__name__}: {error}"]))  # noqa: T201
+
+
+asyncio.run(check())
