@@ -133,9 +133,9 @@ def class_in(module: ModuleType, name: str, base: type[object]) -> str:
 
 def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
     """Add *wanted* to the tables *apps* unless one is of it; a class MyApp gets my_app, with the settings there."""
-    place, kind = _place_of(wanted)
-    if any(_place_of(str(table.get("class", name))) == (place, kind) for name, table in apps.items()):
+    if any(_is_same(str(table.get("class", name)), wanted) for name, table in apps.items()):
         return
+    kind = wanted.rpartition(":")[2]
     first = name = snake_case(kind) if ":" in wanted else wanted
     number = 1
     while name in apps and ("class" in apps[name] or has_plugin("homebot.apps", name)):
@@ -144,10 +144,16 @@ def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
     apps[name] = apps.get(name, {}) | ({} if name == wanted else {"class": wanted})
 
 
+def _is_same(one: str, other: str) -> bool:
+    (place, kind), (other_place, other_kind) = _place_of(one), _place_of(other)
+    is_there = place == other_place or (place.name == other_place.name and place.absolute() == other_place.absolute())
+    return kind == other_kind and is_there
+
+
 def _place_of(name: str) -> tuple[Path, str]:
     """Return the file in which ``module:Class`` or ``FILE.py:Class`` is looked for, and the rest of *name*."""
     module, _, kind = name.rpartition(":")
-    return Path(module if module.endswith(".py") else f"{module.replace('.', '/')}.py").absolute(), kind
+    return Path(module if module.endswith(".py") else f"{module.replace('.', '/')}.py"), kind
 
 
 def check_extra(what: str, extra: str, *modules: str) -> None:
