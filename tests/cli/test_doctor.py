@@ -18,7 +18,7 @@ from homebot.cli import main
 from homebot.cli.commands.doctor import print_finding
 from homebot.devices import QUERY_DEVICES, Fact, GatewayState, QueryDevices
 from homebot.devices.findings import FindingKind
-from homebot.devices.health import Count, HealthResponse, PartFailure
+from homebot.devices.health import Count, HealthRequest, HealthResponse, PartFailure
 from homebot.discovery.store import index_path
 from homebot.graph import Graph, Node
 from homebot.messages import Time
@@ -153,6 +153,19 @@ def test_a_container_is_healthy_though_devices_are_silent_and_parts_have_failed(
     assert main(["--door", homebot.door, "doctor"]) == 1
     assert main(["--door", homebot.door, "doctor", "--gateways"]) == 0
     assert "HB" not in capsys.readouterr().out.rpartition("gateway mqtt")[2]
+
+
+def test_a_part_that_cannot_say_how_it_is_is_a_finding(homebot_with: Callable[..., Homebot], capsys: Text) -> None:
+    """It ended the whole report."""
+
+    class Broken(StillHouse):
+        def _health(self, request: HealthRequest) -> HealthResponse:
+            raise ValueError(f"no answer to {request}")
+
+    homebot = homebot_with(Broken().node, None)
+    assert main(["--door", homebot.door, "doctor"]) == 1
+    problem = "service /gateway/mqtt/health failed: ValueError"
+    assert f"HB201 problem of gateway/mqtt: {problem}" in capsys.readouterr().out
 
 
 def offline(capsys: Text, *words: str) -> tuple[int, dict[str, dict[str, object]]]:
