@@ -294,7 +294,7 @@ class StateChange(Message):
 
     def state_of(self, reading: Reading) -> State:
         """Return the state that *reading*, one of :attr:`readings`, tells."""
-        return State.of_checked(
+        return State(
             part=reading.part,
             capability=reading.capability,
             value=reading.value,

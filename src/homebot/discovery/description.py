@@ -97,7 +97,6 @@ def describe_device(
     )
 
 
-_fact_of = Fact.of_checked  # looked up once, as it says
 _TYPE: Final = attrgetter("service_type")
 _ADVERTISED: Final = attrgetter("advertised")
 _CATEGORY: Final = attrgetter("category")
@@ -306,7 +305,7 @@ def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
             if value and (fact := (name, value, gateway, convention)) not in found:
                 changed_value, changed_at = source.facts.get(name, ("", at))
                 said_at = changed_at if changed_value == value else at
-                found[fact] = _fact_of(
+                found[fact] = Fact(
                     name=name, value=value, gateway=gateway, convention=convention, key=sighting.key, said_at=said_at
                 )
         if len(found) >= MAX_FACTS:
