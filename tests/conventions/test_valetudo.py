@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from pydantic import ValidationError
 
 from homebot.conventions.valetudo import read_map
 from homebot.errors import WireError
@@ -125,8 +126,10 @@ POINT = {"__class": "PointMapEntity", "type": "robot_position", "metaData": {}}
     [
         (b"", "not compressed|cut off"),
         (zlib.compress(b" " * 2**25), "more than"),
+        (zlib.compress(b'{"a":1,' * 100_001), "100,000 keys"),
+        (table(layers=[[]] * 100_001), "100,000 keys, lists"),
         (table()[:-8], "cut off"),
-        (zlib.compress(b'{"a":' + b"[" * 100_000 + b"]" * 100_000 + b"}"), "recursion"),
+        (zlib.compress(b'{"a":' + b"[" * 50_000 + b"]" * 50_000 + b"}"), "recursion"),
         (zlib.compress(b"[1]"), "no map"),
         (table(metaData={"version": 3}), "version Input should be 1 or 2"),
         (table(metaData=7), "metaData Input should be"),
@@ -148,6 +151,19 @@ POINT = {"__class": "PointMapEntity", "type": "robot_position", "metaData": {}}
 def test_a_hostile_map_is_refused_with_the_reason(payload: bytes, problem: str) -> None:
     with pytest.raises(WireError, match=problem):
         read_map(payload)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [{"entities": [{**POINT, "points": ["a"] * 1000}]}, {"layers": [layer(*["a"] * 1000)]}],
+    ids=lambda one: next(iter(one)),
+)
+def test_only_the_first_wrong_number_of_a_list_is_an_error(changes: dict[str, Any]) -> None:
+    """Each error takes a kilobyte, and 22 kB unpack into three million numbers."""
+    with pytest.raises(WireError) as refused:
+        read_map(table(**changes))
+    assert isinstance(refused.value.__cause__, ValidationError)
+    assert refused.value.__cause__.error_count() == 1
 
 
 def test_a_map_may_be_unpacked_already() -> None:

@@ -12,7 +12,7 @@ from bisect import bisect_right
 from collections.abc import Mapping
 from typing import Annotated, Final, Literal, NamedTuple, TypeAlias, final
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, FailFast, Field, ValidationError
 from pydantic.alias_generators import to_camel
 
 from homebot.conventions.payload import text_of
@@ -23,8 +23,11 @@ from homebot.places.rigid import MapPose
 __all__ = ["VacuumMap", "VacuumSegment", "read_map"]
 
 _MAX_PAYLOAD: Final = 2**20
-_MAX_JSON: Final = 2**24
+_MAX_JSON: Final = 2**23
 _MAX_NUMBERS: Final = 600_000
+_MAX_VALUES: Final = 100_000
+"""Keys, lists and tables: in memory each takes a hundred times its length."""
+
 _NEARBY: Final = 0.5
 
 _Pixels: TypeAlias = Annotated[int, Field(ge=0, le=20_000)]
@@ -95,13 +98,13 @@ class _Meta(_Json):
 class _Layer(_Json):
     type: str
     meta_data: _Meta
-    pixels: list[_Pixels] = []
-    compressed_pixels: list[_Pixels] = []
+    pixels: Annotated[list[_Pixels], FailFast()] = []
+    compressed_pixels: Annotated[list[_Pixels], FailFast()] = []
 
 
 class _Entity(_Json):
     type: str
-    points: list[Annotated[float, Field(ge=-100_000, le=100_000)]]
+    points: Annotated[list[Annotated[float, Field(ge=-100_000, le=100_000)]], FailFast()]
     meta_data: _Meta
 
 
@@ -124,8 +127,11 @@ def read_map(payload: bytes) -> VacuumMap:
     Raises:
         WireError: It is no such map, or one that is too large.
     """
+    text = _inflated(payload)
+    if sum(map(text.count, (b":", b"[", b"{"))) > _MAX_VALUES:
+        raise WireError(f"it has more than {_MAX_VALUES:,} keys, lists and tables")
     try:
-        found = _Map.model_validate_json(_inflated(payload))
+        found = _Map.model_validate_json(text)
     except ValidationError as exc:
         error = exc.errors(include_url=False, include_input=False)[0]
         raise WireError(f"it is no map of Valetudo: {'.'.join(map(str, error['loc']))} {error['msg']}") from exc
