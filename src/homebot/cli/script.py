@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import structlog
 
-from homebot.cli.commands.run import run as run_command
+from homebot.cli.commands.run import run_configured
 from homebot.cli.main import make_parser
 from homebot.errors import UsageError
 
@@ -63,7 +63,7 @@ def run(
     options.plain = True
     if structlog.is_configured():
         options.log_format = None
-    return run_command(options)
+    return run_configured(options)
 
 
 def _check_caller() -> None:

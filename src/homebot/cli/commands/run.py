@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
 """Enters a runtime, and shows it or not."""
 
-__all__ = ["add_arguments", "config_errors", "configuration", "run", "with_environment"]
+__all__ = ["add_arguments", "config_errors", "configuration", "run", "run_configured", "with_environment"]
 
 _WRONG_CONFIGURATION = 2
 """Exit code of a service whose configuration is wrong: to start it again does not help."""
@@ -154,10 +154,8 @@ def _app(text: str) -> str:
 
 def run(options: argparse.Namespace) -> int:
     """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
-    if not options.config and DEFAULT_CONFIG.exists():
-        options.config = str(DEFAULT_CONFIG)  # if it is gone at a reload, that is a mistake and no simulated house
     try:
-        return _run_configured(options)
+        return run_configured(options)
     except UsageError as exc:
         for problem in _problems(exc, options.config):
             print(f"homebot: {problem}", file=sys.stderr)
@@ -187,7 +185,10 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
     return (*found, *config_errors(rest, path)) if len(rest) < len(tables) else found
 
 
-def _run_configured(options: argparse.Namespace) -> int:
+def run_configured(options: argparse.Namespace) -> int:
+    """Run as *options* say, and raise the first UsageError; return as :func:`run` does."""
+    if not options.config and DEFAULT_CONFIG.exists():
+        options.config = str(DEFAULT_CONFIG)  # if it is gone at a reload, that is a mistake and no simulated house
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
     is_watched = _is_watched(options)
