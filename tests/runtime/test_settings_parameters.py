@@ -56,6 +56,12 @@ async def test_the_login_in_an_address_is_left_out_and_descriptions_come_from_th
     )
 
 
+async def test_the_name_at_the_broker_is_left_out_as_it_takes_over_the_session() -> None:
+    node = Node(Graph(), "mqtt", namespace="/gateway")
+    declare_settings(node, MqttGatewaySettings())
+    assert "client_id" not in node.parameters.names()
+
+
 async def test_an_app_in_a_running_homebot_has_its_settings_as_parameters_that_stay() -> None:
     config = parse_config({"apps": {"follow_me": {"dark_below": 20.0}}}, "test")
     async with Runtime(config, with_door=False) as runtime:

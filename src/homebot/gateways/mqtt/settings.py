@@ -80,7 +80,10 @@ class MqttGatewaySettings(PasswordSettings):
     ca_file: FilePath | None = None
     cert_file: FilePath | None = None
     key_file: FilePath | None = None
-    client_id: str = Field(default_factory=lambda: f"homebot-{secrets.token_hex(4)}")
+    client_id: str = Field(
+        default_factory=lambda: f"homebot-{secrets.token_hex(4)}",
+        repr=False,  # it takes over the session at a broker without passwords
+    )
     client: MqttClientName | None = None
     protocol: MqttProtocol = "auto"
     max_payload: Annotated[int, Field(ge=1024, lt=2**28)] = 256 * 1024
