@@ -217,3 +217,8 @@ def test_a_time_is_read_by_its_format(source: str, text: str) -> None:
 def test_a_time_in_another_format_fails_without_default(value: str) -> None:
     with pytest.raises(TemplateError, match="strptime"):
         compile_template("{{ strptime(value, '%d') }}").render_value(value)
+
+
+def test_a_chain_of_defaults_takes_work_in_proportion_to_its_length() -> None:
+    template = compile_template("{{ value_json.a" + "|default(value_json.b)" * 12 + "|default('x') }}")
+    assert template.render_value(PayloadContext("{}")) == "x"

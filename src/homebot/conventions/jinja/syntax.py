@@ -39,6 +39,7 @@ __all__ = ["parse"]
 
 _Function: TypeAlias = Callable[..., object]
 _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
+_Arguments: TypeAlias = Callable[[Run], tuple[list[object], dict[str, object]]]
 
 _ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
 _MOST_SHOWN = 60
@@ -285,15 +286,19 @@ class _Compiler:
     def visit_filter(self, node: nodes.Filter) -> Evaluate:
         if node.node is None or node.name not in FILTERS:
             raise TemplateError(f"uses the filter `{node.name[:_MOST_SHOWN]}`, which is not supported")
-        call = self._call(FILTERS[node.name], [node.node, *node.args], node)
+        function = FILTERS[node.name]
         if node.name not in _DEFAULTS:
-            return call
-        value, is_plain = self._compile(node.node), len(node.args) == 1 and not node.kwargs
+            return self._call(function, [node.node, *node.args], node)
+        value, arguments = self._compile(node.node), self._arguments(node.args, node)
+        is_plain = len(node.args) == 1 and not node.kwargs
 
         def evaluate_default(run: Run) -> object:
             """Evaluate the default only if it is needed: in ``default(this.state)`` it fails."""
             found = run.handle(value(run))
-            return call(run) if isinstance(found, Undefined) or not (is_plain or found) else found
+            if not isinstance(found, Undefined) and (is_plain or found):
+                return found
+            values, by_name = arguments(run)
+            return run.handle(function(run, found, *values, **by_name))
 
         return evaluate_default
 
@@ -325,16 +330,25 @@ class _Compiler:
 
     def _call(self, function: _Function, arguments: Iterable[nodes.Node], node: _Calling) -> Evaluate:
         """Compile a call of a function that takes the run first."""
+        given = self._arguments(arguments, node)
+
+        def evaluate(run: Run) -> object:
+            values, by_name = given(run)
+            return run.handle(function(run, *values, **by_name))
+
+        return evaluate
+
+    def _arguments(self, arguments: Iterable[nodes.Node], node: _Calling) -> _Arguments:
         if node.dyn_args is not None or node.dyn_kwargs is not None:
             raise TemplateError("calls with `*` or `**`, which is not supported")
         compiled = self._all(arguments)
         named = [(one.key, self._compile(one.value)) for one in node.kwargs if isinstance(one, nodes.Keyword)]
 
-        def evaluate(run: Run) -> object:
+        def evaluate(run: Run) -> tuple[list[object], dict[str, object]]:
             values = [run.handle(one(run)) for one in compiled]
             by_name = {key: run.handle(one(run)) for key, one in named}
             run.spend_on_search((*values, *by_name.values()))
-            return run.handle(function(run, *values, **by_name))
+            return values, by_name
 
         return evaluate
 
