@@ -153,6 +153,13 @@ def test_the_main_purpose_of_a_device_comes_first() -> None:
     climate = {"type": "climate", "features": [feature("numeric", "occupied_heating_setpoint")]}
     assert [one.part.service_type for one in built(window, climate)] == ["thermostat", "contact_sensor"]
 
+    key_lock = {
+        "type": "lock",
+        "features": [feature("binary", "state", 3, key="child_lock", value_on="LOCK", value_off="UNLOCK")],
+    }
+    switch = {"type": "switch", "features": [feature("binary", "state", 3, value_on="ON", value_off="OFF")]}
+    assert [one.part.service_type for one in built(switch, key_lock)] == ["switch", "x_setting"]
+
 
 @pytest.mark.parametrize("key", ["child_lock", "keypad_lockout"])
 def test_a_key_lock_of_older_versions_is_a_setting(key: str) -> None:

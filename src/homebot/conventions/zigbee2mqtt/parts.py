@@ -85,8 +85,8 @@ class _PartsBuilder:
             self._auxiliary["door"] = self._door
 
     def parts(self) -> Iterable[DescribedPart]:
-        first = sorted(self._exposes, key=lambda expose: expose.type not in _MAIN)
-        for expose in map(_key_lock_as_setting, first):
+        exposes = map(_key_lock_as_setting, self._exposes)
+        for expose in sorted(exposes, key=lambda one: one.type not in _MAIN):
             yield from self._parts_of(self._topics.of(expose), expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
