@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Awaitable, Callable, Iterable, Iterator
 from typing import NamedTuple, TypeVar
 
 import anyio
@@ -22,8 +22,8 @@ from homebot.messages.message import Message, ServiceType, UInt32
 
 __all__ = ["gateway_finding", "health_findings", "serve"]
 
-_STATE_WITHIN = 2.0
-"""Seconds for the state of a gateway that has just started; that of others is kept for late joiners."""
+_ANSWERS_WITHIN = 2.0
+"""Seconds for the state of a gateway that has just started, which is kept for late joiners, and for a node's health."""
 
 _FAULTS = (
     "rejected",
@@ -51,6 +51,7 @@ _WEAK_BATTERY = 20
 
 RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT", bound=Message)
+AnswerT = TypeVar("AnswerT")
 
 
 class ExamineRequest(Message):
@@ -109,12 +110,13 @@ class _Doctor:
     async def examine(self, request: ExamineRequest) -> ExamineResponse:
         now = self._node.graph.clock.now()
         total, unconfirmed = [(await self._find(query, 1)).total for query in ("", "unconfirmed")]
-        states = {name: await self._state(name) for name in self._gateways()}
+        states = await _ask_all(self._state, self._gateways())
         findings = [one for name, state in states.items() for one in gateway_finding(name, state)]
         if not request.gateways_only:
-            for one in self._node.graph.get_services_of_type(GetHealth.ros_type):
-                name = one.name.removesuffix("/health").strip("/")
-                findings += health_findings(name, await self._health(one.name), now, everything=request.counts)
+            services = [one.name for one in self._node.graph.get_services_of_type(GetHealth.ros_type)]
+            for service, health in (await _ask_all(self._health, services)).items():
+                name = service.removesuffix("/health").strip("/")
+                findings += health_findings(name, health, now, everything=request.counts)
             lost = [name for name, state in states.items() if state is None or state.state != "active"]
             findings += await self._device_findings(now, lost)
         gateways = tuple(
@@ -131,7 +133,7 @@ class _Doctor:
     async def _state(self, gateway: str) -> GatewayState | None:
         states = self._node.create_subscription(GatewayState, GatewayNames(gateway).state, None, qos_profile_latched)
         try:
-            with anyio.move_on_after(_STATE_WITHIN):
+            with anyio.move_on_after(_ANSWERS_WITHIN):
                 return await states.receive()
         finally:
             states.close()
@@ -139,7 +141,7 @@ class _Doctor:
 
     async def _health(self, service: str) -> HealthResponse:
         try:
-            return await self._call(GetHealth, service, HealthRequest())
+            return await self._call(GetHealth, service, HealthRequest(), _ANSWERS_WITHIN)
         except ServiceError as exc:
             return HealthResponse(counts=(), troubles=(str(exc),))
 
@@ -147,10 +149,16 @@ class _Doctor:
         request = QueryDevicesRequest(query=query_terms(parse_query(query)), limit=limit)
         return await self._call(QueryDevices, QUERY_DEVICES, request)
 
-    async def _call(self, service_type: ServiceType[RequestT, ResponseT], service: str, request: RequestT) -> ResponseT:
+    async def _call(
+        self,
+        service_type: ServiceType[RequestT, ResponseT],
+        service: str,
+        request: RequestT,
+        within: float = 5.0,
+    ) -> ResponseT:
         client = self._node.create_client(service_type, service)
         try:
-            return await client.call(request)
+            return await client.call(request, within)
         finally:
             client.close()
 
@@ -167,6 +175,19 @@ class _Doctor:
                 hint = f"; all: homebot find --limit {found.total} '{asked}'"
                 findings.append(kind.finding(rows, total=found.total, hint=hint))
         return findings
+
+
+async def _ask_all(ask: Callable[[str], Awaitable[AnswerT]], names: Iterable[str]) -> dict[str, AnswerT]:
+    """Return the answers by name: all are asked at once, as some may be silent."""
+    answers: dict[str, AnswerT] = {}
+
+    async def add(name: str) -> None:
+        answers[name] = await ask(name)
+
+    async with anyio.create_task_group() as tasks:
+        for name in names:
+            tasks.start_soon(add, name)
+    return dict(sorted(answers.items()))
 
 
 def gateway_finding(name: str, state: GatewayState | None) -> Iterator[Finding]:
