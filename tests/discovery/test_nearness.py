@@ -8,6 +8,7 @@ from typing import Any
 import anyio
 import anyio.lowlevel
 import pytest
+from tests.busy_clock import BusyClock
 from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.bridges.rosbridge.services import parse_queries
@@ -312,21 +313,6 @@ async def test_a_live_query_yields_only_what_came_near_and_what_left() -> None:
                 ("appeared", "kitchen_lamp"),
             ]
             tasks.cancel_scope.cancel()
-
-
-class BusyClock:
-    """A clock by which each look at it takes 2 ms of work."""
-
-    def __init__(self) -> None:
-        self._idle = LoopClock(0.0)
-        self._worked = 0.0
-
-    def monotonic(self) -> float:
-        self._worked += 0.002
-        return self._idle.monotonic() + self._worked
-
-    def now(self) -> float:
-        return self._idle.now()
 
 
 async def test_the_first_question_lets_others_have_their_turn() -> None:

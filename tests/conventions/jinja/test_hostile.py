@@ -8,6 +8,7 @@ import pytest
 from homebot.conventions.jinja import PayloadContext, TemplateError, compile_template
 from homebot.conventions.jinja.evaluation import Run
 from homebot.conventions.jinja.values import MAX_ITEMS, MAX_STEPS, MAX_TEXT
+from homebot.conventions.message_work import begin_message, work_left
 
 pytestmark = pytest.mark.slow
 
@@ -145,6 +146,7 @@ def test_thousands_of_templates_that_read_one_message_share_their_work() -> None
     """Each has enough for what templates of real devices do, and the next message is read anew."""
     hostile, honest = (compile_template(f"{{% for i in range({count}) %}}x{{% endfor %}}") for count in (1500, 20))
     for _ in range(2):
+        begin_message()
         message = PayloadContext("1")
         for _ in range(6):
             hostile.render_value(message)
@@ -154,6 +156,7 @@ def test_thousands_of_templates_that_read_one_message_share_their_work() -> None
         with pytest.raises(TemplateError, match=TOO_MUCH):
             hostile.render_value(message)
         assert honest.render_value(message) == "x" * 20
+    work_left.set(None)
 
 
 def test_the_output_is_bounded() -> None:

@@ -11,6 +11,7 @@ import anyio
 import anyio.abc
 from pydantic import BaseModel, ConfigDict
 
+from homebot.clock import Clock, LoopClock
 from homebot.conventions.description import (
     AnnouncementEvent,
     AutoExpiry,
@@ -255,11 +256,13 @@ def _drain(subscription: Subscription[MessageT]) -> list[MessageT]:
 
 @asynccontextmanager
 async def simple_house(
-    before: Callable[[MqttConnection], Awaitable[None]] | None = None, **settings: object
+    before: Callable[[MqttConnection], Awaitable[None]] | None = None,
+    clock: Callable[[], Clock] = LoopClock,
+    **settings: object,
 ) -> AsyncIterator[House]:
-    """Run a house; *settings* are those of its gateway, and *before* is done before that starts."""
+    """Run a house; *settings* are those of its gateway, *before* is done before that starts, by *clock*."""
     table = {"root": "home425", "act": True, "conventions": (f"{__name__}:SimpleConvention",), **settings}
-    graph = Graph()
+    graph = Graph(clock())
     async with (
         MemoryBroker(random=Random(1)) as broker,  # noqa: S311 - the same run each time
         Node(graph, "mqtt", namespace="/gateway") as node,

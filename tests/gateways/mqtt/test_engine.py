@@ -6,6 +6,7 @@ from typing import Any
 import anyio
 import pytest
 from structlog.testing import capture_logs
+from tests.busy_clock import BusyClock
 from tests.gateways.mqtt.simple_house import SimpleCodec, simple_house
 
 from homebot.devices import RawCommand, RawMessage, SubscribeToTopic
@@ -84,6 +85,17 @@ async def test_one_message_of_several_parts_is_one_report_and_unknown_is_a_value
             "right.on_off": None,
             "right.level": "high",
         }
+
+
+async def test_a_device_says_what_it_said_at_once_in_one_report_on_a_slow_computer_too() -> None:
+    """Each slice of the work made a report of its own, and a late joiner got those of all that had ever been."""
+    names = [f"lamp{number}" for number in range(80)]
+    async with simple_house(clock=BusyClock) as house:
+        for key in ("hall", "attic"):
+            await house.announce(key, parts=" ".join(names), state=" ".join(["shared"] * 80))
+        house.told()
+        await house.say("shared", "on_off=on")
+        assert [(key, len(values)) for key, values, _ in house.told()] == [("simple:hall", 80), ("simple:attic", 80)]
 
 
 async def test_one_topic_may_be_read_by_several_devices() -> None:

@@ -29,6 +29,17 @@ async def test_a_lamp_that_is_announced_again_still_has_its_color(again: dict[st
         assert [(one.topic, one.payload) for one in await house.heard()] == [("b/rgb/set", b"102,0,0")]
 
 
+async def test_a_message_of_one_byte_is_read_as_often_as_it_comes() -> None:
+    """Python has one object for all bytes that are equal, and a heavy template its share of each message."""
+    heavy = "{% for i in range(3000) %}{% endfor %}{{ value }}"
+    config = {"unique_id": "v", "state_topic": "v/state", "value_template": heavy}
+    async with simple_house(conventions=(CONVENTION,)) as house:
+        await house.say("homeassistant/sensor/v/config", json.dumps(config))
+        for _ in range(30):
+            await house.say("v/state", "1")
+        assert [told for _, told, _ in house.told()] == [{"v.value": "1"}] * 30
+
+
 BRIDGE = ("homebot.conventions.homeassistant:HomeAssistantDiscovery", "homebot.conventions.zigbee2mqtt:Zigbee2Mqtt")
 INFO = "zigbee2mqtt/bridge/info"
 

@@ -12,7 +12,7 @@ from types import MappingProxyType
 from typing import NamedTuple
 
 from homebot.conventions.description import Publication, Publications
-from homebot.conventions.jinja import PayloadContext, SharedWork, Template, TemplateError, UndefinedValueError
+from homebot.conventions.jinja import PayloadContext, Template, TemplateError, UndefinedValueError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, shown
 from homebot.errors import InvalidNameError, RefusedError, WireError
 
@@ -84,7 +84,7 @@ def _context(payload: bytes, encoding: str) -> PayloadContext | None:
     if len(payload) > MAX_LONG_STATE_BYTES or not encoding:
         return None
     try:
-        return PayloadContext(payload.decode(encoding), payload)
+        return PayloadContext(payload.decode(encoding))
     except UnicodeDecodeError:
         return None
 
@@ -117,8 +117,6 @@ class ValueSource(NamedTuple):
             return None
         if self.template is None:
             return context.value
-        if context.source is not payload:  # the same text again
-            context.source, context.work = payload, SharedWork()
         try:
             return self.template.render_value(context, self.variables)
         except UndefinedValueError:

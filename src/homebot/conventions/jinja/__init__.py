@@ -1,13 +1,11 @@
 """Templates of announcements, in a bounded subset of Jinja2 as Home Assistant has it."""
 
-from homebot.conventions.jinja.evaluation import SharedWork
 from homebot.conventions.jinja.template import PayloadContext, Template, compile_template
 from homebot.conventions.jinja.values import NotDefinedError, TemplateError, UndefinedValueError
 
 __all__ = [
     "NotDefinedError",
     "PayloadContext",
-    "SharedWork",
     "Template",
     "TemplateError",
     "UndefinedValueError",

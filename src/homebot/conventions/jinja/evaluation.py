@@ -8,7 +8,6 @@ from typing import TypeAlias, final
 from homebot.conventions.jinja.values import (
     FREE_STEPS,
     MAX_NUMBER_BITS,
-    MAX_SHARED_STEPS,
     MAX_STEPS,
     MAX_TEXT,
     UNDEFINED,
@@ -17,8 +16,9 @@ from homebot.conventions.jinja.values import (
     text,
     weigh,
 )
+from homebot.conventions.message_work import work_left
 
-__all__ = ["Evaluate", "Program", "Run", "SharedWork", "path_program"]
+__all__ = ["Evaluate", "Program", "Run", "path_program"]
 
 
 @final
@@ -121,19 +121,6 @@ class Run:
         return len(self._parts)
 
 
-@final
-class SharedWork:
-    """The work of all renderings for one message beyond what each has for itself.
-
-    Thousands of parts may read one topic, and a stranger announces as many.
-    """
-
-    __slots__ = ("steps",)
-
-    def __init__(self) -> None:
-        self.steps = MAX_SHARED_STEPS
-
-
 Evaluate: TypeAlias = Callable[[Run], object]
 """Evaluates an expression, or executes a statement."""
 
@@ -157,14 +144,14 @@ class Program:
         self._weight = weight
         self.names = names
 
-    def render(self, variables: Mapping[str, object], shared: SharedWork | None = None) -> str:
+    def render(self, variables: Mapping[str, object], *, reads_message: bool = False) -> str:
         """Return its output; see :meth:`Template.render`.
 
         Args:
-            shared: What it draws on with all others that read the same message; none for a template on its own.
+            reads_message: Whether it works on the message that this task reads, if one was begun.
         """
-        free = FREE_STEPS + self._weight
-        steps = MAX_STEPS if shared is None else min(MAX_STEPS, free + shared.steps)
+        free, left = FREE_STEPS + self._weight, work_left.get() if reads_message else None
+        steps = MAX_STEPS if left is None else min(MAX_STEPS, free + left)
         run = Run(variables, steps)
         try:
             run.spend(self._weight)
@@ -177,8 +164,8 @@ class Program:
             # Their messages may show a value, which may be the code of a lock.
             raise TemplateError(f"the values do not fit the template: {type(error).__name__}") from None
         finally:
-            if shared is not None and steps - run.steps > free:
-                shared.steps = max(0, shared.steps - (steps - run.steps - free))
+            if left is not None and steps - run.steps > free:
+                work_left.set(max(0, left - (steps - run.steps - free)))
         return run.written()
 
 

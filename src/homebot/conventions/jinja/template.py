@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, final
 
-from homebot.conventions.jinja.evaluation import SharedWork
 from homebot.conventions.jinja.syntax import parse
 from homebot.conventions.jinja.values import MAX_SOURCE, UNDEFINED, TemplateError
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, parse_json
@@ -26,18 +25,12 @@ class PayloadContext:
 
     Args:
         value: The text of the message.
-
-    Attributes:
-        source: The bytes of the message.
-        work: The work of all templates that read it.
     """
 
-    __slots__ = ("_json", "source", "value", "work")
+    __slots__ = ("_json", "value")
 
-    def __init__(self, value: str, source: bytes = b"") -> None:
+    def __init__(self, value: str) -> None:
         self.value = value
-        self.source = source
-        self.work = SharedWork()
         self._json: object = _UNREAD
 
     @property
@@ -102,7 +95,7 @@ class Template:
         names = {**(variables or {}), "value": context.value}
         if "value_json" in program.names:
             names["value_json"] = context.value_json
-        return _checked_text(program.render(names, context.work))
+        return _checked_text(program.render(names, reads_message=True))
 
     def _checked(self) -> Program:
         if self._program is None:

@@ -13,7 +13,6 @@ __all__ = [
     "MAX_ITEMS",
     "MAX_NUMBER_BITS",
     "MAX_NUMERAL",
-    "MAX_SHARED_STEPS",
     "MAX_SOURCE",
     "MAX_STEPS",
     "MAX_TEXT",
@@ -46,11 +45,10 @@ MAX_FOR_DEPTH: Final = 4
 MAX_STEPS: Final = 10_000
 """Most work of one rendering. A step is about a microsecond: an operation, four values of a list, or 256 characters."""
 
-MAX_SHARED_STEPS: Final = 30_000
-"""Most work of all renderings for one message, beside :data:`FREE_STEPS` of each and one step for each of its nodes."""
-
 FREE_STEPS: Final = 100
-"""Of 886 templates of real devices 883 take less, and those others are alone on their topics."""
+"""Work that each rendering has beside one step for each of its nodes; what exceeds it, all that read a message share.
+
+Of 886 templates of real devices 883 take less, and those others are alone on their topics."""
 
 MAX_TEXT: Final = 65_536
 """Longest text, also the rendered one, in characters."""

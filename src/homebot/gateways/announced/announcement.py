@@ -210,7 +210,7 @@ class StoredAnnouncement:
     def report_stream(self, *source: object) -> str:
         """Return the name of the report stream of *source*: the address, and what is reported.
 
-        A report never takes the place of one with other values. Sources beyond 1,000 of a device share a stream.
+        So a report takes the place of one with the same values alone; sources beyond 1,000 of a device share a stream.
         """
         if source not in self.report_streams and len(self.report_streams) >= _MAX_STREAMS:
             source = ("*",)

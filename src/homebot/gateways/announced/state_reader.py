@@ -4,13 +4,13 @@ A message is the bytes on an *address*, on which devices publish their state; it
 before, and then tells a past state.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
-from operator import length_hint
 from typing import NamedTuple
 
 from homebot.clock import Clock, TimeSlice
 from homebot.conventions.description import AutoExpiry
+from homebot.conventions.message_work import begin_message
 from homebot.conventions.payload import MAX_STATE_BYTES
 from homebot.devices import RawMessage
 from homebot.devices.capabilities import EVENTS
@@ -77,6 +77,7 @@ class StateReader:
         Args:
             payload: Its bytes; where they are too long for a state, that is only counted.
         """
+        begin_message()
         work = TimeSlice(self._clock)
         if availability_readers:
             await self._read_availability(address, payload, availability_readers, work, retained=retained)
@@ -85,23 +86,33 @@ class StateReader:
         if len(payload) > longest:
             self._counters.oversize += 1
             return
-        unread = iter(announced_parts)
-        while length_hint(unread):
-            if work.is_over:
+        for text in self.read_parts(address, payload, announced_parts, work, retained=retained):
+            if text is None:
                 await work.pause()
-            for text in self.read_parts(address, payload, _in_time(unread, work), retained=retained):
+            else:
                 await self._listeners.deliver(text, wait_if_full=wait_if_full)
 
     def read_parts(
-        self, address: str, payload: bytes, announced_parts: Iterable[AnnouncedPart], *, retained: bool
-    ) -> Sequence[RawMessage]:
-        """Read a message as :meth:`read`, but return the texts to be delivered: none without a listener to texts."""
+        self,
+        address: str,
+        payload: bytes,
+        announced_parts: Iterable[AnnouncedPart],
+        work: TimeSlice | None = None,
+        *,
+        retained: bool,
+    ) -> Iterator[RawMessage | None]:
+        """Read a message as :meth:`read`; yield None where its slice of *work* is over, then the texts for listeners.
+
+        A device says in one report all that it said at once.
+        """
         readings: list[Reading] = []
         texts: list[RawMessage] = []
         stored: StoredAnnouncement | None = None
         has_events = False
         listened = self._listeners.by_address
         for part in announced_parts:
+            if work is not None and work.is_over:
+                yield None
             described = part.described
             try:
                 values = described.codec.read(address, payload, retained=retained)
@@ -121,18 +132,19 @@ class StateReader:
             if (part.is_plain or _is_brief(values)) and not listened.get(part.address):
                 self._record_lazy(part, values, retained)
                 continue
-            has_events = has_events or not EVENTS.isdisjoint(values)
+            has_events |= not EVENTS.isdisjoint(values)
             text = self._as_text(part, values, retained=retained)
             if text is not None and listened.get(part.address):
                 texts.append(text)
         if stored is not None:
             self._report(stored, readings, address, retained=retained, has_events=has_events)
-        return texts
+        yield from texts
 
     async def read_text(
         self, address: str, payload: bytes, part: AnnouncedPart, *, retained: bool, wait_if_full: bool = True
     ) -> None:
         """Take a message as the text that *part* says by itself, and hand it on as it is."""
+        begin_message()
         self._counters.received += 1
         stored, now = part.stored, self._reporter.now
         if not retained:
@@ -317,14 +329,6 @@ class StateReader:
         if raw is not None:
             for listener in tuple(self._listeners.by_address.get(announced_part.address, ())):
                 listener.publish(raw)
-
-
-def _in_time(unread: Iterator[AnnouncedPart], work: TimeSlice) -> Iterator[AnnouncedPart]:
-    """Yield from *unread* until the slice of *work* is over."""
-    for part in unread:
-        yield part
-        if work.is_over:
-            return
 
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:

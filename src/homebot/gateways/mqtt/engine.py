@@ -15,6 +15,7 @@ import anyio
 import anyio.lowlevel
 
 from homebot.conventions.convention import Convention, ProblemReportingConvention, TextConvention
+from homebot.conventions.message_work import begin_message
 from homebot.conventions.payload import MAX_LONG_STATE_BYTES, MAX_STATE_BYTES
 from homebot.devices import RawCommand, RawMessage
 from homebot.devices.health import Count, HealthResponse
@@ -164,7 +165,8 @@ class AnnouncedDevices:
         if len(payload) > MAX_STATE_BYTES:
             self.counters.oversize += 1
             return None
-        texts = self._states.read_parts(topic, payload, route.announced_parts, retained=retained)
+        begin_message()
+        texts = list(filter(None, self._states.read_parts(topic, payload, route.announced_parts, retained=retained)))
         if texts or self._listeners.by_address.get(topic):
             return self._deliver(texts, message, route)
         return None
