@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from datetime import datetime, tzinfo
+from collections.abc import AsyncIterable, Callable, Coroutine, Hashable, Iterable, Iterator, Sequence
+from datetime import datetime
 from functools import partial
 from inspect import isasyncgenfunction, iscoroutinefunction
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeAlias, get_args, get_origin, overload
@@ -16,7 +15,7 @@ from anyio.abc import TaskGroup, TaskStatus
 from pydantic import BaseModel, ConfigDict
 from typing_extensions import TypeVar
 
-from homebot.clock import read_zone
+from homebot.apps.context import AppContext
 from homebot.devices import Devices
 from homebot.devices.handles.handle import Handle
 from homebot.errors import RefusedError, UsageError
@@ -34,45 +33,7 @@ if TYPE_CHECKING:
     from homebot.devices.history_messages import EnergyOfDay, HistorySeries
     from homebot.devices.outcomes import Outcome
 
-__all__ = ["App", "AppContext", "AppSettings", "NoSettings"]
-
-
-def _store_in_memory(app: str) -> Store:
-    from homebot.apps.store import Store  # noqa: PLC0415 - few apps keep anything
-
-    return Store(app)
-
-
-async def _send_nowhere(_message: str, _title: str, _app: str) -> bool:
-    return False
-
-
-@dataclass(frozen=True, slots=True)
-class AppContext:
-    """Facts about the home of an app.
-
-    Attributes:
-        zone_name: The IANA name of the home's time zone; empty for the computer's.
-        latitude: Degrees north of the equator; None where the configuration does not say, like the next.
-        longitude: Degrees east of Greenwich.
-        store_of: Returns the store of an app by its name; by default one in memory.
-        keeps_values: Returns whether an app may have values of an earlier run.
-        notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
-        asleep: Returns for how many seconds the computer was suspended, in which the monotonic clock stands still.
-    """
-
-    zone_name: str = "UTC"
-    latitude: float | None = None
-    longitude: float | None = None
-    store_of: Callable[[str], Store] = _store_in_memory
-    keeps_values: Callable[[], bool] = lambda: False
-    notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
-    asleep: Callable[[], float] = float
-
-    @property
-    def zone(self) -> tzinfo:
-        """The home's time zone."""
-        return read_zone(self.zone_name)
+__all__ = ["App", "AppSettings", "NoSettings"]
 
 
 class AppSettings(BaseModel):
