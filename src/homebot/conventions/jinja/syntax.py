@@ -1,6 +1,4 @@
-"""Compiler of templates: Jinja's parser, and a listed part of its language as bounded functions.
-
-Only here is Jinja used.
+"""Compiler of templates: a listed part of Jinja's language as bounded functions.
 
 A function, a method and an operator count the size of their values before, if it decides their cost, and the size of
 their result after.
@@ -9,12 +7,9 @@ Source: Jinja 3.1 documentation, The Abstract Syntax Tree.
 """
 
 import operator
-import warnings
 from collections.abc import Callable, Iterable, Sequence
-from itertools import islice
 from typing import Final, TypeAlias, final
 
-import jinja2
 from jinja2 import nodes
 
 from homebot.conventions.jinja.evaluation import Evaluate, Program, Run, path_program
@@ -23,10 +18,10 @@ from homebot.conventions.jinja.lists import CHECKS, slice_of, values_of
 from homebot.conventions.jinja.loop import Assign, BreakLoop, ContinueLoop, Loop
 from homebot.conventions.jinja.numbers import BINARY, CONSTANTS, ORDER
 from homebot.conventions.jinja.texts import METHODS, method_of
+from homebot.conventions.jinja.tree import tree_of
 from homebot.conventions.jinja.values import (
     MAX_DEPTH,
     MAX_FOR_DEPTH,
-    MAX_TOKENS,
     UNDEFINED,
     Namespace,
     TemplateError,
@@ -41,7 +36,6 @@ _Function: TypeAlias = Callable[..., object]
 _Calling: TypeAlias = nodes.Call | nodes.Filter | nodes.Test
 _Arguments: TypeAlias = Callable[[Run], tuple[list[object], dict[str, object]]]
 
-_ENVIRONMENT: Final = jinja2.Environment(extensions=["jinja2.ext.loopcontrols"])  # noqa: S701  # only parses
 _MOST_SHOWN = 60
 _LARGEST_LITERAL = 64
 
@@ -56,8 +50,7 @@ def parse(source: str) -> Program:
     path = path_program(source)
     if path is not None:
         return path
-    _check_brackets(source)
-    tree = _tree(source)
+    tree = tree_of(source)
     compiler = _Compiler()
     try:
         body = compiler.block(tree.body)
@@ -390,34 +383,6 @@ def _tuple_target(targets: Sequence[Assign]) -> Assign:
 
 def _counted(run: Run, value: object) -> object:
     return run.handle(value) if isinstance(value, (list, tuple, dict)) else value
-
-
-def _tree(source: str) -> nodes.Template:
-    try:
-        # Python warns of texts such as '\d', which are common in regular expressions.
-        with warnings.catch_warnings(action="ignore"):
-            if len(source) > MAX_TOKENS and any(True for _ in islice(_ENVIRONMENT.lex(source), MAX_TOKENS, None)):
-                raise TemplateError(f"has more than {MAX_TOKENS} tokens")
-            return _ENVIRONMENT.parse(source)
-    except jinja2.TemplateSyntaxError as error:
-        raise TemplateError(f"is not a valid template: {(error.message or '')[:_MOST_SHOWN]}") from error
-    except RecursionError:
-        raise TemplateError("is nested too deeply") from None
-    except (ValueError, OverflowError) as error:
-        raise TemplateError("has a number or text that cannot be read") from error
-
-
-def _check_brackets(source: str) -> None:
-    if source.count("(") + source.count("[") + source.count("{") <= MAX_DEPTH:
-        return
-    depth = 0
-    for character in source:
-        if character in "([{":
-            depth += 1
-            if depth > MAX_DEPTH:
-                raise TemplateError("is nested too deeply")
-        elif character in ")]}":
-            depth = max(0, depth - 1)
 
 
 def _described(node: nodes.Node) -> str:
