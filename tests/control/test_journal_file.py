@@ -138,6 +138,7 @@ async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
     async with opened(path) as store:
         store.add(note(1))
         assert await read(store) == (entry(1),)
+        assert store.problem.startswith(f"the journal {path} was damaged; it was moved to ")
     assert len(list(tmp_path.glob("journal.sqlite.damaged-*"))) == 1
 
 

@@ -78,13 +78,12 @@ class IndexPersistence:
     @property
     def problem(self) -> str:
         """The trouble of the file, as text; empty if there is none."""
-        return "" if self._kept is None else self._kept.problem
+        return "" if self._kept is None else self._kept.trouble
 
     def counts(self) -> Mapping[str, int]:
-        """Return how often the file or a record could not be written, and how many damaged files were moved aside."""
-        kept = self._kept
-        failures, damaged = (0, 0) if kept is None else (kept.failures, kept.damaged)
-        return {"index_file_failures": failures + self._rejected, "index_file_damaged": damaged}
+        """Return how often the file or a record could not be written."""
+        failures = 0 if self._kept is None else self._kept.failures
+        return {"index_file_failures": failures + self._rejected}
 
     async def load(self) -> None:
         """Take in the content of the file, as unconfirmed; an unusable file costs no more than its content."""

@@ -94,7 +94,7 @@ class HistoryKeeper:
             "history_folded": collector.folded,
             "history_failures": file.failures,
         }
-        return HealthResponse(counts=Count.each(counts), troubles=(file.problem,) if file.problem else ())
+        return HealthResponse(counts=Count.each(counts), troubles=(file.trouble,) if file.trouble else ())
 
     async def _open(self) -> None:
         while (stored := await self._store.open()) is None:  # noqa: ASYNC110 - a disk tells nobody that it is back

@@ -49,9 +49,8 @@ class KeptFile(Generic[F]):
 
     Attributes:
         problem: Its trouble, as text; empty if there is none.
-        loss: What was lost by its removal, as text; stays to the next start.
+        loss: What was lost by its removal or damage, as text; stays to the next start.
         failures: Times that it could not be written or read.
-        damaged: Damaged files that were moved aside.
         is_unusable: Whether it is not used until the next start.
     """
 
@@ -68,7 +67,7 @@ class KeptFile(Generic[F]):
     ) -> None:
         self.file = file
         self.problem = self.loss = ""
-        self.failures = self.damaged = 0
+        self.failures = 0
         self.is_unusable = False
         self._title, self._without = title, without
         self._log, self._now, self._allows = log, now, allows
@@ -101,6 +100,11 @@ class KeptFile(Generic[F]):
                 self._log.info(
                     WRITTEN_AGAIN, message=f"{self.file.path} can be written again", file=str(self.file.path)
                 )
+
+    @property
+    def trouble(self) -> str:
+        """The trouble for health reports, as text: also a loss."""
+        return self.problem or self.loss
 
     async def close(self) -> None:
         """Close the file."""
@@ -153,7 +157,6 @@ class KeptFile(Generic[F]):
         self._on_new()
 
     def _report_damage(self, where: Path) -> None:
-        self.damaged += 1
-        message = f"{self._title} was damaged; it was moved to {where}, and a new one is used"
-        self._log.warning(DAMAGED, message=message, file=str(where))
+        self.loss = f"{self._title} {self.file.path} was damaged; it was moved to {where}, and a new one is used"
+        self._log.warning(DAMAGED, message=self.loss, file=str(where))
         self._on_new()

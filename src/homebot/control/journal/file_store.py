@@ -79,8 +79,8 @@ class FileStore(JournalStore):
 
     @property
     def problem(self) -> str:
-        """The trouble of the file, as text; empty if there is none. A removal stays one."""
-        return self._kept.problem or self._kept.loss
+        """The trouble of the file, as text; empty if there is none."""
+        return self._kept.trouble
 
     def add(self, note: JournalNote) -> None:
         """Add an entry; it is written within two minutes."""
