@@ -122,6 +122,7 @@ def test_a_stopped_house_goes_and_comes_back(data: Path, files: dict[str, Sqlite
     assert rows(data / "index.sqlite", "SELECT id FROM devices") == [("lamp",)]
     assert data.stat().st_mode & 0o077 == 0
     assert sorted(one.name for one in data.parent.parent.iterdir()) == ["villa"]  # nothing is left of it
+    assert main(["restore", "villa.tar"]) == 0  # in the same second
 
 
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0, reason="only root gives files away")

@@ -98,7 +98,7 @@ def _check_stopped(folder: Path) -> None:
 
 
 def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list[Path]:
-    ending, aside = f".before-restore-{time.time():.0f}", []
+    ending, aside = f".before-restore-{time.time():.3f}", []
     for one, file in manifest.files.items():
         if not one.startswith("config/"):
             continue
