@@ -320,6 +320,11 @@ def test_they_print_what_they_should(
     check(name, out)
 
 
+def test_why_with_a_state_names_the_command_for_it(run: Run, capsys: Text) -> None:
+    assert run("why", "Kitchen lamp", "on") == 1
+    assert "`homebot why-not 'Kitchen lamp' on`" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("name", "case", "arguments"),
     [

@@ -50,6 +50,7 @@ command explains the change, somebody did it by hand, or the device did it by it
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _why, _EXAMPLES)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
+    parser.add_argument("state", nargs="?", help=argparse.SUPPRESS)
     parser.add_argument("--json", action="store_true", help="print a JSON object, times in ISO 8601 UTC")
 
 
@@ -68,6 +69,9 @@ is in that state already, or that it has no such state.
 
 
 def _why(door: DoorClient, options: argparse.Namespace) -> int:
+    if options.state:
+        asked = f"homebot why-not {shlex.quote(options.device)} {shlex.quote(options.state)}"
+        raise UsageError(f"a state is asked for by `{asked}`")
     device = named_device(door, options.device)
     client = JournalClient(door, device)
     found = cast("ExplainDeviceResponse", client.ask(EXPLAIN_DEVICE, {"device": device.id}))
