@@ -216,6 +216,7 @@ async def test_a_timer_replaces_a_waiting_one_of_its_name(*, is_durable: bool) -
         assert diary.calls == []
         assert len(diary.jobs) == 1
     async with living(lambda _: None, "2026-06-01 12:00", store=store) as (diary, _):  # it is 13:15: time has passed
+        assert [one.text for one in diary.jobs] == ["after 1h"] * is_durable
         await anyio.sleep(HOUR)
         assert [call[:11] for call in diary.calls] == ["06-01 13:30"] * is_durable
 

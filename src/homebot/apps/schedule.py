@@ -109,7 +109,7 @@ class Schedule:
                 is_late = f"it was due {_duration(late)} ago"
                 self._skipped(name, is_late if handler else f"its method {kept.get('handler')} is gone")
                 continue
-            job = self._interval(name, f"after {kept['delay']:g} s", handler, delay, None)
+            job = self._interval(name, str(kept.get("text", f"after {kept['delay']:g} s")), handler, delay, None)
             job.late = late
             self._resumed.add(name)
             self._add(job)
@@ -131,7 +131,7 @@ class Schedule:
             raise UsageError("catch_up is for a durable timer: give durable=True too")
         job = self._interval(self._name(name, handler, text, is_timer=True), text, handler, seconds, None)
         self._add(job)
-        kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late}
+        kept = {"handler": method, "due": self._clock.now() + seconds, "delay": seconds, "catch_up": late, "text": text}
         self._keep(_TIMERS, job.name, kept if durable else None)
         return job
 
