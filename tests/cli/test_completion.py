@@ -55,6 +55,8 @@ def script(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("homebot import ho", {"home.toml"}),
         ("homebot devices --td ", {"things"}),
         ("homebot show ", {""}),
+        ("homebot do lamp o", {"on", "off", "open"}),
+        ("homebot do lamp on --js", {"--json"}),
     ],
 )
 def test_bash_completes_commands_options_choices_and_files(

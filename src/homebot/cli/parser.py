@@ -36,6 +36,9 @@ SYNONYMS: Final = {
 }
 """Words for commands of homebot that other tools use."""
 
+_COMMANDS: Final = ("on", "off", "open", "close", "stop", "lock", "unlock", "play", "pause", "mute", "unmute", "press")
+"""Words that devices take, for completion."""
+
 _WRONG_COMMAND_LINE = 2
 _CUTOFF = 0.6
 
@@ -148,6 +151,8 @@ class PrintCompletion(argparse.Action):
         for action in _actions(whole):
             if action.metavar in kinds:
                 action.complete = kinds[str(action.metavar)]  # type: ignore[attr-defined]  # where shtab looks
+            elif action.metavar == "COMMAND" and not action.choices:
+                action.choices = _COMMANDS
         print(shtab.complete(whole, str(values)))
         parser.exit()
 
