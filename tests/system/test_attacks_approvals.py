@@ -17,7 +17,7 @@ from tests.patience import PATIENCE
 from tests.sizes import size
 from tests.system.attack_probe import Attacked, attacked, until
 from tests.system.broker_probe import Client
-from tests.system.test_attacks_announcements import MOST_BUSY, Hostile, finds
+from tests.system.test_attacks_announcements import MOST_BUSY, Hostile, ask, finds
 from tests.turns import slowness
 
 from homebot.cli import main
@@ -180,6 +180,42 @@ def test_a_lamp_on_the_topic_of_an_approved_lock_unlocks_nothing(
         hostile.publish("door/done", b"")
         until(lambda: listener.seen or None, PATIENCE)
         assert listener.seen == [("door/done", b"")]
+
+
+@pytest.mark.parametrize(
+    ("service", "order"),
+    [
+        ("/devices/command", {"target": "Glow", "command": "on"}),
+        ("/control/send_text", {"device": "glow", "payload": "on"}),
+    ],
+)
+def test_a_lamp_whose_announcement_flaps_to_the_topic_of_a_lock_unlocks_nothing(
+    tmp_path: Path, service: str, order: dict[str, str]
+) -> None:
+    """Commands come while the directory has compared the lamp's former topic alone."""
+    topic, told = "homeassistant/light/glow/config", {"unique_id": "glow", "name": "Glow", "payload_on": "UNLOCK"}
+    flips = [json.dumps({**told, "command_topic": one}).encode() for one in ("door/set", "glow/set")]
+    with house(tmp_path, "door/#", "glow/#") as (homebot, hostile, listener):
+        hostile.publish(*lock("Door"))
+        hostile.publish(topic, flips[1])
+        until(lambda: finds(homebot, "Door") or None, PATIENCE)
+        until(lambda: ask(homebot, service, **order)["success"] or None, PATIENCE)
+        ended = threading.Event()
+
+        def flap() -> None:
+            for _ in range(FLAPS):
+                hostile.publish(topic, flips[0])
+                hostile.publish(topic, flips[1])
+            ended.set()
+
+        flapping = threading.Thread(target=flap)
+        flapping.start()
+        while not ended.is_set():
+            ask(homebot, service, **order)
+        flapping.join()
+        hostile.publish("door/done", b"")
+        until(lambda: ("door/done", b"") in listener.seen or None, PATIENCE)
+        assert {topic for topic, _ in listener.seen} == {"glow/set", "door/done"}
 
 
 def test_a_lock_whose_announcement_flaps_gets_no_other_command_than_was_approved(tmp_path: Path) -> None:

@@ -94,7 +94,7 @@ class TextCommands:
         self._executor.record_text(command)
         try:
             sent = await self._sender.send(
-                request.payload, target, request.issuer, request.trigger, command_id=command.id
+                request.payload, target, request.issuer, request.trigger, command.id, part.routes
             )
         except LinkError as exc:
             return self._ended(request, part.id, NoAnswer(0.0, str(exc), command_id=command.id))

@@ -57,7 +57,7 @@ class CommandSender:
         capability, failures = command.capability, list[SendCommandResponse]()
         routes = _routes(device, part, capability, ineffective, is_repeated=command.repeated)
         for route in routes:
-            by_route = {"key": route.key, "part": route.part, "approved": route.approved}
+            by_route = {"key": route.key, "part": route.part, "approved": route.approved, "topics": route.topics}
             try:
                 client = self._clients.get(route.gateway) or self._client(route.gateway)
                 response = await client.call(
@@ -194,15 +194,25 @@ class TextSender:
         issuer: str,
         trigger: Trigger = NO_TRIGGER,
         command_id: str = "",
+        routes: Sequence[Route] = (),
     ) -> RawCommand:
         """Send *payload* to *target*, which :meth:`target` returned; return when the gateway has queued it.
+
+        Args:
+            routes: The ways to the part at *target*, the first of which was checked.
 
         Raises:
             LinkError: The gateway went away meanwhile.
         """
         peer = self._gateways[target.gateway]
         command = RawCommand(
-            address=target.address, payload=payload, issuer=issuer, trigger=trigger, command_id=command_id
+            address=target.address,
+            payload=payload,
+            issuer=issuer,
+            trigger=trigger,
+            command_id=command_id,
+            approved=routes[0].approved if routes else "",
+            topics=routes[0].topics if routes else (),
         )
         has_waited = await peer.out.send(command)
         if has_waited and not peer.out.reaches(peer.node):  # it went while its queue was full

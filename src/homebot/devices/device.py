@@ -72,6 +72,7 @@ class Route(Message):
         takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
         approved: The digest of its description, if the owner approved exactly that; else empty. See
             :mod:`homebot.devices.command_description`.
+        topics: The announced addresses for commands, which were compared with those of other devices.
     """
 
     gateway: str
@@ -80,6 +81,7 @@ class Route(Message):
     convention: str = ""
     takes: tuple[str, ...] = EVERYTHING
     approved: str = ""
+    topics: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:

@@ -134,6 +134,8 @@ class Command(Message):
             never: a device that was away would obey all repetitions when it is back.
         approved: The digest of the description that the owner approved; a gateway that has another description of the
             part by now refuses the command. Empty if none was approved.
+        topics: See :attr:`homebot.devices.device.Route.topics`; a gateway that has others by now refuses the command,
+            as they may be those of another device. Empty if they are not known.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -149,6 +151,7 @@ class Command(Message):
     kept_for: Annotated[float, Field(ge=0.0)] = 0.0
     repeated: bool = False
     approved: str = ""
+    topics: tuple[str, ...] = ()
 
 
 class CommandAnswer(Message):
@@ -220,6 +223,7 @@ class RawCommand(Message):
         issuer: The name of the node that publishes it; empty if that is not known.
         command_id: The id that the control layer gave it, which has noted it in the journal; empty if it did not
             pass there.
+        approved, topics: As those of a :class:`Command`, if it is a text for a part.
     """
 
     address: str
@@ -229,6 +233,8 @@ class RawCommand(Message):
     issuer: str = ""
     trigger: Trigger = NO_TRIGGER
     command_id: str = ""
+    approved: str = ""
+    topics: tuple[str, ...] = ()
 
 
 class GatewayState(Message):

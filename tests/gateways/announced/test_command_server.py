@@ -3,12 +3,15 @@
 import math
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
+from typing import Any
 
 import anyio
 import anyio.lowlevel
 import pytest
 
 from homebot.devices import RawCommand
+from homebot.devices.command_description import CommandDescription
 from homebot.devices.gateway_messages import Command, SendCommand, SendCommandResponse
 from homebot.devices.names import text_address
 from homebot.devices.value import Value
@@ -50,14 +53,14 @@ class House:
         self._out = out
         self._send = app.create_client(SendCommand, gateway.names.send_command)
 
-    def say(self, count: int) -> list[str]:
+    def say(self, count: int, **more: Any) -> list[str]:
         """Publish so many texts; return their ids."""
         ids = [f"text {number}" for number in range(count)]
         for one in ids:
-            self._out.publish(RawCommand(address=text_address("lamp", ""), payload="on", command_id=one))
+            self._out.publish(RawCommand(address=text_address("lamp", ""), payload="on", command_id=one, **more))
         return ids
 
-    async def command(self, expires_after: float = 0.0) -> SendCommandResponse:
+    async def command(self, expires_after: float = 0.0, **more: Any) -> SendCommandResponse:
         command = Command(
             key="lamp",
             part="",
@@ -65,6 +68,7 @@ class House:
             value=Value.of(False),
             id="command",
             expires_after=expires_after,
+            **more,
         )
         return await self._send.call(command, timeout=100)
 
@@ -167,3 +171,37 @@ async def test_texts_that_were_dropped_hold_up_no_command() -> None:
             assert (await home.command()).success
         assert home.gateway.begun[-1] == "command"
         assert len(home.gateway.begun) == 2 * AT_WORK + 1
+
+
+def lamp(topic: str, payloads: str = "") -> GatewayDevice:
+    part = simple_part("light", settable=("on_off",)).model_copy(update={"writes": (topic,), "payloads": payloads})
+    return GatewayDevice("lamp", "Lamp", (part,))
+
+
+APPROVED = CommandDescription.of(lamp("lamp/set").parts[0], ()).digest
+
+
+@pytest.mark.parametrize("is_text", [False, True])
+@pytest.mark.parametrize("waiting", [0, 5])
+@pytest.mark.parametrize(
+    ("known", "now"),
+    [
+        ({"topics": ("lamp/set",)}, lamp("door/set")),
+        ({"topics": ("lamp/set",), "approved": APPROVED}, lamp("lamp/set", "others")),
+    ],
+)
+async def test_a_part_that_is_announced_anew_gets_no_command_that_was_checked_before(
+    known: dict[str, Any], waiting: int, now: GatewayDevice, *, is_text: bool
+) -> None:
+    """Its new topics were not compared with those of others yet, nor its payloads approved."""
+    async with house() as home:
+        home.gateway.devices.put(lamp("lamp/set"), "a test")
+        ids = home.say(waiting)
+        async with anyio.create_task_group() as tasks:
+            if is_text:
+                home.say(1, **known)
+            else:
+                tasks.start_soon(partial(home.command, **known))
+            home.gateway.devices.put(now, "a test")
+        await anyio.sleep(30)
+        assert home.gateway.begun == ids

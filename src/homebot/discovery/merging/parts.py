@@ -242,7 +242,13 @@ def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) 
             conflicts.append(conflict)
         else:
             route = _route_of(
-                gateway=gateway, key=key, part=part.id, convention=convention, takes=EVERYTHING, approved=""
+                gateway=gateway,
+                key=key,
+                part=part.id,
+                convention=convention,
+                takes=EVERYTHING,
+                approved="",
+                topics=part.writes,
             )
             routes = (route,)
         merged.append(_part_of(id=ids[number], part=part, routes=routes))
@@ -329,7 +335,13 @@ def _device_part(part_id: str, one: _Merged) -> DevicePart:
     part = _decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
     routes = tuple(
         _route_of(
-            gateway=gateway, key=key, part=name, convention=origin[-1], takes=_settable_by(described, part), approved=""
+            gateway=gateway,
+            key=key,
+            part=name,
+            convention=origin[-1],
+            takes=_settable_by(described, part),
+            approved="",
+            topics=described.writes,
         )
         for (gateway, key, name), origin, described in one.ways
     )

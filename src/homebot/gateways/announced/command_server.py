@@ -109,12 +109,12 @@ class CommandServer:
         requests = SentRequests()
         token = SENT_REQUESTS.set(requests)
         try:
-            if command.approved:
-                self._check_approved(command)
-            waits = self._out.mailbox.queue or self._out.unbegun
-            perform = self._perform_after_raw if waits else self._perform
             async with limit:  # as while a radio connects: nothing happens late
-                await perform(command)
+                if self._out.mailbox.queue or self._out.unbegun:
+                    await self._wait_for_raw()
+                if command.approved:
+                    self._check_approved(command)
+                await self._perform(command)
         except LinkError as exc:
             return self._failed(str(exc), requests)
         except HomebotError as exc:
@@ -166,7 +166,7 @@ class CommandServer:
         SENT_REQUESTS.set(requests)  # for this task alone
         try:
             if address.startswith(TEXT_SCHEME) and (part := read_text_address(address)) is not None:
-                await self._send_text(*part, command.payload, command.command_id)
+                await self._send_text(*part, command)
             elif not self._gateway.acts:
                 raise RefusedError("the command", self._gateway.observes_because)
             else:
@@ -180,21 +180,31 @@ class CommandServer:
             self._counters.commands_refused += 1
             self._log(COMMAND_REFUSED, f"not sent to {address[:100]}: {exc}", address)
 
-    async def _send_text(self, key: str, part_id: str, text: str, command_id: str) -> None:
+    async def _send_text(self, key: str, part_id: str, text: RawCommand) -> None:
         """Carry out the command that *text* means for a part; see :mod:`homebot.devices.text.commands`."""
         if not self._gateway.acts:
             raise RefusedError(f"a command to {key[:100]}", self._gateway.observes_because)
-        capability, value = decode_command(text, self._find_part(key, part_id).described.part)
-        await self._perform(Command(key=key, part=part_id, capability=capability, value=Value.of(value), id=command_id))
+        capability, value = decode_command(text.payload, self._find_part(key, part_id).described.part)
+        command = Command(
+            key=key,
+            part=part_id,
+            capability=capability,
+            value=Value.of(value),
+            id=text.command_id,
+            approved=text.approved,
+            topics=text.topics,
+        )
+        if command.approved:
+            self._check_approved(command)
+        await self._perform(command)
 
-    async def _perform_after_raw(self, command: Command) -> None:
-        """Carry *command* out once the sending of each raw command that is queued now has begun."""
+    async def _wait_for_raw(self) -> None:
+        """Wait until the sending of each raw command that is queued now has begun."""
         mailbox = self._out.mailbox
         for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several
             if mailbox.queue:
                 await mailbox.wait_for_change()
         await anyio.lowlevel.checkpoint()  # the tasks of those that were taken begin
-        await self._perform(command)
 
     def _device_of(self, key: str) -> tuple[str, str]:
         """Return key and name; a listener from before the gateway's restart asks before its devices are found."""

@@ -30,6 +30,8 @@ _NOT_ANNOUNCED = (
 )
 """A device that the directory remembers, and the network does not, as after a restart of the embedded broker."""
 
+_OTHER_TOPICS = "it has just announced other command topics, which may be those of another device; try again"
+
 _NOT_DESCRIBED = "it has not said what it can do since this gateway started; it may be asleep: wake it, and try again"
 """A device that is listed, and was not connected to yet, such as one that sleeps."""
 
@@ -77,17 +79,19 @@ class GatewayEngine(Generic[MessageT]):
         node.create_task(self.listeners.watch_nodes)
         node.create_task(self.scheduler.run)
 
-    def find_part(self, key: str, part_id: str) -> AnnouncedPart:
-        """Return a part that is described.
+    def find_part(self, key: str, part_id: str, topics: tuple[str, ...] = ()) -> AnnouncedPart:
+        """Return a part that is described, for commands on *topics* if these are known.
 
         Raises:
-            UnableError: No device has that key and part.
+            UnableError: No device has that key and part, or it has other topics by now.
         """
         stored = self.devices.get(key)
         if stored is None:
             why = _NOT_ANNOUNCED
         elif (part := stored.parts.get(part_id)) is not None:
-            return part
+            if not topics or topics == part.described.part.writes:
+                return part
+            why = _OTHER_TOPICS
         elif not stored.parts:
             why = _NOT_DESCRIBED
         else:

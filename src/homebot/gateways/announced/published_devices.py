@@ -261,7 +261,7 @@ class PublishedDevices:
 
     async def _checked(self, command: Command) -> None:
         """Carry out *command* if it fits the part."""
-        part = self.engine.find_part(command.key, command.part).described.part
+        part = self.engine.find_part(command.key, command.part, command.topics).described.part
         try:
             check_command(part, command.capability, command.value.plain())
         except RefusedError as exc:

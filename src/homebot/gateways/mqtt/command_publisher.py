@@ -175,7 +175,7 @@ class CommandPublisher:
                 device was not heard since.
         """
         try:
-            announced_part = self._find_part(command.key, command.part)
+            announced_part = self._find_part(command.key, command.part, command.topics)
             publications = self._written(announced_part, command)
         except WrongCodeError:
             raise  # no other way to the part is tried with a wrong code: it might ask for none
