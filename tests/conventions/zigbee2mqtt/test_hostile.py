@@ -37,3 +37,9 @@ def test_names_are_cut_to_a_line() -> None:
 def test_a_long_state_is_not_looked_at() -> None:
     part = found(ENTRY).parts[0]
     assert part.codec.read(part.codec.topics()[0], b'{"state":"ON"}' + b" " * 300_000, retained=False) == {}
+
+
+@pytest.mark.parametrize("name", [["x"], {}, 1])
+def test_an_endpoint_whose_name_is_no_text_has_none(name: object) -> None:
+    unnamed, other = (found({**ENTRY, "endpoints": {"1": fields}}).parts for fields in ({}, {"name": name}))
+    assert [one.part for one in other] == [one.part for one in unnamed]

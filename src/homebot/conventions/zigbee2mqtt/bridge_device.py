@@ -186,7 +186,7 @@ def _takes_transition(options: object) -> bool:
 def _bare_endpoints(endpoints: object) -> frozenset[str]:
     if not isinstance(endpoints, dict):
         return frozenset()
-    names = {one.get("name") for one in endpoints.values() if isinstance(one, dict)}
+    names = {name for one in endpoints.values() if isinstance(name := as_fields(one).get("name"), str)}
     return frozenset(number for number in endpoints if isinstance(number, str) and number not in names)
 
 
