@@ -147,6 +147,16 @@ def test_a_lock_goes_by_its_state_and_else_by_its_bolt() -> None:
         lock.codec.write("lock", "open")
 
 
+def test_an_approval_of_a_lock_is_none_of_one_whose_features_are_swapped() -> None:
+    words: dict[str, Any] = {"value_on": "LOCK", "value_off": "UNLOCK"}
+    locks = [
+        built({"type": "lock", "features": [feature("binary", name, key=key, **words) for name, key in named]})[0]
+        for named in ((("state", "state"), ("x", "latch")), (("x", "state"), ("state", "latch")))
+    ]
+    assert [told(lock, "lock", "locked") for lock in locks] == [{"state": "LOCK"}, {"latch": "LOCK"}]
+    assert locks[0].part.payloads != locks[1].part.payloads
+
+
 def test_the_main_purpose_of_a_device_comes_first() -> None:
     """Tuya's TS0601_thermostat exposes its window sensor first, so that it was listed as a contact sensor."""
     window = feature("binary", "window_open", 1, value_on=True, value_off=False)

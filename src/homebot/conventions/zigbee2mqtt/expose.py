@@ -100,7 +100,7 @@ class Expose:
 
     def of_commands(self) -> tuple[object, ...]:
         """Return the fields from which the payloads of its commands follow."""
-        features = tuple([one.of_commands() for one in self.features if one.is_settable or one.features])
+        features = tuple([(one.name, one.of_commands()) for one in self.features if one.is_settable or one.features])
         return self.key, self.endpoint, self.value_on, self.value_off, self.least, self.most, self.values, features
 
     @property
