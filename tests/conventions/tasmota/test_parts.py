@@ -215,6 +215,12 @@ def test_an_approval_of_a_shutter_is_none_of_one_the_wrong_way_round() -> None:
     assert only(rl=[3, 3], sho=[1]).part.payloads != only(rl=[3, 3]).part.payloads
 
 
+def test_an_approval_of_a_relay_is_none_of_one_that_is_told_off_to_be_on() -> None:
+    swapped = only(rl=[1], state=["ON", "OFF", "TOGGLE", "HOLD"])
+    assert told(swapped, "on_off", value=False) == ("c/Power1", "ON")
+    assert swapped.part.payloads != only(rl=[1]).part.payloads
+
+
 def test_a_pulse_ends_by_itself_and_is_no_pulse_when_kept() -> None:
     switch = only(swc=[13])
     assert switch.expiries == (AutoExpiry("state", 1.0, value=False, only=True),)

@@ -12,7 +12,17 @@ from homebot.conventions.payload import JsonMessage, clean_text, parse_object, s
 from homebot.errors import InvalidNameError, WireError
 from homebot.mqtt.topics import validate_topic
 
-__all__ = ["LIGHT", "RELAY", "SHUTTER", "TasmotaConfig", "Tilt", "power_commands", "read_config", "sensor_values"]
+__all__ = [
+    "LIGHT",
+    "RELAY",
+    "SHUTTER",
+    "STATE_TEXTS",
+    "TasmotaConfig",
+    "Tilt",
+    "power_commands",
+    "read_config",
+    "sensor_values",
+]
 
 RELAY, LIGHT, SHUTTER = 1, 2, 3
 """Types of an output, besides 0 for none."""
@@ -194,7 +204,9 @@ def _check_identity(fields: Mapping[str, object], mac: str) -> None:
         raise WireError(f"config: mac is {shown(fields.get('mac'))}, but it was announced as {shown(mac)}")
 
 
-_STATE_TEXTS = ("OFF", "ON", "TOGGLE", "HOLD")
+STATE_TEXTS = ("OFF", "ON", "TOGGLE", "HOLD")
+"""The texts of a device without its own."""
+
 _MOST_PREFIXES = 3
 _MOST_OUTPUTS = 64
 _MOST_INPUTS = 64
@@ -205,8 +217,8 @@ _FACTS = {"model": "md", "sw_version": "sw", "hostname": "hn", "ip": "ip"}
 
 
 def _state_texts(fields: Mapping[str, object]) -> tuple[str, ...]:
-    texts = _texts(fields, "state", len(_STATE_TEXTS))
-    return texts if len(texts) == len(_STATE_TEXTS) and all(texts) else _STATE_TEXTS
+    texts = _texts(fields, "state", len(STATE_TEXTS))
+    return texts if len(texts) == len(STATE_TEXTS) and all(texts) else STATE_TEXTS
 
 
 def _topic(fields: Mapping[str, object], mac: str, prefix: str, *, suffix: str = "") -> str:

@@ -16,6 +16,7 @@ from homebot.conventions.tasmota.config import (
     LIGHT,
     RELAY,
     SHUTTER,
+    STATE_TEXTS,
     TasmotaConfig,
     Tilt,
     power_commands,
@@ -172,7 +173,7 @@ def _relay(config: TasmotaConfig, index: int, service_type: str, name: str) -> D
     _add_power(part, config, index, "on_off")
     switch = bool_writer("on_off", lambda on: config.publish(command, config.state_text(on)))
     part.add_capability("on_off", writer=switch)
-    return part.build()
+    return part.build(None if config.state_texts[:2] == STATE_TEXTS[:2] else config.state_texts[:2])
 
 
 def _relay_of_fan(config: TasmotaConfig, index: int, name: str) -> DescribedPart:
