@@ -325,3 +325,5 @@ def test_the_actions_of_a_lock_are_its_commands() -> None:
     assert (by.affordance.kind, form.href, value) == ("action", "http://h/unlock", True)
     with pytest.raises(RefusedError, match="it takes locked or unlocked"):
         lock.settable["lock"].request("open")
+    (swapped,) = parts({"locked": state}, ("Lock",), lock="UnlockAction", unlock="LockAction")
+    assert swapped.part.payloads != lock.part.payloads  # an approval of one is none of the other

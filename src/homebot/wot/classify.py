@@ -348,9 +348,9 @@ def _advertised_type(thing: Thing, first: _Candidate | None) -> str:
 def _payloads(found: tuple[ClassifiedAffordance, ...]) -> str:
     """Return the digest of the written payloads and their addresses; empty if nothing can be set."""
     written = [
-        (one.capability.name, each.affordance.name, each.affordance.schema, each.written)
+        (one.capability.name, value, each.affordance.name, each.affordance.schema, each.written)
         for one in found
-        for each in (one, *one.actions.values())
+        for value, each in (("", one), *one.actions.items())
         if each.written is not None
     ]
     return payload_digest(written) if written else ""
