@@ -5,7 +5,8 @@
 - ``types``: what Home Assistant core 2025.4.4 takes it for, by Zigbee2MQTT's own discovery messages, in our words
   (left out for two thermostats without modes, for which it assumes those of an air conditioner, and for a garage door,
   which it takes for a switch that is on and off and which moves at both);
-- ``says``: messages one after the other, and what Home Assistant then knows, by part and capability;
+- ``says``: messages one after the other, and what Home Assistant then knows, by part and capability (it has no
+  class for produced energy, nor for a fault);
 - ``told``: part, capability, value and transition, and which properties Home Assistant sets for that.
 """
 

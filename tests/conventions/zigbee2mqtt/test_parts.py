@@ -266,6 +266,8 @@ def numeric(name: str, unit: str) -> dict[str, Any]:
         (binary("garage_door_contact", True, False), "contact_sensor", True, {"contact": False}),
         (binary("occupancy", True, False), "occupancy_sensor", True, {"occupancy": True}),
         (binary("water_leak", "Leak", "Dry"), "water_leak_detector", "Dry", {"water_leak": False}),
+        (binary("active_water_leak", True, False), "water_leak_detector", True, {"water_leak": True}),  # CTM Lyng
+        (binary("trouble", True, False), "x_binary_sensor", True, {"problem": True}),  # Shelly S4SN-0071A
         (binary("odd", "yes", "no"), "x_binary_sensor", None, {"state": None}),
         (numeric("temperature", "°C"), "temperature_sensor", 21.5, {"temperature": 21.5}),
         (numeric("temperature", "°F"), "temperature_sensor", 212, {"temperature": pytest.approx(100)}),
@@ -273,8 +275,16 @@ def numeric(name: str, unit: str) -> dict[str, Any]:
         (numeric("pressure", "kPa"), "pressure_sensor", 101.3, {"pressure": 1013.0}),
         (numeric("power_a", "kW"), "electrical_meter", 1.5, {"power": 1500.0}),
         (numeric("energy", "Wh"), "electrical_meter", 1500, {"energy": 1.5}),
+        (numeric("produced_energy_tier_1", "kWh"), "electrical_meter", 2.5, {"energy_returned": 2.5}),  # OBIS 2.8.1
+        (numeric("EAIT", "kWh"), "electrical_meter", 2.5, {"energy_returned": 2.5}),  # LiXee ZLinky_TIC
+        (numeric("total_output_energy", "kWh"), "electrical_meter", 1, {"energy_returned": 1.0}),  # Sonoff MINI-ZB1GSP
         (numeric("voltage", "mV"), "electrical_meter", 3000, {"voltage": 3.0}),
         (numeric("co2", "ppm"), "air_quality_sensor", 800, {"carbon_dioxide": 800.0}),
+        (numeric("co_ppm", "ppm"), "air_quality_sensor", 4, {"carbon_monoxide": 4.0}),  # HALO
+        (numeric("ambient_light", "Lx"), "light_sensor", 40, {"illuminance": 40.0}),  # Heiman HS1MIS-3.0
+        (numeric("moisture", "%"), "soil_sensor", 30, {"soil_moisture": 30.0}),  # Excellux EZ-500FL
+        (numeric("flow_rate", "L/h"), "flow_sensor", 90, {"flow": 0.09}),  # Tuya TS0601_water_valve
+        (numeric("floor_temp", "°C"), "temperature_sensor", 24, {"temperature": 24.0}),  # CTM Lyng mTouch_One
         (numeric("carbon_monoxide", "ppm"), "air_quality_sensor", 3, {"carbon_monoxide": 3.0}),
         (numeric("battery", "%"), "x_battery", "full", {}),
         (numeric("heat_limit_temperature", "°C"), "x_sensor", 5, {"measurement": 5.0}),

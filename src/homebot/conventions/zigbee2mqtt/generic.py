@@ -31,16 +31,17 @@ _CONDITION_NAMES: Mapping[str, tuple[str, ...]] = {
     "smoke": ("smoke",),
     "carbon_monoxide_alarm": ("carbon_monoxide",),
     "gas": ("gas",),
-    "water_leak": ("water_leak",),
+    "water_leak": ("water_leak", "active_water_leak", "water", "water_sensor"),
     "rain": ("rain", "rain_status"),
     "battery_low": ("battery_low",),
     "battery_charging": ("is_charging",),
-    "tamper": ("tamper",),
+    "tamper": ("tamper", "tamper_alarm"),
     "vibration": ("vibration",),
-    "sound": ("noise_detected",),
+    "heat": ("heat",),
+    "sound": ("noise_detected", "noise"),
     "moving": ("moving",),
     "running": ("running",),
-    "problem": ("valve_alarm",),
+    "problem": ("valve_alarm", "fault", "fault_alarm", "motor_fault", "trouble"),
     "safety": ("sos",),
     "plugged_in": ("consumer_connected", "is_plug_connected"),
 }
@@ -66,17 +67,22 @@ def _quantity_of(name: str, unit: str) -> Quantity:
 _AIR = "air_quality_sensor"
 
 _NAMES: Mapping[str, str] = {
+    "EAIT": "energy_returned",
+    "ambient_light": "illuminance",
     "aqi": "air_quality_index",
-    "battery2": "battery",
-    "co": "carbon_monoxide",
+    **dict.fromkeys(("battery2", "battery_life", "battery_value", "battpercentage"), "battery"),
+    **dict.fromkeys(("co", "co_ppm", "carbon_monoxide_value"), "carbon_monoxide"),
     "co2": "carbon_dioxide",
-    "dew_point": "temperature",
+    **dict.fromkeys(("flow_rate", "instantaneous_flow_rate"), "flow"),
+    "moisture": "soil_moisture",
+    **dict.fromkeys(("air_temp", "dew_point", "floor_temp", "humidex", "wind_chill"), "temperature"),
     "voc": "volatile_organic_compounds",
 }
 _SERVICES_OF_PLAIN: Mapping[str, str] = {"voc": _AIR, "eco2": _AIR, "voc_index": _AIR}
 
 _BY_UNIT_ALONE = ("power", "energy", "current", "voltage", "frequency")
 _BY_NAME = ("temperature", "humidity")
+_RETURNED = frozenset({"output", "produced", "reverse"})
 _NO_READINGS = frozenset(
     {"limit", "setpoint", "target", "calibration", "offset", "max", "min", "threshold", "alarm", "deadzone"}
 )
@@ -85,10 +91,10 @@ _NO_READINGS = frozenset(
 
 def _capability_of(name: str, unit: str) -> str:
     """Return the capability: electrical units identify it, other units only together with the name."""
+    tokens = set(re.split(r"[^a-z]+", re.sub(r"([A-Z])", r"_\1", name).lower()))
     for capability in _BY_UNIT_ALONE:
         if conversion_of(capability, unit) is not None:
-            return capability
-    tokens = set(re.split(r"[^a-z]+", re.sub(r"([A-Z])", r"_\1", name).lower()))
+            return "energy_returned" if capability == "energy" and tokens & _RETURNED else capability
     if tokens & _NO_READINGS:
         return ""
     return name if name in MEASURED else next((one for one in _BY_NAME if one in tokens), "")
