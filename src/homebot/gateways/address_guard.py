@@ -1,7 +1,7 @@
-"""The guard of this computer: a host on the network may not lead homebot to local services.
+"""The guard of this computer: hosts on the network must not lead homebot to local services.
 
-Names are judged by the addresses that they are resolved to, at the moment of the connection: ``127.1``,
-``[::ffff:127.0.0.1]``, ``0.0.0.0``, the name of this computer, and a name of the internet may all lead here.
+Names are judged by the addresses that they resolve to at the moment of connecting: ``127.1``, ``[::ffff:127.0.0.1]``,
+``0.0.0.0``, the name of this computer and a name on the internet may all lead here.
 """
 
 import asyncio
@@ -72,7 +72,7 @@ class AddressGuard:
 
 
 class ThisComputerGuard(AddressGuard):
-    """A check that a client stays at this computer: a name may be resolved to another address the next time."""
+    """A check that a client stays at this computer: a name may resolve to another address the next time."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -91,7 +91,7 @@ class ThisComputerGuard(AddressGuard):
 
 
 async def guard_for(host: str | None) -> AddressGuard:
-    """Return the guard for connections to *host*, which has that for the addresses that it describes.
+    """Return the guard for connections to *host*, including that for addresses that the host describes.
 
     A name that leads to this computer and to another host is not this computer.
     """
@@ -114,9 +114,9 @@ def _is_own(text: str, scope: int) -> bool:
     if known is not None and known in _NAT64:
         known = IPv4Address(known.packed[-4:])
     if known is None or known.is_loopback or known.is_unspecified or known.is_multicast:
-        return True  # all hosts of a group are meant: this one, and those of others
+        return True  # a group address includes this computer
     if known.version == 4 or not known.is_link_local:
-        scope = 0  # the kernel looks at it for no other address
+        scope = 0  # ignored by the kernel for other addresses
     try:
         return _route_kind(known.packed, scope) in _ROUTES_HERE
     except (AttributeError, OSError):  # not on Linux, or not allowed

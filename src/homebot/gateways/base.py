@@ -1,55 +1,54 @@
 """The contract of gateways: nodes that bring the devices of one protocol onto the graph and command them.
 
-A gateway is the node ``/gateway/<name>``. All that others know of it are these names below that node, which
-:class:`homebot.devices.names.GatewayNames` spells. The first five are duties of every gateway; the others depend on
-its protocol.
+A gateway is the node ``/gateway/<name>``. Its interface are these names below that node, see
+:class:`homebot.devices.names.GatewayNames`. Every gateway must serve the first five; the others depend on its protocol.
 
 =====================  ==========================================================================================
-``received_topics``    topic: :class:`Sighting`, the newest of each device kept for late joiners
-``readings``           topic: :class:`Report`, the newest of each stream kept for late joiners; events are not kept
+``received_topics``    topic: :class:`Sighting`; late joiners get the newest of each device
+``readings``           topic: :class:`Report`; late joiners get the newest of each stream, but no events
 ``state``              topic: :class:`GatewayState`, latched
-``send_command``       service: a :class:`Command` to a part, in the values of the vocabulary
-``health``             service: its counters and its problems
-``describe_commands``  service: the messages that commands to a device would send, for its owner's approval
-``out``                topic it reads: :class:`RawCommand`, a text to a text address, or raw bytes to an address
-``subscribe_to_topic`` service: delivery of the raw messages of an address, or of a part's states as text
-``quarantine``         topic: :class:`Quarantine`, the peers that it listens to no more often than it can afford
-``offers``             topic it reads: :class:`ExposedDevice`, a device that homebot shows to other systems there
-``offer_reports``      topic it reads: :class:`ExposedState`, the states of those devices
-``offer_commands``     topic: :class:`Command`, the commands of those systems
+``send_command``       service: sends a :class:`Command` to a part, in values of the vocabulary
+``health``             service: returns counters and problems
+``describe_commands``  service: returns the messages that commands to a device would send, for approval
+``out``                subscribed topic: :class:`RawCommand`, text to a text address or raw bytes to an address
+``subscribe_to_topic`` service: requests the raw messages of an address, or the states of a part as text
+``quarantine``         topic: :class:`Quarantine`, peers that broke the rules and are read slowly
+``offers``             subscribed topic: :class:`ExposedDevice`, a device of homebot for other systems
+``offer_reports``      subscribed topic: :class:`ExposedState`, the states of those devices
+``offer_commands``     topic: :class:`Command`, commands of those systems
 =====================  ==========================================================================================
 
 Apps that work with texts, such as the light service, need ``out`` and ``subscribe_to_topic``; typed handles do not.
-:class:`homebot.gateways.announced.published_devices.PublishedDevices` has the first nine but ``state``, for gateways
-that know their devices' parts; :mod:`homebot.gateways.memory` is the reference, and
-:mod:`homebot.testing.gateway_contract` the test.
+:class:`homebot.gateways.announced.published_devices.PublishedDevices` implements the first nine except ``state``, for
+gateways that know the parts of their devices; :mod:`homebot.gateways.memory` is the reference implementation, and
+:mod:`homebot.testing.gateway_contract` the test suite.
 
-A light that is told a level above 0, a colour, a colour temperature or an effect is on afterwards, and off at level 0.
-Where the protocol does not see to that, the gateway does;
-:func:`homebot.devices.capabilities.implied_settings` has the settings to send.
+A light that is set to a level above 0, a colour, a colour temperature or an effect must then be on, and at level 0 off.
+If the protocol does not ensure that, the gateway must; :func:`homebot.devices.capabilities.implied_settings` returns
+the settings to send.
 
-*Key* is the gateway's name for a device, or one announcement of it: unique in the gateway, and the same after a
-restart. *Address* is a place in the protocol where the device reports or takes commands (MQTT: a topic); a protocol
-without any has the text addresses of its parts (:func:`homebot.devices.names.text_address`), which the
-engine makes. *expires_at* is when silence begins to count: the gateway alone knows how often its devices report, and
-sends a new sighting each time one does; the directory calls a device stale that was not sighted until then.
+*Key* is the gateway's name for a device, or for one announcement of it: unique in the gateway, and stable across
+restarts. *Address* is a place in the protocol where the device reports or accepts commands (MQTT: a topic). In a
+protocol without addresses the engine gives each part a text address (:func:`homebot.devices.names.text_address`).
+*expires_at* is the time after which a silent device counts as stale: only the gateway knows how often its devices
+report, and it publishes a new sighting whenever one does.
 
-*Advertised* and *reachable* are two facts. A sighting says that a device is known; ``confirmed`` says that the device
-itself was heard, rather than a note kept of it. Whether it can be reached now is a report of the capability
-``reachable``, and only where the protocol says so; a device that cannot be reached is still there. ``removed`` means
-taken out of the house, never "silent".
+*Known* and *reachable* are different facts. A sighting means that a device is known; ``confirmed`` means that it was
+itself heard, rather than read from a cache or list. If the protocol reports whether the device can be reached now,
+the gateway publishes that as the capability ``reachable``; an unreachable device is still listed. ``removed`` means
+that the device has left the house, never that it is silent.
 
-After a restart of the gateway its topics are empty. It is the gateway that finds its devices again, by asking or by
-waiting for their announcements, and sights each anew; the directory keeps them meanwhile. After a restart of the
-directory, the sightings and reports kept for late joiners tell it everything, and the gateway does nothing.
+After a restart the topics of a gateway are empty. The gateway finds its devices again, by asking or by waiting for
+their announcements, and publishes a sighting of each; the directory keeps them meanwhile. After a restart of the
+directory, the sightings and reports for late joiners restore everything, and the gateway need not do anything.
 
 ``unavailable`` with a reason is a normal state: the broker is away, the radio is unplugged. The gateway then keeps its
-devices, goes on trying, answers commands with ``unreachable``, and never ends because of it; the directory has its
-devices as unreachable, but for those that it still reports as reachable, by links of their own. It is ready
-(``task_status.started()``) when its first try has ended, successful or not.
+devices, keeps trying, answers commands with ``unreachable``, and never ends because of it. The directory lists its
+devices as unreachable, except those that the gateway still reports as reachable over links of their own. A gateway is
+ready (``task_status.started()``) after its first attempt to connect, successful or not.
 
-*Unreachable* says that nothing was sent. A command that was sent, and that the network did not acknowledge, is
-``unanswered``: it may still have its effect. Nothing that waits in the gateway is sent after ``expires_after``.
+*Unreachable* means that nothing was sent. A command that was sent but not acknowledged by the network is
+``unanswered``: it may still take effect. A gateway sends no waiting command after its ``expires_after``.
 """
 
 from abc import ABC, abstractmethod
@@ -74,19 +73,19 @@ UNAVAILABLE: Final = "gateway.unavailable"
 AVAILABLE: Final = "gateway.available"
 
 Delivery: TypeAlias = Literal["inbox", "mirror"]
-"""Where raw messages and texts are delivered; see :class:`GatewaySettings`."""
+"""The way in which raw messages and texts are delivered; see :class:`GatewaySettings`."""
 
 _NEWEST_OF_EACH = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class GatewaySettings(BaseModel):
-    """The keys that the table of every gateway has; a gateway's own model derives from it and adds its own.
+    """The keys that the tables of all gateways share; the model of a gateway derives from it.
 
     Attributes:
-        act: Whether commands are carried out; false observes only.
+        act: Whether commands are sent; if false, the gateway only observes.
         delivery: ``inbox`` puts raw messages and texts into the one inbox of each node that asked for them; ``mirror``
             gives each device a topic ``/gateway/NAME/received_data/<device>``.
-        stale_after: Seconds of silence after which a device counts as stale that says nothing else.
+        stale_after: Seconds of silence after which a device counts as stale, unless it sets another limit.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -100,17 +99,17 @@ class Gateway(ABC):
     """The base of gateways; the plug-in group is ``homebot.gateways``. The module states the contract.
 
     Args:
-        node: The node it is: ``/gateway/<name>``.
-        settings: Its table of the configuration, checked; an instance of :attr:`Settings`.
+        node: Its node, ``/gateway/<name>``.
+        settings: Its validated table of the configuration; an instance of :attr:`Settings`.
         context: Services of its host; by default none.
 
     Attributes:
         Settings: The model of its table.
         names: Its names on the graph.
         reports: The publisher of its devices' reports.
-        random: The source of random numbers, for pauses.
-        acts: Whether it sends commands to devices; a gateway that only observes refuses them all.
-        observes_because: The reason why it only observes, as text.
+        random: The source of random numbers for pauses.
+        acts: Whether it sends commands to devices; if False, it refuses them all.
+        observes_because: Why it only observes, in words.
     """
 
     Settings: ClassVar[type[BaseModel]]
@@ -140,15 +139,15 @@ class Gateway(ABC):
 
     @classmethod  # noqa: B027 - no duty: most gateways have nothing to look for
     def check(cls, settings: BaseModel) -> None:
-        """Look for the resources in *settings*, such as files, before anything is started; nothing is connected.
+        """Check the resources that *settings* name, such as files, before anything starts; does not connect.
 
         Raises:
-            UsageError: The gateway could not work with them; names the key if there is one.
+            UsageError: One is unusable; the message names the key.
         """
 
     @classmethod  # noqa: B027 - no duty: most gateways have no server
     async def reach(cls, settings: BaseModel) -> None:
-        """Log in to its server once, and leave again.
+        """Log in to its server once, and disconnect.
 
         Raises:
             HomebotError: The server does not answer, or refuses.
@@ -156,12 +155,12 @@ class Gateway(ABC):
 
     @classmethod
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:  # noqa: ARG003 - most need none
-        """Return the services that it needs in this process; they run before it is made, and until it has stopped."""
+        """Return the services that it needs in this process; they outlive the gateway."""
         return ()
 
     @classmethod
     def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:  # noqa: ARG003 - most change nothing
-        """Return *settings* completed from the *context*; called once, also if the gateway is restarted."""
+        """Return *settings* completed from the *context*; called once, not at each restart."""
         return settings
 
     @classmethod
@@ -176,7 +175,7 @@ class Gateway(ABC):
 
     @classmethod
     def network(cls, settings: BaseModel) -> str:  # noqa: ARG003 - most have one network
-        """Return the identity of its network; the devices of each network are remembered apart. Empty for its name."""
+        """Return the identity of its network, to remember devices by network; empty for the gateway's name."""
         return ""
 
     @abstractmethod
@@ -184,27 +183,27 @@ class Gateway(ABC):
         """Work until cancelled; call ``task_status.started()`` when ready."""
 
     def mark_ready(self, task_status: TaskStatus[None]) -> None:
-        """Record the end of a try, successful or not; after the first one the gateway is ready."""
+        """Record the end of an attempt, successful or not; after the first one the gateway is ready."""
         if not self._is_ready:
             self._is_ready = True
             task_status.started()
 
     def publish_sighting(self, sighting: Sighting) -> None:
-        """Publish that a device is there, still there, or gone; one that is gone is not kept for late joiners."""
+        """Publish a sighting; that of a removed device is not kept for late joiners."""
         self._sightings.publish(sighting)
         if sighting.kind == "removed":
             self._sightings.dispose(sighting.key)
 
     def publish_state(self, state: Literal["active", "unavailable"], reason: str = "") -> None:
-        """Publish whether the gateway reaches its devices' network; a repeated state is not published.
+        """Publish whether the gateway reaches the network of its devices, if that or the reason has changed.
 
         Args:
-            state: ``unavailable`` where it does not; its devices stay.
-            reason: The reason, as text for people; empty if all is well.
+            state: ``unavailable`` if it does not; its devices stay.
+            reason: The reason in words; empty if all is well.
         """
         if not reason and not self.acts and self.observes_because != ONLY_OBSERVES:
             reason = self.observes_because
-        # Apps send a raw text only where that says that commands are taken; the journal shall have it.
+        # Apps may check this state before they send a raw text, yet the journal should record the text.
         news = GatewayState(state=state, reason=reason, acts=self.acts or self.context.is_dry_run)
         if news != self._state:
             before, self._state = self._state, news
@@ -212,7 +211,7 @@ class Gateway(ABC):
             self.log_state(news, before)
 
     def log_state(self, state: GatewayState, before: GatewayState | None) -> None:
-        """Log that the gateway became unavailable, or works again; of more than five such lines in 10 s, five."""
+        """Log that the gateway became unavailable or works again; at most five lines in 10 s."""
         is_down, was_down = state.state == "unavailable", before is not None and before.state == "unavailable"
         if (is_down or was_down) and self._state_lines.allows("state") is not None:
             if is_down:

@@ -17,11 +17,11 @@ ServiceT_co = TypeVar("ServiceT_co", covariant=True)
 
 @dataclass(frozen=True, slots=True)
 class HostService(Generic[ServiceT_co]):
-    """A service that gateways need in this process, such as the embedded broker: it runs once for all of them.
+    """A service that gateways share in this process, such as the embedded broker.
 
     Attributes:
-        kind: The class of the running service, by which it is found in a :class:`GatewayContext`.
-        start: Starts it; entering returns when it runs, leaving stops it.
+        kind: The class of the running service, its key in a :class:`GatewayContext`.
+        start: Runs it; the context is entered when it is ready, and stops it when left.
     """
 
     kind: type[ServiceT_co]
@@ -30,12 +30,12 @@ class HostService(Generic[ServiceT_co]):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GatewayContext:
-    """The surroundings of a gateway beside its node and its settings; its clock is that of the node's graph.
+    """The surroundings of a gateway beside its node and settings; its clock is that of the node's graph.
 
     Attributes:
-        random: The source of random numbers; None for one of the gateway's own. A seeded one makes every run the same.
+        random: The source of random numbers, seeded for reproducible runs; None for the gateway's own.
         services: The running host services by their class.
-        is_dry_run: Whether nothing may be sent; gateways then only observe, and yet take commands, which are not sent.
+        is_dry_run: Whether nothing may be sent; gateways then accept commands without sending them.
         gateways: The plug-ins of all configured gateways; None if they are unknown.
     """
 
@@ -50,6 +50,6 @@ class GatewayContext:
         return cls(random, {type(service): service for service in services}, is_dry_run)
 
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
-        """Return the running host service of the class *kind*; None if there is none."""
+        """Return the running host service of the class *kind*, or None."""
         found = self.services.get(kind)
         return found if isinstance(found, kind) else None

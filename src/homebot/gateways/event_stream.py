@@ -26,7 +26,7 @@ class ServerEvent:
 
 
 class EventStreamParser:
-    """Makes events of the bytes of a stream, however they are cut."""
+    """Parses events from the chunks of a stream."""
 
     def __init__(self, max_event: int) -> None:
         self._max_event = max_event
@@ -47,7 +47,7 @@ class EventStreamParser:
         text = self._decoder.decode(chunk)
         if self._is_start and text:
             text, self._is_start = text.removeprefix(_BOM), False
-        if self._ended_with_return and text:  # the line ended with CR LF, which two chunks hold
+        if self._ended_with_return and text:  # a CR LF that was split between two chunks
             text, self._ended_with_return = text.removeprefix("\n"), False
         if "\r" in text:
             self._ended_with_return = text.endswith("\r")

@@ -1,4 +1,4 @@
-"""Addresses of HTTP: checked, and as people may see them. Pure."""
+"""HTTP addresses: checked, and in a form fit for people. Pure."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ __all__ = ["http_origin", "parse_url", "shown_url"]
 
 
 def http_origin(address: str, port: int, scheme: Literal["http", "https"] = "http") -> str:
-    """Return the beginning of the addresses of a server: ``http://10.0.0.7``, ``https://[fe80::1%eth0]:8443``.
+    """Return the origin of a server: ``http://10.0.0.7``, ``https://[fe80::1%eth0]:8443``.
 
     Args:
         address: Its IP address, with the scope where it is link-local, or its name.
         scheme: ``https`` for TLS.
 
     Raises:
-        WireError: That is no address.
+        WireError: It is not an address.
     """
     host = f"[{address}]" if ":" in address else address
     return str(parse_url(f"{scheme}://{host}:{port}").origin())
 
 
 def parse_url(url: str, *schemes: str) -> URL:
-    """Return *url* where it is a whole address.
+    """Return *url* if it is a complete address.
 
     Args:
         schemes: Those that are allowed; by default ``http`` and ``https``.

@@ -1,9 +1,9 @@
-"""A client for HTTP, WebSockets and server-sent events; it and its helpers are the files that know aiohttp.
+"""A client for HTTP, WebSockets and server-sent events; only it and its helpers use aiohttp.
 
-For any server, an answer, a frame and an event are at most as long as the caller allows, everything ends within
-a time limit but waiting for the next frame or event, and each failure is one of three errors: :class:`LinkError`,
-it may work later; :class:`RefusedError`, the server says no, with the status as its code; :class:`WireError`, it breaks
-the rules. No error shows a password, nor the query of an address.
+The caller limits the length of answers, frames and events; everything has a time limit except waiting for the next
+frame or event. There are three errors: :class:`LinkError`, it may work later; :class:`RefusedError`, the server
+refuses, with the status as code; :class:`WireError`, it breaks the protocol. No error shows a password or the query of
+an address.
 
 Source: RFC 9110 (HTTP), RFC 6455 (WebSocket).
 """
@@ -34,18 +34,18 @@ from homebot.support.unanswered import SENT_REQUESTS
 __all__ = ["MAX_ANSWER_BYTES", "HttpAnswer", "HttpClient"]
 
 MAX_ANSWER_BYTES: Final = 256 * 1024
-"""Longest answer, frame and event, where the caller allows no other length."""
+"""Default for the longest answer, frame and event, in bytes."""
 
 TIME_LIMIT: Final = 10.0
-"""Seconds for an answer, a connection or one sent frame, where the caller says nothing else."""
+"""Default for the seconds of an answer, a connection or one sent frame."""
 
 HEARTBEAT: Final = 16.0
-"""Seconds of silence after which a WebSocket is pinged; without an answer in half of that it is lost."""
+"""Seconds of silence after which a WebSocket is pinged; without an answer within half of that it is lost."""
 
 _METHOD = re.compile(r"[A-Z]{1,20}(-[A-Z]{1,20})?")
 _CLOSING: Final = 1.0
 _RECEIVED_AT_ONCE: Final = 8 * 1024
-"""Bytes; Linux takes twice that. All that came is parsed without a pause, tiny frames of 256 KiB for a second."""
+"""Bytes; Linux doubles it. Everything received is parsed without a pause; 256 KiB of tiny frames take a second."""
 _REDIRECTS: Final = 3
 
 
@@ -54,7 +54,7 @@ class HttpAnswer:
     """An answer with a status from 200 to 299, or 304.
 
     Attributes:
-        status: The status; 304 where the content is still that of the ETag which was sent.
+        status: The status; 304 if the content still has the ETag that was sent.
         content_type: The media type in lower case, without parameters; empty if there is none.
         headers: All header fields, names in lower case; those that occur several times are joined by commas.
     """
@@ -74,7 +74,7 @@ class HttpAnswer:
 
 
 class HttpClient:
-    """One session with servers, over which many requests may run side by side; use it as ``async with``.
+    """A session with servers for concurrent requests; use it as ``async with``.
 
     Args:
         guard: The guard of this computer's addresses, redirects included; None for addresses that the owner configured.
@@ -105,7 +105,7 @@ class HttpClient:
             connector=aiohttp.TCPConnector(
                 ssl=True if self._tls is None else self._tls, socket_factory=self._make_socket
             ),
-            # Bodies are bounded as they arrive: nothing is unpacked. Time is limited below.
+            # Bodies are not decompressed, so their limit holds as they arrive. Time is limited below.
             auto_decompress=False,
             cookie_jar=aiohttp.DummyCookieJar(),
             headers={"Accept-Encoding": "identity", "User-Agent": "homebot"},
@@ -166,9 +166,9 @@ class HttpClient:
         Args:
             url: Where; ``http`` or ``https``, without a user or a password.
             accept: The media types that are understood; empty for any.
-            etag: The entity tag of the content that is known; the answer has status 304 and no body where that is still
-                the same. Empty for none.
-            time_limit: Seconds for all of it; by default that of the client.
+            etag: The entity tag of the known content, which is answered by status 304 without a body if it is still
+                current. Empty for none.
+            time_limit: Seconds in total; by default that of the client.
             max_bytes: Longest body of the answer; likewise.
 
         Raises:

@@ -1,4 +1,4 @@
-"""One registered announcement: the description of its device, and the last sign of life of that device. Pure."""
+"""One registered announcement: the description of its device, and the device's last sign of life. Pure."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ __all__ = ["AnnouncedPart", "AvailabilityReader", "SharedReachability", "Sightin
 SightingKind: TypeAlias = Literal["appeared", "updated", "removed"]
 
 _NOTHING: Mapping[str, Any] = MappingProxyType({})
-"""The shared empty mapping: a dict of its own would be 64 bytes of each device, and most devices need none."""
+"""A shared empty mapping: most devices need none of their own, and an empty dict takes 64 bytes."""
 
 # Looked up once: pydantic's metaclass makes each look-up on a message type cost as much as a call.
 _reading_of, _sighting_of, _value_of = Reading.of_checked, Sighting.of_checked, Value.of
 
 _PLAIN = frozenset({bool, float})
 _MAX_STREAMS = 1000
-"""Streams of reports of one device, which may have 500 properties with a topic each; further ones share one."""
+"""Report streams of one device, which may have 500 properties with a topic each; the rest share one."""
 
 _MAX_READINGS = 100
 _NEVER = Time(sec=0, nanosec=0)
@@ -45,7 +45,7 @@ _UNPUBLISHED: Mapping[str, Any] = {
     "confirmed": False,
     "heard_at": 0.0,
 }
-"""What is new in each sighting, as it is before the first one."""
+"""The fields that differ from one sighting to the next, with their values before the first."""
 
 _NO_ENDPOINT = TextEndpoint("", "", "")
 _ONLY_TEXTS = frozenset({str})
@@ -53,13 +53,13 @@ _ONLY_TEXTS = frozenset({str})
 
 @dataclass(slots=True, eq=False)
 class AnnouncedPart(PartTexts):
-    """One part of a described device, as it speaks.
+    """One part of a described device, and its last reports.
 
     Attributes:
-        address: Where it is listened to: its text address, or the address on which it says text by itself.
-        known: The last value of each capability with its reading; None if it reported none.
-        names: The capabilities of its last short state, one object for all its states that have the same.
-        is_plain: Whether all that it ever reported were numbers and flags, and no events.
+        address: Address of its texts: the gateway's text address, or the one on which the device publishes text.
+        known: The last value of each capability with its reading; None before the first report.
+        names: The capabilities of its last short state; states with the same capabilities share the tuple.
+        is_plain: Whether it has only ever reported numbers and flags, and no events.
     """
 
     stored: StoredAnnouncement
@@ -70,15 +70,15 @@ class AnnouncedPart(PartTexts):
     is_plain: bool = field(default=True, init=False)
 
     def reports(self, capability: str) -> bool:
-        """Return whether it reports *capability* as a lasting value, so that it shows whether it obeyed."""
+        """Return whether it reports *capability* as a lasting value, which can confirm a command."""
         capabilities = self.described.part.capabilities
         return capability not in MOMENTARY and any(one.name == capability and one.readable for one in capabilities)
 
     def readings(self, values: Mapping[str, PlainValue]) -> list[Reading]:
-        """Return *values* as readings, each the same one as before where the value is the same.
+        """Return *values* as readings; an unchanged value keeps its reading.
 
         Raises:
-            pydantic.ValidationError: A value, or the name of a capability, is none that a reading can have.
+            pydantic.ValidationError: A value or the name of a capability is invalid.
         """
         found = []
         if (known := self.known) is None:
@@ -103,14 +103,14 @@ class AnnouncedPart(PartTexts):
 
 
 class SharedReachability:
-    """The last reports of whether a device can be reached, and their combined meaning.
+    """The last availability reports of a device, and what they mean together.
 
-    Equal availabilities of one device share it: its announcements mostly have the same.
+    All announcements of a device with equal availabilities share it, as most have.
 
     Attributes:
         value: True if the device can be reached; None for unknown.
-        members: The announcements with it, each with a part; an empty one is the whole.
-        subscriptions: The filters that it is read on, each with its reader.
+        members: The announcements that use it, each with a part; ``""`` is the whole device.
+        subscriptions: The filters on which it is read, each with its reader.
     """
 
     __slots__ = ("_latest", "_reports", "address", "availability", "members", "subscriptions", "value")
@@ -125,14 +125,14 @@ class SharedReachability:
         self._latest: tuple[bool, bool] | None = None
 
     def update(self, index: int, is_reachable: bool, *, retained: bool) -> None:  # noqa: FBT001 - the report of the source
-        """Record the report of source *index*: whether the device can be reached."""
+        """Record the report of source *index*."""
         self._reports[index] = self._latest = is_reachable, retained
         self.value = self._combined()
 
     def discard_retained_offline(self) -> None:
-        """Forget each "offline" that the broker had kept from before the device's message: it is often never cleared.
+        """Forget each retained "offline", now that the device has spoken: many are never cleared.
 
-        An "offline" that was heard live stays, and so does every "online".
+        An "offline" received live stays, and so does every "online".
         """
         if self._latest == _RETAINED_OFFLINE:
             self._latest = None
@@ -154,7 +154,7 @@ _RETAINED_OFFLINE = (False, True)
 
 @dataclass(frozen=True, slots=True)
 class AvailabilityReader:
-    """One address that tells whether a device, or some of its parts, can be reached."""
+    """One address that reports whether a device, or some of its parts, can be reached."""
 
     reachability: SharedReachability
     index: int
@@ -162,19 +162,19 @@ class AvailabilityReader:
 
 @dataclass(slots=True, eq=False)
 class StoredAnnouncement:
-    """A device, or one announcement of it, that a gateway publishes.
+    """A device, or one announcement of a device, that a gateway publishes.
 
     Attributes:
-        excess: Bytes beyond the length that its offers explain.
-        stale_after: Seconds of silence after which it counts as stale; 0 for the default of its gateway.
-        reachability: Reported reachability of the device (``""``) and its parts; only of those that report it.
-        subscriptions: The filters that its parts are read on.
+        excess: Bytes beyond the length that its number of parts justifies.
+        stale_after: Seconds of silence after which it counts as stale; 0 for the gateway's default.
+        reachability: Reported reachability of the device (``""``) and of the parts that report it.
+        subscriptions: The filters on which its parts are read.
         is_confirmed: Whether the last sighting was a sign of life of the device itself.
-        heard_at: When it last reported, or was announced, live, on the monotonic clock; -inf where it was not.
-        refresh_at: Reading of the monotonic clock from which on another sign of life is worth a sighting.
-        reachable: Whether the device (``""``) and its parts can be reached, as it was published last.
-        report_streams: The streams of reports that late joiners get, by address and reported values.
-        template: Its last sighting, or before the first one a sighting with what all have in common.
+        heard_at: When it last reported or was announced live, on the monotonic clock; -inf for never.
+        refresh_at: When, on the monotonic clock, the next sign of life is due for a sighting.
+        reachable: Whether the device (``""``) and its parts can be reached, as last published.
+        report_streams: The report streams that late joiners get, by address and reported values.
+        template: Its last sighting; before the first one, the fields that all of them share.
     """
 
     gateway: str
@@ -201,16 +201,16 @@ class StoredAnnouncement:
             if one.part.service_type:
                 shown.append(one.part)
             self.parts[part] = AnnouncedPart(self, one, text_address(self.key, part) if text is None else text.address)
-        self.template = self._template(tuple(shown))  # so that an invalid sighting is found at once
+        self.template = self._template(tuple(shown))  # so that an invalid one fails at once
 
     def publishes_the_same(self, other: StoredAnnouncement) -> bool:
-        """Return whether the graph sees no difference between the two."""
+        """Return whether the graph would see no difference."""
         return self.template.model_copy(update=_UNPUBLISHED) == other.template.model_copy(update=_UNPUBLISHED)
 
     def report_stream(self, *source: object) -> str:
-        """Return the name of the report stream of *source*: the address, and what is reported.
+        """Return the name of the report stream of *source*: an address, and the names of the reported values.
 
-        So a report takes the place of one with the same values alone; sources beyond 1,000 of a device share a stream.
+        A report replaces only reports of the same values. Beyond 1,000 sources, those of a device share a stream.
         """
         if source not in self.report_streams and len(self.report_streams) >= _MAX_STREAMS:
             source = ("*",)
@@ -221,7 +221,7 @@ class StoredAnnouncement:
         return name
 
     def copy_state(self, before: StoredAnnouncement) -> None:
-        """Take over the state of the device from the announcement *before* this one."""
+        """Copy the state of the device from the announcement *before* this one."""
         self.is_confirmed = before.is_confirmed
         self.heard_at, self.refresh_at = before.heard_at, before.refresh_at
         self.report_streams = before.report_streams
@@ -236,23 +236,23 @@ class StoredAnnouncement:
                 announced_part.copy_texts(old)
 
     def detach(self) -> None:
-        """Forget its parts, which refer back to it: a removed announcement must not wait for the garbage collector."""
+        """Drop its parts, which refer back to it, so that it is freed without the garbage collector."""
         self.parts, self.reachability, self.subscriptions = {}, _NOTHING, []
 
     def record_reachable(self, part: str, reachable: bool | None) -> None:  # noqa: FBT001 - the value itself
-        """Record the published reachability of *part*; most devices report none."""
+        """Record the published reachability of *part*."""
         if not isinstance(self.reachable, dict):
             self.reachable = {}
         self.reachable[part] = reachable
 
     def _template(self, parts: tuple[Part, ...]) -> Sighting:
-        """Return the common fields of all its sightings; its addresses are those of its main part's texts.
+        """Return the common fields of its sightings; the addresses are those of the main part's texts.
 
-        One that says text by itself has the addresses, and the service type, of that.
+        A device that publishes text by itself has the addresses and the service type of that text.
 
         Raises:
-            WireError: A name or an address is no text.
-            pydantic.ValidationError: A fact is none that a sighting can have.
+            WireError: A name or an address is not a string.
+            pydantic.ValidationError: A fact is invalid.
         """
         described = self.described
         endpoint = text = described.text
@@ -285,6 +285,6 @@ class StoredAnnouncement:
         )
 
 
-@lru_cache(maxsize=10_000)  # devices have many facts in common
+@lru_cache(maxsize=10_000)  # devices share many facts
 def _fact(key: str, value: str) -> KeyValue:
     return KeyValue(key=key, value=value)

@@ -30,19 +30,19 @@ _OUT_DEPTH = 1000
 _CARRIED_OUT = SendCommandResponse(success=True, message="", problem="", unable=False)
 
 Perform: TypeAlias = Callable[[Command], Coroutine[object, object, None]]
-"""The port: carries out a command of which it returns when the network has it.
+"""The port of a protocol: sends a command, and returns when the network has it.
 
-It raises :class:`UnableError` where the part cannot do that as it is described and nothing was sent,
-:class:`LinkError` where the device or its network cannot be reached now, and :class:`RefusedError` where one of them
-says no. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
+It raises :class:`UnableError` if the part as described cannot do that and nothing was sent,
+:class:`LinkError` if the device or its network cannot be reached now, and :class:`RefusedError` if one of them
+refuses. It waits for an answer inside :func:`homebot.support.unanswered.awaiting_answer`.
 """
 
 
 class RawMessages(Protocol):
-    """The port to the raw messages of a protocol; an address of its own is never a text address."""
+    """The port to the raw messages of a protocol; its addresses are never text addresses."""
 
     def send_raw(self, command: RawCommand) -> Awaitable[object]:
-        """Send a raw command to the address that it names, once awaited.
+        """Send a raw command to its address; nothing is sent before the result is awaited.
 
         Raises:
             RefusedError: It cannot be sent there.
@@ -50,28 +50,26 @@ class RawMessages(Protocol):
         """
 
     def find_source(self, address: str, listener: str) -> tuple[str, str]:
-        """Return key and name of the device that reports raw messages on *address*, known or not yet.
+        """Return key and name of the device with raw messages on *address*, even if it is not known yet.
 
-        The *listener* that reads where robots are may listen to other addresses too, where the protocol has them.
+        The *listener* that tracks robots may also listen to addresses without a device.
 
         Raises:
             RefusedError, WireError: Listening there is not allowed.
-            InvalidNameError: It is no address.
+            InvalidNameError: It is not an address.
         """
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        """Return the messages on *address* since *since*, on the monotonic clock, for a new listener."""
+        """Return the kept messages on *address* since *since*, on the monotonic clock, for a new listener."""
 
 
 class CommandServer:
-    """The services that gateways of all protocols share, and the topic ``out``.
-
-    They are the graph names of :mod:`homebot.gateways.base` but ``state`` and those of offers.
+    """The services that all gateways share, and the topic ``out``; see :mod:`homebot.gateways.base`.
 
     Args:
-        health: Returns the health report beside that of the engine.
-        keeps_states: Whether a new listener to the texts of a part gets its last state as a retained one;
-            no if the network itself retains states and sends them.
+        health: Returns the health report of the protocol, which the engine's counters complete.
+        keeps_states: Whether a new listener to the texts of a part gets its last state as a retained message;
+            False if the network itself retains states.
     """
 
     def __init__(
@@ -101,7 +99,7 @@ class CommandServer:
         self._out = node.create_subscription(RawCommand, names.out, self._send, _OUT_DEPTH, concurrent=True)
 
     async def serve(self, command: Command) -> SendCommandResponse:
-        """Answer the service: carry *command* out, and return its outcome."""
+        """Carry out *command*, and return its outcome."""
         if not self._gateway.acts:
             self._counters.commands_refused += 1
             return SendCommandResponse(success=False, message=self._gateway.observes_because, problem="refused")
@@ -109,7 +107,7 @@ class CommandServer:
         requests = SentRequests()
         token = SENT_REQUESTS.set(requests)
         try:
-            async with limit:  # as while a radio connects: nothing happens late
+            async with limit:  # so that nothing happens late, for example after a radio has connected
                 if self._out.mailbox.queue or self._out.unbegun:
                     await self._wait_for_raw()
                 if command.approved:
@@ -132,7 +130,7 @@ class CommandServer:
         return _CARRIED_OUT
 
     def subscribe(self, request: SubscribeToTopicRequest) -> SubscribeToTopicResponse:
-        """Answer the service: deliver all further messages on an address."""
+        """Deliver all further messages on an address."""
         try:
             part = read_text_address(request.topic)
             key, name = (
@@ -150,7 +148,7 @@ class CommandServer:
         return SubscribeToTopicResponse(success=True, message="", data_topic=publisher.topic_name, missed=missed)
 
     def _check_approved(self, command: Command) -> None:
-        """Refuse a command if its part is described anew since the owner approved it."""
+        """Refuse a command to a part whose description has changed since the owner approved it."""
         template = self._find_part(command.key, command.part).stored.template
         part = next((one for one in template.parts if one.id == command.part), None)
         if part is None or CommandDescription.of(part, template.identifiers).digest != command.approved:
@@ -199,15 +197,15 @@ class CommandServer:
         await self._perform(command)
 
     async def _wait_for_raw(self) -> None:
-        """Wait until the sending of each raw command that is queued now has begun."""
+        """Wait until every raw command queued so far has begun to be sent."""
         mailbox = self._out.mailbox
-        for _ in range(len(mailbox.queue)):  # at each change one of them is taken out, or several
+        for _ in range(len(mailbox.queue)):  # each change takes out at least one
             if mailbox.queue:
                 await mailbox.wait_for_change()
-        await anyio.lowlevel.checkpoint()  # the tasks of those that were taken begin
+        await anyio.lowlevel.checkpoint()  # their tasks begin
 
     def _device_of(self, key: str) -> tuple[str, str]:
-        """Return key and name; a listener from before the gateway's restart asks before its devices are found."""
+        """Return key and name; after a restart of the gateway, listeners ask before the device is found again."""
         stored = self._devices.get(key)
         return key, (stored.described.name if stored is not None else "") or key
 

@@ -1,4 +1,4 @@
-"""Counters of a gateway of any protocol. Pure."""
+"""The counters of a gateway of any protocol. Pure."""
 
 from dataclasses import dataclass
 
@@ -7,30 +7,30 @@ __all__ = ["GatewayCounters"]
 
 @dataclass(slots=True)
 class GatewayCounters:
-    """The counters of one gateway since its start; counters that its protocol lacks stay 0.
+    """The counters of one gateway since its start; those that do not apply to its protocol stay 0.
 
     Attributes:
-        rejected: Messages that no device can have sent.
-        commands: Commands that the network took.
-        commands_refused: Commands that were refused, by us or by the network.
-        commands_failed: Commands that found no link.
-        announcements: Messages in which devices were announced or taken back.
-        announcements_ambiguous: Those with a key twice in their JSON.
-        announcements_rejected: Those that broke the rules of their convention.
-        announcements_derived: Those of devices that the list of their bridge describes, which are not registered.
-        announcements_deferred: Those that had to wait because too much that came where they did broke the rules.
-        devices_refused: Descriptions that were one too many, had too many parts, or were too long for them.
-        topics_refused: Addresses of states that are not listened to.
-        topics_reserved: Addresses of commands that were announced and belong to no device.
-        types_refused: Times that a service type was announced and not looked for, because there were too many.
-        addresses_refused: Network addresses that were dropped because their host announces too many.
-        readings_refused: Values that no described part can have reported.
-        oversize: Messages that were too long to be looked at.
-        failures: Times that a convention raised an unexpected exception.
-        asks: Questions to devices for their state.
-        asks_dropped: Questions that were one too many.
-        expiries_dropped: Values that do not end by themselves because too many others do.
-        quarantines: Times that a peer, or a group of them, began to be read a little at a time.
+        rejected: Invalid messages of devices.
+        commands: Commands that the network accepted.
+        commands_refused: Commands refused by homebot or by the network.
+        commands_failed: Commands that failed for lack of a link or an answer.
+        announcements: Messages that announce or withdraw devices.
+        announcements_ambiguous: Announcements with duplicate keys in their JSON.
+        announcements_rejected: Announcements that broke the rules of their convention.
+        announcements_derived: Announcements left out because the bridge's list already describes the device.
+        announcements_deferred: Announcements that waited because their source, or its group, broke the rules too often.
+        devices_refused: Descriptions that exceeded a limit: of devices, parts or length.
+        topics_refused: State addresses that could not be subscribed to.
+        topics_reserved: Announced command addresses that are reserved.
+        types_refused: Announced service types that were not browsed, because there were too many.
+        addresses_refused: Network addresses dropped because their host announces too many.
+        readings_refused: Reported values that do not fit the described part.
+        oversize: Messages too long to be read.
+        failures: Unexpected exceptions of conventions.
+        asks: Requests to devices for their state.
+        asks_dropped: Such requests dropped because too many were queued.
+        expiries_dropped: Values that will not expire, because too many others are waiting to.
+        quarantines: Quarantines begun, of a peer or of a group.
     """
 
     received: int = 0

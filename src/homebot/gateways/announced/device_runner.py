@@ -1,4 +1,4 @@
-"""Works with one device again and again: connects, waits with a growing pause where that fails, and connects again."""
+"""The connection to one device: kept, and made again with growing pauses after failures."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Mapping, MutableMapping
@@ -22,20 +22,20 @@ FAILED = "device.failed"
 CRASHED = "device.crashed"
 
 LISTED_WITHIN: Final = 5.0
-"""Seconds after which a device is listed as it is known from elsewhere if it has not answered yet."""
+"""Seconds after which a device that has not answered is listed with what is known from elsewhere."""
 
 STEADY_AFTER: Final = 60.0
-"""Seconds that a connection has to last for the back-off to start over."""
+"""Seconds for which a connection must last to reset the back-off."""
 
 SLEEPER_WITHIN: Final = 5.0
-"""Longest pause between two attempts to connect to a device that sleeps: it is awake for some seconds only."""
+"""Longest pause between attempts to connect to a sleepy device, which is awake for a few seconds only."""
 
 MAX_PROBLEMS: Final = 20
-"""Devices in the list of problems."""
+"""Most devices in the list of problems."""
 
 
 class DriverHost(Protocol):
-    """The interface that a gateway offers to the driver of one service."""
+    """The gateway as the driver of one device sees it."""
 
     clock: Clock
     log: FilteringBoundLogger
@@ -44,33 +44,33 @@ class DriverHost(Protocol):
         """Publish the description of the device, once it is known and on each change.
 
         Args:
-            device: The device; its key is that of the service. Facts from DNS-SD are added by the gateway.
+            device: Has the key of the service; the gateway adds the facts from DNS-SD.
         """
 
     def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
-        """Publish the descriptions of the devices that the device connects, in place of those before.
+        """Publish the descriptions of all devices behind this one, each with a key of its own.
 
-        They can be reached if the device can; each has a key of its own.
+        They replace the earlier ones, and can be reached if the device can.
         """
 
     async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
-        """Publish a report of a part, in the units of the vocabulary; values that it cannot have are refused.
+        """Publish a report of a part, in the units of the vocabulary; values that do not fit the part are refused.
 
         Args:
-            key: The key of a device behind the device; empty for the device itself.
+            key: The key of a device behind this one; empty for the device itself.
         """
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the device with all behind it, or one of its parts, can be reached.
+        """Publish whether the device and all behind it, or one of its parts, can be reached.
 
-        The gateway does so for the connection.
+        The gateway itself does so when the connection is made or lost.
         """
 
     async def deliver_raw(self, payload: bytes) -> None:
         """Deliver a raw message of the device to the subscribers of its address."""
 
     def reject(self, payload: bytes, why: str) -> None:
-        """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
+        """Count a message of the device that breaks its protocol, and log it at a limited rate."""
 
 
 class PublishedDevice:
@@ -91,7 +91,7 @@ class PublishedDevice:
         self._devices.put(device, "it described itself")
 
     def describe_behind(self, devices: Iterable[GatewayDevice]) -> None:
-        """Publish the descriptions of the devices behind it that are new or changed, and remove the others."""
+        """Publish the new and changed descriptions of devices behind it, and remove devices not among them."""
         described = {one.key: one for one in devices}
         for key in self._behind.keys() - described.keys():
             del self._behind[key]
@@ -103,11 +103,11 @@ class PublishedDevice:
             self._devices.report_reachable(key, reachable=True)
 
     async def report(self, values: Mapping[str, PlainValue], part: str = "", key: str = "") -> None:
-        """Publish the reported values of a part, of the device or of the one behind it with that *key*."""
+        """Publish the reported values of a part: of the device, or of the one with that *key* behind it."""
         await self._devices.report(key or self.key, values, part)
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the device with all behind it, or one of its parts, can be reached."""
+        """Publish whether the device and all behind it, or one of its parts, can be reached."""
         self._devices.report_reachable(self.key, part, reachable=reachable)
         for key in () if part else self._behind:
             self._devices.report_reachable(key, reachable=reachable)
@@ -117,17 +117,17 @@ class PublishedDevice:
         await self._devices.deliver_raw(self.key, payload)
 
     def reject(self, payload: bytes, why: str) -> None:
-        """Count a message of the device that breaks the rules of its protocol, and log it now and then."""
+        """Count a message of the device that breaks its protocol, and log it at a limited rate."""
         self._devices.reject(self.key, payload, why)
 
 
 class DeviceRunner(PublishedDevice, ABC):
-    """Works with one device until it is stopped, and publishes whether it can be reached.
+    """Keeps the connection to one device until stopped, and publishes whether the device can be reached.
 
     Attributes:
-        problem: The reason why it is not connected, as text; empty if it is, or has not tried yet.
-        needs_help: Whether a person has to do something about that, rather than wait.
-        sleeps: Whether a lost connection says nothing: it leaves the network to save its battery.
+        problem: Why it is not connected, in words; empty if it is, or has not tried yet.
+        needs_help: Whether a person has to act on the problem, rather than wait.
+        sleeps: Whether the device leaves the network to save its battery, so that a lost connection means nothing.
     """
 
     def __init__(
@@ -154,30 +154,30 @@ class DeviceRunner(PublishedDevice, ABC):
         """Connect, publish the device's values, and call :meth:`on_answer` when it answers, until cancelled.
 
         Raises:
-            LinkError: It cannot be connected to, or the connection was lost.
-            PeerError: It broke the rules of its protocol, or refuses homebot; the message gives the remedy.
+            LinkError: It cannot be reached, or the connection was lost.
+            PeerError: It broke its protocol, or refuses homebot; the message gives the remedy.
         """
 
     @abstractmethod
     def list_unheard(self) -> None:
-        """Publish the device as it is known from elsewhere; called if it has not answered yet."""
+        """Publish the device as known from elsewhere; called if it has not answered yet."""
 
     def on_answer(self) -> None:
-        """Record that the device answers, and is published."""
+        """Record that the device has answered and is published."""
         self._is_listed = True
         self.problem, self.needs_help = "", False
 
     def not_connected(self) -> LinkError:
-        """Return the error of a command that comes while there is no connection."""
+        """Return the error for a command without a connection."""
         return LinkError(f"{self.name} is not connected" + (f": {self.problem}" if self.problem else ""))
 
     def on_end(self) -> None:
-        """Publish that the connection ended."""
+        """Publish the end of the connection."""
         self._list()
         self.report_reachable(reachable=None if self.sleeps else False)
 
     async def run(self) -> None:
-        """Work with the device until it is stopped; after a failure, wait with a growing pause and try again."""
+        """Connect and work until stopped, with growing pauses after failures."""
         with self._work:
             async with anyio.create_task_group() as tasks:
                 tasks.start_soon(self._list_in_time)
@@ -193,16 +193,16 @@ class DeviceRunner(PublishedDevice, ABC):
                         await anyio.sleep(min(pause, SLEEPER_WITHIN) if self.sleeps and not self.needs_help else pause)
 
     def restart(self) -> None:
-        """Connect anew, at once."""
+        """Connect again at once."""
         self._attempt.cancel()
         self._pause.cancel()
 
     def wake(self) -> None:
-        """Try again at once if the next attempt is awaited: the device gave a sign of life."""
+        """End the pause before the next attempt: the device gave a sign of life."""
         self._pause.cancel()
 
     def stop(self) -> None:
-        """End :meth:`run`; nothing is published after that."""
+        """End :meth:`run` without publishing anything."""
         self._work.cancel()
 
     @property
@@ -211,7 +211,7 @@ class DeviceRunner(PublishedDevice, ABC):
         return self._work.cancel_called
 
     async def _try(self) -> Backoff | None:
-        """Work until that fails; return the back-off to wait, or None to try again at once."""
+        """Work until a failure; return its back-off, or None to try again at once."""
         failed: Backoff | None = None
         with anyio.CancelScope() as self._attempt:
             try:
@@ -224,7 +224,7 @@ class DeviceRunner(PublishedDevice, ABC):
                 failed = WRONG_ANSWER_BACKOFF if isinstance(cause, WireError) else DEVICE_REFUSED_BACKOFF
                 self.problem = str(cause)
                 self._devices.engine.quarantine.log_limited(FAILED, f"{self.name}: {self.problem}", self.key)
-            except* Exception as group:  # the work with one device must not end that with others
+            except* Exception as group:  # a failure with one device must not affect the others
                 failed, self.problem = DEVICE_REFUSED_BACKOFF, error_text(group)
                 self.log.warning(CRASHED, message=f"{self.name}: {self.problem}", device=self.key, exc_info=group)
         self.needs_help = failed is not None and failed is not self._lost_backoff
@@ -243,5 +243,5 @@ class DeviceRunner(PublishedDevice, ABC):
 
 
 def problems_of(runners: Iterable[DeviceRunner | None]) -> Iterator[str]:
-    """Return the problems of devices that need a person's help, as text; :data:`MAX_PROBLEMS` at most."""
+    """Return the problems that need a person's help, in words; at most :data:`MAX_PROBLEMS`."""
     return islice((f"{one.name}: {one.problem}" for one in runners if one is not None and one.needs_help), MAX_PROBLEMS)

@@ -1,4 +1,4 @@
-"""The mechanisms that gateways of all protocols share, made for one gateway."""
+"""The mechanisms that gateways of all protocols share."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -28,19 +28,16 @@ _NOT_ANNOUNCED = (
     "no announcement of it was accepted since this gateway started; "
     "restart the device or its bridge, which then announces it, or wait until it does"
 )
-"""A device that the directory remembers, and the network does not, as after a restart of the embedded broker."""
+"""For a device that the directory remembers and the network does not, as after a restart of the embedded broker."""
 
 _OTHER_TOPICS = "it has just announced other command topics, which may be those of another device; try again"
 
 _NOT_DESCRIBED = "it has not said what it can do since this gateway started; it may be asleep: wake it, and try again"
-"""A device that is listed, and was not connected to yet, such as one that sleeps."""
+"""For a listed device that has not been connected yet, such as a sleepy one."""
 
 
 class GatewayEngine(Generic[MessageT]):
-    """The mechanisms of one gateway, over the *devices* that it keeps.
-
-    They need no task of the gateway: waiting and timing are done by tasks of its node. The services are those of
-    :class:`homebot.gateways.announced.command_server.CommandServer`.
+    """The mechanisms of one gateway, for the *devices* that it keeps; their tasks are those of its node.
 
     Args:
         inboxes: Whether nodes get raw messages and texts in their inboxes, rather than on a topic for each device.
@@ -80,7 +77,7 @@ class GatewayEngine(Generic[MessageT]):
         node.create_task(self.scheduler.run)
 
     def find_part(self, key: str, part_id: str, topics: tuple[str, ...] = ()) -> AnnouncedPart:
-        """Return a part that is described, for commands on *topics* if these are known.
+        """Return a described part, for commands on *topics* if these are known.
 
         Raises:
             UnableError: No device has that key and part, or it has other topics by now.
@@ -106,11 +103,11 @@ class GatewayEngine(Generic[MessageT]):
         for part in () if stored is None else stored.described.parts:
             for line in sent_commands(part):
                 lines.append(line)
-                await anyio.lowlevel.checkpoint()  # the template of a stranger may take milliseconds
+                await anyio.lowlevel.checkpoint()  # a stranger's template may take milliseconds
         return DescribeCommandsResponse(commands=tuple(lines))
 
     def health(self, own: HealthResponse) -> HealthResponse:
-        """Return the health report *own* with the counters here, and the quarantined sources."""
+        """Return the health report *own*, completed with the counters and quarantined sources of the engine."""
         counts = {
             **asdict(self.counters),
             "announcements_ignored": self.quarantine.waiting.dropped,

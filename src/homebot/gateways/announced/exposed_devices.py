@@ -23,15 +23,15 @@ KnownStates: TypeAlias = Mapping[tuple[str, str], PlainValue]
 """Values by part and capability."""
 
 PublishStates: TypeAlias = Callable[[ExposedDevice, KnownStates, Collection[tuple[str, str]]], None]
-"""Publishes the states that are known of a device, now that some of them changed, by part and capability."""
+"""Publishes the known states of a device, of which those in the collection changed."""
 
 
 class ExposedDevices:
-    """The devices that homebot exposes, with their states, for a gateway that shows them; 1,000 devices at most.
+    """The devices that homebot exposes through one gateway, with their states; 1,000 devices at most.
 
     Args:
-        show: Publishes that a device is exposed, or that it is withdrawn.
-        log: Warns of a device that cannot be exposed: by an event, in words, about an id.
+        show: Publishes a device that is exposed or withdrawn.
+        log: Warns of a device that cannot be exposed; takes the event, the message and the device's id.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class ExposedDevices:
         self._commands.publish(command)
 
     def show_all(self) -> None:
-        """Publish all devices and states again, as on a new link; events are not repeated."""
+        """Publish all devices and states again on a new link; events are not repeated."""
         for offer in self._offers.values():
             self._show(offer)
             self._publish_all(offer)

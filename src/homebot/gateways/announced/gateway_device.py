@@ -20,26 +20,25 @@ __all__ = ["GatewayDevice", "ShowingCodec", "can_report", "check_command", "simp
 
 @dataclass(frozen=True, slots=True)
 class GatewayDevice:
-    """A device in a protocol that describes its devices.
+    """A device, as the gateway of its protocol describes it.
 
     Attributes:
-        key: The gateway's key for it: unique there, and the same after a restart.
-        parts: The units that can be used by themselves; a device with unknown parts has none.
-        identifiers: See :func:`homebot.devices.identity.identifiers`; identifiers that hold beyond this gateway.
-        authenticated: Whether it proved to the gateway that it is the owner's; see :class:`homebot.devices.Sighting`.
-        area: The room that it is said to be in; empty for none.
-        service_type: Its type in the protocol's own words; by default the type of its main part.
-        address: Where it says the state of its main part by itself, as plain text (``on``, ``21.5``) that apps read; by
-            default the text address of that part, on which the gateway says it.
-        command_address: Where it takes plain text by itself; likewise.
-        raw_address: The address of its raw messages, in any format; by default *address*,
-            or else its key: apps that read plain text never hear them.
-        stale_after: Seconds of silence after which it counts as stale; 0 for the default of the gateway.
-        sleeps: Whether it is off the network most of the time, to save its battery; it is there all the same.
-        expiries: Values that end by themselves, by the id of the part, such as of a motion sensor that never says that
-            all is quiet again.
-        codecs: Codecs that only show the owner what commands send, by the id of the part; see :class:`ShowingCodec`.
-        native: False where another program tells of it, whose protocol is not the device's own: its own is preferred.
+        key: The gateway's key for it: unique there, and stable across restarts.
+        parts: Its separately usable units; empty if they are unknown.
+        identifiers: Identifiers that other gateways know too; see :func:`homebot.devices.identity.identifiers`.
+        authenticated: Whether it proved that it belongs to the owner; see :class:`homebot.devices.Sighting`.
+        area: Its room, as the protocol reports it; empty for none.
+        service_type: Its type in the protocol's own terms; by default the type of its main part.
+        address: Where the device itself publishes the state of its main part as plain text (``on``, ``21.5``); by
+            default the part's text address, on which the gateway publishes it.
+        command_address: Where the device itself accepts plain text; likewise.
+        raw_address: The address of its raw messages, in any format; by default *address*, or else its key. Apps that
+            read plain text do not receive them.
+        stale_after: Seconds of silence after which it counts as stale; 0 for the gateway's default.
+        sleeps: Whether it is off the network most of the time to save its battery; it still counts as present.
+        expiries: Values that end by themselves, by part id: some motion sensors never report the end of motion.
+        codecs: Codecs that show the owner what commands send, by part id; see :class:`ShowingCodec`.
+        native: False if another program reports it in a protocol that is not the device's own.
     """
 
     key: str
@@ -61,11 +60,11 @@ class GatewayDevice:
 
     @property
     def raw(self) -> str:
-        """The address on which its raw messages are listened to; never the text address that the engine makes."""
+        """The address of its raw messages; never the text address that the engine makes."""
         return self.raw_address or self.address or self.key
 
     def described(self) -> DeviceAnnounced:
-        """Return it as an announcement of no convention."""
+        """Return it as an announcement that belongs to no convention."""
         parts = tuple(
             DescribedPart(one, self.codecs.get(one.id, _NO_CODEC), expiries=self.expiries.get(one.id, ()))
             for one in self.parts
@@ -75,7 +74,7 @@ class GatewayDevice:
         )
 
     def complete(self, stored: StoredAnnouncement) -> None:
-        """Add to *stored* the data that no announcement has: the device's own addresses and expiry."""
+        """Add the data that announcements lack to *stored*: the device's own addresses and its expiry."""
         stored.stale_after = self.stale_after
         own = {name: getattr(self, name) for name in ("service_type", "address", "command_address")}
         given: dict[str, object] = {name: text for name, text in own.items() if text}
@@ -86,7 +85,7 @@ class GatewayDevice:
 
 
 class ShowingCodec:
-    """The codec of a part that its gateway reads and writes by itself; a subclass can show the messages of commands."""
+    """The codec of a part that its gateway reads and writes itself; a subclass can show the messages of commands."""
 
     def topics(self) -> tuple[str, ...]:
         """Return no topics."""
@@ -98,7 +97,7 @@ class ShowingCodec:
         return NO_READINGS
 
     def write(self, capability: str, value: PlainValue, *, transition: float = 0.0) -> tuple[Publication, ...]:
-        """Raise RefusedError, so that nothing is shown."""
+        """Refuse, so that nothing is shown."""
         del value, transition
         raise RefusedError(capability, "its gateway encodes its messages")
 
@@ -111,8 +110,8 @@ def simple_part(service_type: str, *, settable: tuple[str, ...] = (), readable: 
 
     Args:
         service_type: A device type of the vocabulary, for example ``light``.
-        settable: The capabilities that can be set, and are reported.
-        readable: Those that are only reported.
+        settable: Capabilities that can be set and are reported.
+        readable: Capabilities that are only reported.
 
     Raises:
         UsageError: The vocabulary has no such type or capability.
@@ -133,7 +132,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
     """Check that *capability* of *part* can be set to *value*.
 
     Raises:
-        RefusedError: It cannot; the message names the accepted values.
+        RefusedError: It cannot be; the message names the accepted values.
     """
     found = _settable(part, capability)
     kind = CAPABILITIES.get(capability, OWN).kind
@@ -150,7 +149,7 @@ def check_command(part: Part, capability: str, value: PlainValue) -> None:
 
 
 def can_report(part: Part, capability: str, value: PlainValue) -> bool:
-    """Return whether *value* can be one that *part* reports for *capability*; None, for unknown, always can."""
+    """Return whether *part* can report *value* for *capability*; None, for unknown, always can be."""
     found = next((one for one in part.capabilities if one.name == capability and one.readable), None)
     return found is not None and (value is None or _is_of_kind(CAPABILITIES.get(capability, OWN).kind, value))
 

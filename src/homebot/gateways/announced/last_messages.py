@@ -1,4 +1,4 @@
-"""The last message on each topic, kept for parts that are announced after it came. Pure."""
+"""The last message on each topic, kept for parts that are announced later. Pure."""
 
 from collections import OrderedDict
 from typing import NamedTuple
@@ -21,10 +21,7 @@ class CachedMessage(NamedTuple):
 
 
 class LastMessageCache:
-    """Messages by topic, 32 MiB at most; the one that was replaced the longest ago goes first.
-
-    A longer payload than 64 KiB is not kept.
-    """
+    """The last message of each topic: 32 MiB at most, of which the oldest goes first; none with over 64 KiB."""
 
     def __init__(self, max_total: int = MAX_TOTAL, max_each: int = MAX_EACH) -> None:
         self._max_total = max_total
@@ -33,7 +30,7 @@ class LastMessageCache:
         self._total = 0
 
     def put(self, topic: str, payload: bytes, at: Time, heard_at: float, *, retained: bool) -> None:
-        """Remember the last message on *topic*; see :class:`CachedMessage`."""
+        """Store the last message on *topic*; see :class:`CachedMessage`."""
         kept, length = self._kept, len(payload)
         before = kept.pop(topic, None)
         if length > self._max_each:
@@ -46,5 +43,5 @@ class LastMessageCache:
             self._total -= len(lost.payload) + len(oldest)
 
     def get(self, topic: str) -> CachedMessage | None:
-        """Return the last word on *topic*, or None."""
+        """Return the last message on *topic*, or None."""
         return self._kept.get(topic)

@@ -1,7 +1,7 @@
-"""The devices that a gateway publishes, with all that the graph expects of it.
+"""The devices of a gateway, published with everything that the graph expects.
 
-Everything is published in the order of the calls. Commands to different parts are carried out side by side; an inbox
-that is full holds a report up for a moment, as :class:`homebot.gateways.raw_delivery.RawDelivery` says.
+Messages are published in the order of the calls. Commands to different parts run concurrently; a full inbox delays
+a report briefly, see :class:`homebot.gateways.raw_delivery.RawDelivery`.
 """
 
 from collections.abc import Awaitable, Callable, Iterable, Mapping
@@ -31,33 +31,33 @@ REJECTED = "gateway.message_rejected"
 MAX_DEVICES = 10_000
 
 SendRaw: TypeAlias = Callable[[RawCommand], Awaitable[None]]
-"""Sends a raw command to the address that it names; raises :class:`RefusedError` or :class:`LinkError`."""
+"""Sends a raw command to its address; raises :class:`RefusedError` or :class:`LinkError`."""
 
 FindSource: TypeAlias = Callable[[str], tuple[str, str]]
-"""Returns key and name of the device that reports raw messages on an address, known or not yet.
+"""Returns key and name of the device with raw messages on an address; may raise RefusedError.
 
-It raises :class:`RefusedError` if listening is not allowed.
+The device need not be known yet.
 """
 
 
 class PublishedDevices:
-    """Publishes the devices of a gateway, and takes their commands.
+    """Publishes the devices of a gateway, and receives their commands.
 
-    It serves the graph names of :mod:`homebot.gateways.base` that are duties, but ``state``, and those of raw messages,
-    texts and quarantine.
+    It serves the names of :mod:`homebot.gateways.base` of every gateway, except ``state``, and those of raw
+    messages, texts and quarantine.
 
     Args:
-        send_raw: Sends raw commands to addresses; None for a protocol that has none.
-        find_source: Returns the device of an address of raw messages; by default the device that has it.
-        settings: The settings of the gateway, for the columns of every gateway's table; by default their defaults.
-        max_devices: Devices that may be known at once; see :class:`RegistryLimits` for the other limits.
-        find_problems: Returns the present problems of single devices, as text; the health service shows them.
-        find_notes: Returns what could be done about single devices of which none is wrong, likewise.
+        send_raw: Sends raw commands to addresses; None for a protocol without them.
+        find_source: Returns the device of a raw address; by default the registered one with that address.
+        settings: The keys that the tables of all gateways have in common.
+        max_devices: Most devices known at once; see :class:`RegistryLimits` for the other limits.
+        find_problems: Returns the current problems of devices, in words, for the health service.
+        find_notes: Returns advice about devices that work, likewise.
 
     Attributes:
-        gateway: The gateway, with the clock, the log and the random numbers of its devices.
-        engine: The mechanisms that do it, for a gateway that needs more of them.
-        problems: The present problems of the gateway, as text; the health service shows them first.
+        gateway: The gateway, with the clock, log and random numbers that its devices use.
+        engine: The underlying mechanisms, for a gateway that needs more of them.
+        problems: The current problems of the gateway, in words; the health service shows them first.
     """
 
     def __init__(
@@ -98,35 +98,35 @@ class PublishedDevices:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys of all devices, in the order in which they came."""
+        """The keys of all devices, oldest first."""
         return tuple(self._devices)
 
     def owner_of(self, address: str) -> tuple[str, str]:
-        """Return key and name of the device that reports raw messages on *address*; of none yet, the address itself."""
+        """Return key and name of the device with raw messages on *address*; the address itself if there is none yet."""
         device = self._by_address.get(address)
         return (address, address) if device is None else (device.key, device.name)
 
     def find_source(self, address: str, _listener: str) -> tuple[str, str]:
-        """Return key and name of the device of an address of raw messages."""
+        """Return key and name of the device with raw messages on *address*."""
         return self.owner_of(address) if self._find_source is None else self._find_source(address)
 
     async def send_raw(self, command: RawCommand) -> None:
-        """Send a raw command, as :class:`RawMessages` says; refused where the protocol has none."""
+        """Send a raw command; see :class:`RawMessages`. Refused by a protocol without raw commands."""
         if self._send_raw is None:
             raise RefusedError("the command", "this protocol takes no raw commands; use a text address")
         await self._send_raw(command)
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        """Return the last raw messages on *address* since *since*, on the monotonic clock."""
+        """Return the kept raw messages on *address* since *since*, on the monotonic clock."""
         last = self._last_raw.get(address)
         return () if last is None else missed(last.kept, since)
 
     def put(self, device: GatewayDevice, why: str, *, confirmed: bool = True) -> None:
-        """Publish a device that is new, or described anew, or still there.
+        """Publish a device that is new, has changed, or is still there.
 
         Args:
-            device: The device; one of the same key is replaced, and keeps its last reports.
-            confirmed: Whether the device itself was heard, rather than a note kept of it.
+            device: Replaces the device with the same key, but keeps its last reports.
+            confirmed: Whether the device itself was heard, rather than read from a cache or list.
         """
         self._reporter.refresh_time()
         before = self._devices.get(device.key)
@@ -146,7 +146,7 @@ class PublishedDevices:
             self._reporter.publish_sighting(stored, kind, why, confirmed=confirmed)
 
     async def confirm(self, keys: Iterable[str], why: str) -> None:
-        """Publish that these devices are still there, except for those that cannot be reached."""
+        """Publish that these devices are still there, except those that cannot be reached."""
         for key in tuple(keys):
             stored = self._devices.get(key)
             if stored is not None and stored.reachable.get("") is not False:
@@ -154,7 +154,7 @@ class PublishedDevices:
             await anyio.lowlevel.checkpoint()
 
     def remove(self, key: str, why: str) -> None:
-        """Publish that a device was taken out of the house, and keep nothing of it; no device is nothing new."""
+        """Publish that a device has left the house, and forget it; an unknown *key* is ignored."""
         self._reporter.refresh_time()
         stored = self._registry.remove(key)
         if stored is None:
@@ -168,11 +168,11 @@ class PublishedDevices:
     async def report(
         self, key: str, values: Mapping[str, PlainValue], part: str = "", *, retained: bool = False
     ) -> None:
-        """Publish the reported values of a part; values that it cannot have reported are refused, and counted.
+        """Publish the reported values of a part; values that it cannot report are refused and counted.
 
         Args:
             values: Values by capability, in the unit of the vocabulary; None for unknown.
-            retained: Whether it is a retained report, of an earlier state.
+            retained: Whether the report is of an earlier state.
         """
         stored = self._devices.get(key)
         described = None if stored is None else stored.parts.get(part)
@@ -188,18 +188,18 @@ class PublishedDevices:
             await self.engine.states.publish(described, known, retained=retained)
 
     def report_reachable(self, key: str, part: str = "", *, reachable: bool | None) -> None:
-        """Publish whether a device, or one of its parts, can be reached; None for unknown. It is there either way."""
+        """Publish whether a device, or one of its parts, can be reached; None for unknown. The device stays listed."""
         stored = self._devices.get(key)
         if stored is None or (part in stored.reachable and stored.reachable[part] is reachable):
             return
         self._reporter.refresh_time()
         stored.record_reachable(part, reachable)
-        # Without an address the report would say None: the device no longer reports it.
+        # A report without an address means that the device no longer reports this.
         address = "" if reachable is None else stored.template.address or key
         self._reporter.report_reachable(stored, part, address, reachable=reachable, retained=False)
 
     async def on_link_loss(self) -> None:
-        """Publish that it is unknown which devices can be reached: the gateway has lost its link to all of them."""
+        """Publish for all devices that their reachability is unknown: the gateway has lost its link."""
         for key in self.keys:
             self.report_reachable(key, reachable=None)
             await anyio.lowlevel.checkpoint()
@@ -219,24 +219,23 @@ class PublishedDevices:
             retained=False,
             received_at=self._reporter.stamp,
         )
-        if message.address in self._by_address:  # else texts can be missed, on its text address
+        if message.address in self._by_address:  # else listeners use its text address
             self._last_raw.setdefault(message.address, PartTexts()).record(message, self._reporter.now, is_event=False)
         await self.engine.listeners.deliver(message, wait_if_full=True)
 
     def admits(self, source: str) -> bool:
-        """Return whether a message from *source* is to be read; no while that breaks the rules too often.
+        """Return whether to read a message from *source*: False while that source breaks the rules too often.
 
-        For messages that come again by themselves, such as polled or broadcast values: one that is not
-        admitted is dropped, and counted.
+        For messages that repeat, such as polled or broadcast values: one that is not admitted is dropped and counted.
 
         Args:
-            source: Where it came from: the key of a device where it is one, else its address in the network.
+            source: The key of the device that sent it; for unknown senders, their network address.
         """
         self._reporter.refresh_time()
         return self.engine.quarantine.admits(source)
 
     def reject(self, source: str, payload: bytes, why: str) -> None:
-        """Count a message that breaks the rules of the protocol, log it now and then, and charge it to *source*."""
+        """Count a message that breaks the protocol, log it at a limited rate, and charge it to *source*."""
         self._reporter.refresh_time()
         self.counters.rejected += 1
         self.engine.quarantine.record_offence(source, len(payload), REJECTED, why)

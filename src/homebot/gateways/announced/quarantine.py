@@ -1,4 +1,4 @@
-"""Quarantine for peers that break the rules of a gateway: reported, counted, and read a little at a time."""
+"""Quarantine for peers that break the rules of a gateway: they are reported, counted and read slowly."""
 
 from collections import OrderedDict
 from collections.abc import Awaitable, Callable, Iterator
@@ -29,20 +29,20 @@ QUARANTINED = "gateway.quarantined"
 CONVENTION_FAILED = "gateway.convention_failed"
 
 MAX_WARNINGS = 20
-"""Lines of one kind in ten seconds, each about another culprit."""
+"""Most log lines of one kind in ten seconds, each about another culprit."""
 
 REFILL_EVERY = 0.1
-"""Seconds between two checks of the waiting messages."""
+"""Seconds between checks of the waiting messages."""
 
 _QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _LONGEST = 300
-"""Characters of a source, or of a reason, that are remembered."""
+"""Characters kept of a source or a reason."""
 
 MAX_BYTES = 16 * 1024 * 1024
-"""Bytes of all that wait, each message counted with those that it costs beside its payload."""
+"""Bytes of all waiting messages, including the overhead of each."""
 
 MAX_WORK_EACH = 512 * 1024
-"""Work that may wait of one source: half a second of its budget."""
+"""Work that may wait per source: half a second of its budget."""
 
 _OVERHEAD = 1024
 
@@ -61,15 +61,15 @@ class _Payer(Generic[MessageT]):
 
 
 class DeferredMessages(Generic[MessageT]):
-    """The messages that wait for a budget: the newest of each source, in their order.
+    """The messages that wait for a budget: the newest of each source, in order.
 
-    If one source has too many, those that do not look like its accepted messages go first, the oldest of them first: an
-    honest sender is heard among strangers that flood its topic. If there are too many in all, the budget with the most
-    loses those of the source that was quiet the longest.
+    A source with too many loses first those that do not resemble its accepted messages, oldest first, so that an honest
+    sender is heard among strangers that flood its topic. If there are too many in total, the budget with the most
+    loses those of its least recently active source.
 
     Attributes:
-        sources: The sources with messages that wait.
-        account: Bytes of all that wait.
+        sources: The sources with waiting messages.
+        account: Bytes of all waiting messages.
     """
 
     def __init__(self, max_bytes: int = MAX_BYTES) -> None:
@@ -79,10 +79,10 @@ class DeferredMessages(Generic[MessageT]):
         self.account = ByteAccount[str](max_bytes, lambda: tuple(self._payers), self._bytes_of, self._drop_oldest)
 
     def add(self, message: MessageT, source: str, length: int, payer: str, *, is_like: bool) -> None:
-        """Defer *message* of *length* bytes until the budget of *payer* has room.
+        """Queue *message* of *length* bytes until the budget of *payer* has room.
 
         Args:
-            is_like: Whether it looks like the accepted messages of its source.
+            is_like: Whether it resembles the accepted messages of its source.
         """
         known = self.sources.get(source)
         if known is None:
@@ -103,10 +103,10 @@ class DeferredMessages(Generic[MessageT]):
             self._pop(source)
 
     def release(self, admits: Callable[[str], bool]) -> Iterator[MessageT]:
-        """Take out the messages that need not wait, one of each budget in turn until none *admits* one more.
+        """Yield the messages that need not wait any longer, one per budget in turn, while *admits* allows.
 
-        Those of a source come in their order; of the sources that share a budget the newest comes first, so that
-        a new source is not behind a flood.
+        Messages of one source keep their order; among sources that share a budget the newest goes first, so that
+        a new source is not stuck behind a flood.
         """
         is_done = False
         while not is_done:
@@ -145,10 +145,10 @@ class DeferredMessages(Generic[MessageT]):
 
 
 class PeerQuarantine(Generic[MessageT]):
-    """Judges peers by their source, and lets their messages wait where they cost too much.
+    """Makes the messages of peers that break the rules wait.
 
-    A gateway asks :meth:`must_wait` before it reads a message of an unproven sender, and then reports the result:
-    :meth:`WorkBudgets.accept` of the budgets, or :meth:`record_offence`. Waiting messages are read by :meth:`serve`.
+    A gateway asks :meth:`must_wait` before it reads a message of an unproven sender, and then reports the result to
+    :meth:`WorkBudgets.accept` or :meth:`record_offence`. :meth:`serve` reads the waiting messages.
     """
 
     def __init__(
@@ -173,7 +173,7 @@ class PeerQuarantine(Generic[MessageT]):
         self._flood_limit = LogLimit(gateway.node.graph.clock, burst=MAX_WARNINGS)
 
     def must_wait(self, message: MessageT, source: str, payload: bytes) -> bool:
-        """Queue *message* if that is due, behind the waiting messages of its source; return whether it was queued."""
+        """Queue *message* if its source is over budget or has messages waiting; return whether it was queued."""
         now = self._reporter.now
         if now >= self.budgets.clean_at and not self.waiting.sources:
             return False
@@ -187,7 +187,7 @@ class PeerQuarantine(Generic[MessageT]):
         return True
 
     def admits(self, source: str) -> bool:
-        """Return whether to read a message of *source* that comes again by itself; another one is dropped."""
+        """Return whether to read a message of *source* that will be repeated; otherwise count it as dropped."""
         payer = self.budgets.account_for(source)
         if self.budgets.admits(payer, self._reporter.now):
             return True
@@ -202,10 +202,10 @@ class PeerQuarantine(Generic[MessageT]):
         self.budgets.charge(source, length, f"{name}: {why}"[:_LONGEST], self._reporter.now)
 
     async def serve(self, read_next: Callable[[Iterator[MessageT]], Awaitable[bool]]) -> None:
-        """Read the waiting messages, as far as the budgets reach, each time they are refilled, until cancelled.
+        """Read waiting messages whenever the budgets allow, until cancelled.
 
         Args:
-            read_next: Takes the next message out, reads it, and returns True; False if none is to be had.
+            read_next: Reads the next message and returns True; False if none is due.
         """
         while True:
             await self._work_available.wait()
@@ -219,10 +219,10 @@ class PeerQuarantine(Generic[MessageT]):
                 await anyio.sleep(REFILL_EVERY)
 
     def record_plugin_failure(self, source: str, convention: str, error: BaseException) -> None:
-        """Log an *error* that a convention let through.
+        """Log an unexpected *error* of a convention.
 
-        One that a stranger's message causes must not end the gateway, which would meet the same message again. As a
-        convention waits for nothing, no cancellation that it lets through can be meant for the gateway.
+        A stranger's message must not end the gateway, which would receive it again after a restart. Conventions never
+        await, so a cancellation raised by one is not meant for the gateway.
 
         Raises:
             KeyboardInterrupt: *error* is one.
@@ -239,7 +239,7 @@ class PeerQuarantine(Generic[MessageT]):
             )
 
     def log_limited(self, event: str, words: str, source: str) -> None:
-        """Log a culprit once in a while, and so many culprits at most."""
+        """Log a warning at a limited rate: per source, and in total."""
         source = source[:_LONGEST]
         repeated = self._limit.allows(f"{event} {source}")
         if repeated is None or (suppressed := self._flood_limit.allows(event)) is None:
@@ -249,11 +249,11 @@ class PeerQuarantine(Generic[MessageT]):
         self._node.log.warning(event, message=f"{words}{more_like_this(held_back)}", **facts)
 
     def quarantined(self) -> tuple[Quarantine, ...]:
-        """Return the sources that are in quarantine now."""
+        """Return the sources in quarantine."""
         return tuple(self._message(budget) for budget in self.budgets.quarantined())
 
     def _defer(self, payer: str) -> None:
-        """Record that a message waits for the budget of *payer*, and begin its quarantine if none did before."""
+        """Record that a message waits for the budget of *payer*; begin its quarantine with the first."""
         budget, now = self.budgets.budget_of(payer), self._reporter.now
         if budget is None:
             return
@@ -261,7 +261,7 @@ class PeerQuarantine(Generic[MessageT]):
         if budget.is_quarantined or not self._scheduler.plan(
             ("quarantine", payer), CALM, partial(self._release, payer)
         ):
-            return  # without a plan its end could not be told
+            return  # without a timer its end would not be published
         budget.is_quarantined, budget.since = True, now
         self._counters.quarantines += 1
         self._events.publish(self._message(budget))
@@ -273,7 +273,7 @@ class PeerQuarantine(Generic[MessageT]):
         )
 
     def _release(self, payer: str) -> None:
-        """End the quarantine of *payer* once all has been quiet for a while."""
+        """End the quarantine of *payer* once it has been quiet long enough."""
         self._reporter.refresh_time()
         budget = self.budgets.budget_of(payer)
         if budget is None:

@@ -1,9 +1,8 @@
 """The registered announcements of a gateway, and their memory limits in gateway and directory. Pure.
 
-Memory, measured: a device takes 15 kB with its one announcement and part, a further announcement of it 8 kB, a further
-part of an announcement 3 kB. Length beyond that is an account of its own, the *excess*: a
-house with many devices has many announcements, each as long as its parts need, and an attacker sends
-long ones, of lists and of templates. Only the length beyond an honest one of as many parts counts.
+Measured memory: a device with one announcement of one part takes 15 kB, each further announcement 8 kB, each further
+part 3 kB. Length beyond that has a limit of its own, the *excess*: a large house sends many announcements, each as long
+as its parts require, while an attacker sends long lists and templates.
 """
 
 from collections import defaultdict
@@ -30,44 +29,42 @@ __all__ = [
 ]
 
 MAX_EXCESS = 8 * 1024 * 1024
-"""Bytes of all. In memory they are two to twelve times as much: the texts of lists two, templates twelve."""
+"""Bytes in total. In memory, texts of lists take twice as much and templates twelve times."""
 
 MAX_EXCESS_EACH = 256 * 1024
-"""Bytes of one: as long as a message may be that announces one device."""
+"""Bytes per announcement: the longest message that may announce one device."""
 
 _FREE = 3 * 1024
 _FREE_PART = 1024
-"""Bytes that are no excess: of one announcement, and of each of its parts. Of 1,495 configs that Zigbee2MQTT makes of
-real devices, one part each, the longest has 2.3 kB, and devices with a hundred parts have about 1 kB for each."""
+"""Bytes that are not excess, per announcement and per part. Of 1,495 one-part configs that Zigbee2MQTT makes of real
+devices the longest has 2.3 kB; devices with a hundred parts need about 1 kB for each."""
 
 MAX_MEMORY = 512 * 1024 * 1024
-"""Bytes of all: 30,000 devices with one announcement each, or all 4,478 models of Zigbee2MQTT by both of their ways."""
+"""Bytes in total: 30,000 devices with one announcement each, or all 4,478 models of Zigbee2MQTT announced both ways."""
 
 _DEVICE = 8 * 1024
 _ANNOUNCEMENT = 5 * 1024
 _PART = 3 * 1024
 
 Readers: TypeAlias = tuple[tuple[str, AnnouncedPart | AvailabilityReader], ...]
-"""Addresses, each with a part, or a source of availability, that is read there."""
+"""Addresses, each with the part or availability source that is read there."""
 
 LISTED = "the list of its bridge describes the device"
-"""Why an announcement is removed."""
+"""The reason for removing an announcement."""
 
 
 class DerivedAnnouncements:
-    """The listed devices, and the announcements that their programs made of them before the list came.
+    """Devices that a bridge lists, and announcements of the same devices that the list makes redundant.
 
-    Zigbee2MQTT lists its devices with all that it knows, and announces each value of each device to Home Assistant as
-    well: 34,000 announcements for 4,500 devices. A listed device needs none of them.
-
-    All announcements here name their program, as the fact ``origin``.
+    Zigbee2MQTT lists its devices with everything it knows, and also announces each value of each device to Home
+    Assistant: 34,000 announcements for 4,500 devices. All announcements here name their program as the fact ``origin``.
     """
 
     def __init__(self) -> None:
         self._registered: defaultdict[tuple[bool, str, str], dict[str, DeviceAnnounced]] = defaultdict(dict)
 
     def is_derived(self, described: DeviceAnnounced) -> bool:
-        """Return whether the program that made *described* lists the device itself."""
+        """Return whether the program that announced *described* also lists the device."""
         return not described.native and any(_describes(one, described) for one in self._like(described, native=True))
 
     def of(self, listed: DeviceAnnounced) -> tuple[str, ...]:
@@ -81,36 +78,36 @@ class DerivedAnnouncements:
             self._registered[mark][described.full_key] = described
 
     def remove(self, described: DeviceAnnounced) -> None:
-        """Record that an announcement is registered no more."""
+        """Record that an announcement is no longer registered."""
         for mark in _marks(described, native=described.native):
             self._registered[mark].pop(described.full_key, None)
             if not self._registered[mark]:
                 del self._registered[mark]
 
     def _like(self, described: DeviceAnnounced, *, native: bool) -> Iterator[DeviceAnnounced]:
-        """Yield the lists, or all else, that are registered of the same device by the same program."""
+        """Yield the registered announcements of the same device by the same program: *native* ones or others."""
         for mark in _marks(described, native=native):
             yield from self._registered.get(mark, {}).values()
 
 
 def _marks(described: DeviceAnnounced, *, native: bool) -> list[tuple[bool, str, str]]:
-    """Return the identifiers of the device, each with the program that announces it, and whether that lists it."""
+    """Return the keys under which an announcement is found: one for each identifier of the device."""
     return [(native, described.facts["origin"], one) for one in described.identifiers]
 
 
 def _describes(listed: DeviceAnnounced, announced: DeviceAnnounced) -> bool:
-    """Return whether *announced* is at a topic of *listed*: a bridge that moved leaves its old list on the broker."""
+    """Return whether *announced* is below *listed*'s topics: a bridge that moved leaves its old list on the broker."""
     return any(one.part.is_below(listed.owns) for one in announced.parts)
 
 
 class RegistryLimits(NamedTuple):
-    """The limits on all announcements together.
+    """The limits on all announcements of a gateway.
 
     Attributes:
-        readers: Parts that read one topic: each of its messages is work for all of them.
-        excess: Bytes of all announcements beyond the length that their offers explain.
-        excess_each: The same of one.
-        memory: Bytes that all take, about.
+        readers: Parts that may read one topic, because each of its messages is work for all of them.
+        excess: Bytes of all announcements beyond the length that their parts justify.
+        excess_each: The same per announcement.
+        memory: Estimated bytes of all announcements.
     """
 
     announcements: int = 50_000
@@ -126,12 +123,12 @@ _LIMITS = RegistryLimits()
 
 
 class RegistryChange(NamedTuple):
-    """The changes that a new description makes.
+    """The result of registering a description.
 
     Attributes:
         before: The announcement that it replaced, or None.
-        refused: Addresses of states that cannot be read, with the reasons.
-        readers: The readers of each address that had other readers before, so that they may have missed messages there.
+        refused: The reasons for addresses that cannot be read.
+        readers: Readers that may have missed messages, because their address had other readers before.
     """
 
     stored: StoredAnnouncement
@@ -141,12 +138,12 @@ class RegistryChange(NamedTuple):
 
 
 class DeviceRegistry:
-    """The devices of one gateway, or the announcements of them; a protocol adds the readers of each address.
+    """The announcements of one gateway; a protocol's subclass adds the readers of each address.
 
     Attributes:
-        by_key: The registered announcements, by key, in the order of arrival.
-        derived: Those of them that name their program.
-        excess: Bytes of all of them beyond the length that their offers explain.
+        by_key: The registered announcements by key, oldest first.
+        derived: The announcements that name their program.
+        excess: Bytes of all announcements beyond the length that their parts justify.
     """
 
     def __init__(self, gateway: str, limits: RegistryLimits = _LIMITS) -> None:
@@ -155,23 +152,22 @@ class DeviceRegistry:
         self.derived = DerivedAnnouncements()
         self._limits = limits
         self._parts = 0
-        self._devices: dict[tuple[str, ...], int] = {}  # by identifiers; an announcement without any is one
+        self._devices: dict[tuple[str, ...], int] = {}  # announcements by identifiers; one without any is a device
         self.excess = 0
 
     @property
     def memory(self) -> int:
-        """Bytes that all that stand take, about."""
+        """Estimated bytes of all announcements."""
         return _ANNOUNCEMENT * len(self.by_key) + _PART * self._parts + _DEVICE * len(self._devices)
 
     def put(self, described: DeviceAnnounced, length: int = 0) -> RegistryChange:
         """Register *described*, replacing an earlier one of the same key.
 
         Args:
-            length: Of the message that it alone was made of; 0 if that is unknown.
+            length: Bytes of its message; 0 if unknown, or if the message describes several devices.
 
         Raises:
-            WireError: It has more than 1,000 parts, is one device or part too many, too long, or there is no more
-                memory for it. The announcement before it stays.
+            WireError: It exceeds a limit: of parts, announcements, length or memory. The earlier announcement stays.
         """
         key = described.full_key
         before = self.by_key.get(key)
@@ -191,7 +187,7 @@ class DeviceRegistry:
         return RegistryChange(stored, before, refused, readers)
 
     def put_address(self, address: str) -> tuple[str, str]:
-        """Register *address*, of no device, for listeners to its raw messages; return key and name.
+        """Register *address* without a device, for listeners to its raw messages; return key and name.
 
         Raises:
             WireError: As for :meth:`put`.
@@ -201,7 +197,7 @@ class DeviceRegistry:
         return address, address
 
     def remove(self, key: str) -> StoredAnnouncement | None:
-        """Remove the announcement registered under *key*, and return it."""
+        """Remove the announcement under *key*, and return it."""
         stored = self.by_key.pop(key, None)
         if stored is not None:
             self._forget(stored)
@@ -210,9 +206,9 @@ class DeviceRegistry:
     def _enter(
         self, stored: StoredAnnouncement, before: StoredAnnouncement | None
     ) -> tuple[tuple[WireError, ...], Readers]:
-        """Register the readers of *stored*, replacing *before*. Return refused filters and readers that need a replay.
+        """Register the readers of *stored*, replacing *before*; return refused filters and readers that need a replay.
 
-        It may raise, because a plug-in fails, and then nothing has changed.
+        If it raises, as when a plug-in fails, nothing has changed.
         """
         del stored, before
         return (), ()
@@ -252,7 +248,7 @@ class DeviceRegistry:
             )
 
     def _check_excess(self, name: str, size: int, before: int) -> None:
-        """Check that an excess of *size* may replace one of the size *before*; a shorter one always may."""
+        """Check that an excess of *size* bytes may replace one of *before*; a smaller one always may."""
         if size <= before:
             return
         if size > self._limits.excess_each:
@@ -266,7 +262,7 @@ class DeviceRegistry:
             )
 
     def _count(self, stored: StoredAnnouncement, sign: int) -> None:
-        """Count *stored*; with -1, count it no more."""
+        """Add *stored* to the totals; subtract it if *sign* is -1."""
         described = stored.described
         self._parts += sign * len(described.parts)
         self.excess += sign * stored.excess
@@ -279,11 +275,10 @@ class DeviceRegistry:
 
 
 def excess_of(described: DeviceAnnounced, length: int) -> int:
-    """Return the bytes of *described* beyond the length that its number of parts explains.
+    """Return the bytes of *described* beyond the length that its number of parts justifies.
 
     Args:
-        length: Of the message that described it alone; 0 if the message described many, or its length is unknown: then
-            only the lists, topics and facts of the description count.
+        length: As for :meth:`DeviceRegistry.put`; with 0, only lists, topics and facts of the description count.
     """
     texts = [*described.identifiers, *described.facts.values()]
     for one in described.parts:

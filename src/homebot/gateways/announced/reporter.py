@@ -1,4 +1,4 @@
-"""Publisher of a gateway's messages about devices."""
+"""The publisher of a gateway's messages about devices."""
 
 from collections.abc import Sequence
 from functools import lru_cache
@@ -15,10 +15,10 @@ from homebot.messages import Time
 __all__ = ["REFRESH", "DeviceReporter"]
 
 REFRESH = 1.0
-"""Seconds between two sightings of a device that keeps talking: `last_seen` is exact to this much."""
+"""Seconds between two sightings of a talkative device; the precision of `last_seen`."""
 
 _EVENTS = 1000
-"""Events of one gateway that a reader may have unread; it loses those that are older, and counts them."""
+"""Unread events of one gateway that a reader may have; it loses older ones, and counts them."""
 
 _LAST = NEVER.to_seconds()
 
@@ -50,11 +50,11 @@ class DeviceReporter:
         self._until = 0.0, self.stamp
 
     def publish_sighting(self, device: StoredAnnouncement, kind: SightingKind, why: str, *, confirmed: bool) -> None:
-        """Publish that a device is there, still there, or gone."""
+        """Publish that a device has appeared, is still there, or is gone."""
         device.refresh_at = self.now + REFRESH
         device.is_confirmed = confirmed
         stale_after = device.stale_after or self._stale_after
-        if stale_after != self._until[0]:  # nearly all devices have the same
+        if stale_after != self._until[0]:  # the same for nearly all devices
             self._until = stale_after, Time.from_seconds(min(self._seconds + stale_after, _LAST))
         device.template = device.template.model_copy(
             update={
@@ -77,7 +77,7 @@ class DeviceReporter:
         retained: bool,
         stream: str = "",
     ) -> None:
-        """Publish a report of a device, by default in the stream of reports of these values on *address*."""
+        """Publish a report of a device, by default in the stream for these values on *address*."""
         if not stream:
             source = address, *map(_value_name, readings)
             stream = device.report_streams.get(source) or device.report_stream(*source)
@@ -97,11 +97,11 @@ class DeviceReporter:
     def publish_readings(
         self, device: StoredAnnouncement, readings: Sequence[Reading], address: str, *, retained: bool
     ) -> None:
-        """Publish states and events that a device reported; an event that was kept from before is over.
+        """Publish states and events that a device reported; a *retained* event is over, and dropped.
 
         Args:
-            address: Where it was said; empty if the protocol has no addresses.
-            retained: Whether it was kept from before.
+            address: The address of the message; empty if the protocol has none.
+            retained: Whether the message is of an earlier time.
         """
         states = tuple([one for one in readings if one.capability not in EVENTS])
         if states:
@@ -109,31 +109,31 @@ class DeviceReporter:
         if len(states) < len(readings) and not retained:
             events = tuple([one for one in readings if one.capability in EVENTS])
             self._events = (self._events + 1) % _EVENTS
-            stream = f"event {self._events}"  # nothing takes its place, and no late joiner gets it
+            stream = f"event {self._events}"  # nothing replaces it, and no late joiner gets it
             self.publish_report(device, events, address, retained=False, stream=stream)
             self._reports.dispose(stream)
 
     def report_reachable(
         self, device: StoredAnnouncement, part: str, address: str, *, reachable: bool | None, retained: bool
     ) -> None:
-        """Publish whether a device, or one of its parts, is reachable, by *address*; empty for no more."""
+        """Publish whether a device or a part is reachable, by *address*; empty if it no longer reports that."""
         stream = device.report_stream(REACHABLE, part)
         self.publish_report(device, (_reachable(part, reachable),), address, retained=retained, stream=stream)
 
     def dispose_all(self, device: StoredAnnouncement) -> None:
-        """Keep no report of a device for late joiners any more."""
+        """Stop keeping reports of a device for late joiners."""
         for stream in device.report_streams.values():
             self._reports.dispose(stream)
         device.report_streams.clear()
 
     def dispose_left(self, device: StoredAnnouncement, before: StoredAnnouncement) -> None:
-        """Keep no report on an address that *device* left since *before*: its value is of no source any more."""
+        """Stop keeping reports on addresses that *before* read and *device* does not: they have no source any more."""
         reads = {address for one in device.parts.values() for address in one.described.part.reads}
         left = {address for one in before.parts.values() for address in one.described.part.reads} - reads
         for source in [one for one in device.report_streams if one[0] in left]:
             self._reports.dispose(device.report_streams.pop(source))
 
 
-@lru_cache(maxsize=256)  # a bridge that comes or goes says the same of each announcement
+@lru_cache(maxsize=256)  # a bridge that comes or goes makes the same report for each device
 def _reachable(part: str, reachable: bool | None) -> Reading:  # noqa: FBT001 - the value itself
     return Reading(part=part, capability=REACHABLE, value=Value.of(reachable))

@@ -1,4 +1,4 @@
-"""The scheduler: makes each planned call when its time has come."""
+"""A scheduler of callbacks."""
 
 import math
 from collections.abc import Callable, Hashable
@@ -12,7 +12,7 @@ __all__ = ["Scheduler"]
 
 
 class Scheduler:
-    """A timer queue of callbacks that is kept by one task, in the clock's own time."""
+    """A timer queue of callbacks, served by one task on the injected clock."""
 
     def __init__(self, clock: Clock, most: int = 100_000) -> None:
         self._clock = clock
@@ -22,7 +22,7 @@ class Scheduler:
         self._earlier = anyio.Event()
 
     def plan(self, name: Hashable, after: float, callback: Callable[[], None]) -> bool:
-        """Plan *callback* in *after* seconds, replacing the plan of *name*; return False if there is no room."""
+        """Schedule *callback* in *after* seconds, replacing the one of *name*; return False if the queue is full."""
         if name not in self._queue and len(self._queue) >= self._most:
             return False
         at = self._clock.monotonic() + after
@@ -32,11 +32,11 @@ class Scheduler:
         return True
 
     def drop(self, name: Hashable) -> None:
-        """Plan nothing under *name* any more."""
+        """Cancel the callback of *name*."""
         self._queue.discard(name)
 
     async def run(self) -> None:
-        """Run the callbacks that are due, until cancelled."""
+        """Run due callbacks until cancelled."""
         while True:
             self._earlier = anyio.Event()
             next_at = self._queue.next()

@@ -1,4 +1,4 @@
-"""Publications for each setting of a described part, as text for the owner. Pure."""
+"""The messages of each setting of a described part, as text for the owner. Pure."""
 
 from collections.abc import Iterator
 
@@ -11,7 +11,7 @@ from homebot.errors import HomebotError, WrongCodeError
 __all__ = ["MOST_LINES", "sent_commands"]
 
 MOST_LINES = 64
-"""Settings of one part that are shown; further ones are not tried, as a template may take milliseconds."""
+"""Settings shown of one part; no more are tried, as a template may take milliseconds."""
 
 _LONGEST = 200
 _CODE = "CODE"
@@ -19,10 +19,10 @@ _COLOR = (0.0, 100.0)
 
 
 def sent_commands(described: DescribedPart) -> Iterator[str]:
-    """Yield a line for each setting of a part: payload and address. Nothing for a gateway that encodes by itself.
+    """Yield a line with payload and address for each setting of a part; none if its gateway encodes by itself.
 
-    The payload of a number is shown for its largest value. A codec with memory is not tried: its payloads depend
-    on the reports of the device, and it may remember commands as well.
+    A number is shown with its largest value. A codec with memory is not tried: its payloads depend on the reports of
+    the device, and it may remember commands too.
     """
     part = described.part
     label = f"{part.name or part.id}: " if part.name or part.id else ""
@@ -39,7 +39,7 @@ def sent_commands(described: DescribedPart) -> Iterator[str]:
 
 
 def _samples(capability: Capability) -> tuple[PlainValue, ...]:
-    """Return the values that a capability can be set to; of a number the largest one."""
+    """Return the values that a capability can be set to; only the largest of a number."""
     known = CAPABILITIES.get(capability.name, OWN)
     if capability.options or not known.kind:
         return capability.options
@@ -55,7 +55,7 @@ def _samples(capability: Capability) -> tuple[PlainValue, ...]:
 
 
 def _sent(codec: Codec, capability: str, value: PlainValue) -> str | None:
-    """Return the sent payload as text; None if the part does not take *value*."""
+    """Return the message as text; None if the part refuses *value*."""
     try:
         try:
             return _shown(codec.write(capability, value))

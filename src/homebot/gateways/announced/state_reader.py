@@ -1,7 +1,6 @@
 """The reader of device states: reports for the graph, texts, and reachability.
 
-A message is the bytes on an *address*, on which devices publish their state; it is *retained* if it was kept from
-before, and then tells a past state.
+A message is the bytes on an *address* where devices publish their state; a *retained* one is of an earlier state.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -31,16 +30,16 @@ from homebot.messages import Time
 __all__ = ["StateReader"]
 
 _new = tuple.__new__
-"""Makes a named tuple in half the time that its own call takes."""
+"""Makes a named tuple in half the time of its constructor."""
 
 _reading_of, _value_of = Reading.of_checked, Value.of  # looked up once, as `of_checked` says
 
 
 class StateReader:
-    """The way from messages of state to the graph.
+    """The way of state messages to the graph.
 
     Args:
-        record_failure: Called with address, convention and error if a convention raised an unexpected exception.
+        record_failure: Called with address, convention and error if a convention raises an unexpected exception.
     """
 
     def __init__(
@@ -72,10 +71,10 @@ class StateReader:
         wait_if_full: bool = True,
         longest: int = MAX_STATE_BYTES,
     ) -> None:
-        """Read a message as the state of parts, and as the availability of devices.
+        """Read a message as the state of parts and the availability of devices.
 
         Args:
-            payload: Its bytes; where they are too long for a state, that is only counted.
+            payload: Its bytes; a payload longer than *longest* is only counted.
         """
         begin_message()
         work = TimeSlice(self._clock)
@@ -101,9 +100,9 @@ class StateReader:
         *,
         retained: bool,
     ) -> Iterator[RawMessage | None]:
-        """Read a message as :meth:`read`; yield None where its slice of *work* is over, then the texts for listeners.
+        """Read a message as :meth:`read` does; yield None to pause when *work* is over, then the texts for listeners.
 
-        A device says in one report all that it said at once.
+        All that one message says about a device is one report.
         """
         readings: list[Reading] = []
         texts: list[RawMessage] = []
@@ -143,7 +142,7 @@ class StateReader:
     async def read_text(
         self, address: str, payload: bytes, part: AnnouncedPart, *, retained: bool, wait_if_full: bool = True
     ) -> None:
-        """Take a message as the text that *part* says by itself, and hand it on as it is."""
+        """Read a message as the plain text that *part* publishes itself, and deliver it unchanged."""
         begin_message()
         self._counters.received += 1
         stored, now = part.stored, self._reporter.now
@@ -172,7 +171,7 @@ class StateReader:
         await self._listeners.deliver(raw, wait_if_full=wait_if_full)
 
     async def publish(self, part: AnnouncedPart, values: Mapping[str, PlainValue], *, retained: bool) -> None:
-        """Publish *values* of a part that its gateway has read itself and that stay unchanged."""
+        """Publish *values* of a part, which its gateway has read itself and will not modify."""
         name = part.described.part.id
         readings = [_reading_of(part=name, capability=one, value=_value_of(value)) for one, value in values.items()]
         for expiry in part.described.expiries:
@@ -195,13 +194,13 @@ class StateReader:
         *,
         retained: bool,
     ) -> None:
-        """Read whether devices can be reached."""
+        """Read a message as the availability of devices."""
         for availability_reader in availability_readers:
             shared, index = availability_reader.reachability, availability_reader.index
             if work.is_over:
                 await work.pause()
                 if not shared.members:
-                    continue  # they went meanwhile
+                    continue  # removed during the pause
             said = self._read_source(shared, index, address, payload)
             if said is None:
                 continue
@@ -209,7 +208,7 @@ class StateReader:
             shared.update(index, said, retained=retained)
             shared.address = address
             if retained and shared.value is before:
-                continue  # all its members have reported that
+                continue  # all its members have reported it already
             for stored, part in tuple(shared.members):
                 if work.is_over:
                     await work.pause()
@@ -220,7 +219,7 @@ class StateReader:
                 self._report_reachable(stored, part, shared, retained=retained)
 
     def report_reachability(self, stored: StoredAnnouncement) -> None:
-        """Report the reachability that other announcements of a device brought in before *stored*."""
+        """Report the reachability already known from other announcements of the device of *stored*."""
         for part, shared in stored.reachability.items():
             self._report_reachable(stored, part, shared, retained=True)
 
@@ -242,7 +241,7 @@ class StateReader:
         has_events: bool,
     ) -> None:
         if self._devices.get(stored.key) is not stored:
-            return  # it went while others had their turn
+            return  # removed during a pause
         self._counters.reports += 1
         reporter = self._reporter
         if not retained:
@@ -259,7 +258,7 @@ class StateReader:
             self._doubt(stored, {"", *(one.part for one in readings)}, address)
 
     def _doubt(self, stored: StoredAnnouncement, parts: set[str], address: str) -> None:
-        """Forget each "offline" that had been retained from before a message of *parts*."""
+        """Forget each retained "offline" that a message of *parts* disproves."""
         for part in parts:
             if stored.reachable.get(part) is False and (shared := stored.reachability.get(part)) is not None:
                 shared.discard_retained_offline()
@@ -277,7 +276,7 @@ class StateReader:
         self._reporter.report_reachable(stored, part, shared.address, reachable=reachable, retained=retained)
 
     def _record_lazy(self, part: AnnouncedPart, values: Mapping[str, PlainValue], retained: bool) -> None:  # noqa: FBT001 - it runs for each message
-        """Keep *values*, and make their text on demand."""
+        """Store *values*, and make their text on demand."""
         stored, reporter, names = part.stored, self._reporter, tuple(values)
         if names == part.names:
             names = part.names
@@ -332,7 +331,7 @@ class StateReader:
 
 
 def _is_brief(values: Mapping[str, PlainValue]) -> bool:
-    """Return whether *values* has a text for sure, and a short one: of states that are no texts themselves."""
+    """Return whether *values* certainly have a text, and a short one: no events, and no texts among them."""
     kinds = set(map(type, values.values()))
     return kinds <= _BRIEF and (float in kinds or bool in kinds) and EVENTS.isdisjoint(values)
 

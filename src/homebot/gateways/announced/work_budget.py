@@ -1,10 +1,10 @@
 """Budget for the work on messages that break the rules. Pure.
 
-The sender of a message is known by its *source*: the address it came from, or came on. Neither proves much: MQTT does
-not name the publisher, and a radio address is soon another one. So no sender can be shut out without shutting out an
-honest device as well. The work is bounded instead: a message that breaks the rules is paid for out of the budget of its
-source, if it has a registered device, and else out of one that all other sources of a *group* share. While a
-budget is used up, messages charged to it wait; see :mod:`homebot.gateways.announced.quarantine`.
+The sender of a message is known by its *source*: the address it came from or arrived on. Neither proves much: MQTT does
+not name the publisher, and radio addresses are easily changed, so shutting out a sender could shut out an honest
+device. The work is bounded instead: a message that breaks the rules is charged to the budget of its source if that has
+a registered device, and otherwise to one that all other sources of its *group* share. While a budget is used up,
+messages charged to it wait; see :mod:`homebot.gateways.announced.quarantine`.
 """
 
 from collections import OrderedDict
@@ -17,32 +17,32 @@ from homebot.support.rate_limit import RateLimit
 __all__ = ["MESSAGE_WORK", "WorkBudget", "WorkBudgets"]
 
 MESSAGE_WORK = 4096
-"""Work that a message is, beside its length in bytes."""
+"""Work of a message in addition to its length in bytes."""
 
 RATE = 1024 * 1024
-"""Work that one budget gets back in a second: 256 short messages."""
+"""Work that a budget regains per second: 256 short messages."""
 
 BURST = 1024 * 1024
-"""Work that the budget of one source holds at most."""
+"""Most work in the budget of one source."""
 
 SHARED_BURST = 4 * BURST
-"""Work that the budget of a group holds: a house that is announced at once may have many broken devices."""
+"""Most work in the budget of a group: a house that is announced at once may have many broken devices."""
 
 TOTAL_RATE = 4 * RATE
 TOTAL_BURST = 8 * BURST
-"""Those of the budget that all sources with devices draw on as well."""
+"""Of the budget that all sources with devices also draw on."""
 
 LONGEST_WAIT = 1.0
-"""Seconds after which a budget is no longer used up, however long the last message was."""
+"""Most seconds for which a budget is used up, however long the last message was."""
 
 CALM = 10.0
 """Seconds without an offence after which a source counts as clean."""
 
 CLEAR_EVERY = 1.0
-"""Seconds between two valid announcements that each clear the charge of a source: one may be a copy of the last."""
+"""Seconds before a valid announcement may clear the charge of a source again: it may be a copy of the last one."""
 
 UNKNOWN_SENDER = "unknown sender"
-"""The name of the only group, where a gateway has no groups of its own."""
+"""The only group of a gateway that defines none."""
 
 MAX_BUDGETS = 1000
 MAX_ACCEPTED = 50_000
@@ -51,15 +51,15 @@ _HEAD = 32
 
 @dataclass(slots=True)
 class WorkBudget:
-    """A source, or all other sources of a group, of which one broke a rule, and the budget for that.
+    """The budget of a source, or of all other sources of a group, after a rule was broken.
 
     Attributes:
-        offences: How many since all was quiet.
+        offences: Their number since the last quiet time.
         offended_at: When a rule was broken last.
         cleared_at: When a valid announcement cleared the charge last.
         is_quarantined: Whether its messages wait.
-        since: When that began.
-        deferred_at: When something was last made to wait.
+        since: When the quarantine began.
+        deferred_at: When a message was last made to wait.
         spent_at: When the budget was last used up.
     """
 
@@ -76,7 +76,7 @@ class WorkBudget:
 
     @property
     def quiet_at(self) -> float:
-        """Time at which it is over if nothing more comes."""
+        """The end of the quarantine if nothing more arrives."""
         return max(self.deferred_at, self.spent_at) + CALM
 
     def charge(self, work: float, now: float) -> None:
@@ -96,16 +96,16 @@ def _one_group(source: str) -> str:
 
 
 class WorkBudgets:
-    """The budgets of one gateway: of 1,000 sources with devices at most, and one of each group of others.
+    """The budgets of one gateway: for up to 1,000 sources with devices, and one for each group of others.
 
     Args:
-        group: Returns the name of the group of a source without a registered device. There must be few groups,
-            however sources name themselves; by default all are one.
+        group: Returns the group of a source without a registered device. There must be few groups, whatever names
+            sources choose; by default there is one.
 
     Attributes:
-        forgotten: Offences that only the budget of all sources paid for, because too many have one of their own.
-        work: Work that was charged, in all.
-        clean_at: When the last offence is long ago.
+        forgotten: Offences charged only to the common budget, because too many sources have their own.
+        work: Total work charged.
+        clean_at: When all sources count as clean again.
     """
 
     def __init__(self, group: Callable[[str], str] = _one_group, max_offenders: int = MAX_BUDGETS) -> None:
@@ -120,18 +120,18 @@ class WorkBudgets:
         self.clean_at = 0.0
 
     def account_for(self, source: str) -> str:
-        """Return the payer for *source*: its own budget if it has a registered device, else that of its group."""
+        """Return the payer for *source*: the source itself if it has a registered device, else its group."""
         return source if source in self._accepted else self._group(source)
 
     def admits(self, payer: str, now: float) -> bool:
-        """Return whether the budget of *payer* is not used up."""
+        """Return whether the budget of *payer* has room."""
         if now >= self.clean_at:
             return True
         if payer not in self._accepted:
             budget = self._shared.get(payer)
             return budget is None or budget.limit.room(now) > 0
         if (budget := self._own.get(payer)) is None:
-            # A source without offences is not made to wait for the others, as long as it would be noticed.
+            # A source without offences need not wait for others, as long as its own offences would be noticed.
             return len(self._own) < self._max_offenders or self._total.room(now) > 0
         return budget.limit.room(now) > 0 and self._total.room(now) > 0
 
@@ -155,8 +155,8 @@ class WorkBudgets:
         budget.charge(work, now)
 
     def accept(self, source: str, payload: bytes, now: float, *, is_valid: bool) -> None:
-        """Record that a device is registered by *payload* from *source*; clear its charge if that *is_valid*."""
-        # Of JSON as far as the first key, which rarely changes.
+        """Record that *payload* from *source* registered a device; clear its charge if all of it *is_valid*."""
+        # JSON up to the first key, which rarely changes.
         head, colon, _ = payload[:_HEAD].partition(b":")
         self._accepted[source] = (
             head if colon else head[:4],
@@ -167,11 +167,11 @@ class WorkBudgets:
             budget.limit, budget.cleared_at = _limit(RATE, BURST), now
 
     def forget(self, source: str) -> None:
-        """Record that no device is registered by *source* any more."""
+        """Record that *source* no longer has a registered device."""
         self._accepted.pop(source, None)
 
     def resembles(self, source: str, payload: bytes) -> bool:
-        """Return whether *payload* begins and ends as the last accepted payload of *source*."""
+        """Return whether *payload* begins and ends like the last accepted payload of *source*."""
         known = self._accepted.get(source)
         return known is not None and payload.startswith(known[0]) and payload.endswith(known[1])
 

@@ -1,8 +1,8 @@
-"""Lease to act for one of several homebots of one home at one broker: the first has it. The others observe.
+"""The lease by which only the first of several homebots of one home at one broker acts; the others observe.
 
-Each that wants to act asks on ``homebot/acting/HOME`` on every new link, and acts at once unless another answers that
-it does. One that was answered asks again every few seconds: if the other is gone, no answer comes. There is nothing
-to clean up after a crash, and no clock to agree on. Of several that ask at the same moment the smallest id is first.
+On every new link a homebot that wants to act asks on ``homebot/acting/HOME``, and acts unless another answers that it
+already does. If so, it asks again every few seconds, until no answer comes because the other is gone. A crash leaves
+nothing to clean up, and no clocks need to agree. If several ask at the same moment, the smallest id wins.
 """
 
 import secrets
@@ -28,10 +28,10 @@ OTHER_OBSERVES = "gateway.another_observes"
 NOT_ASKED = "gateway.lease_not_asked"
 
 ANSWER_WITHIN = 2.0
-"""Seconds in which another homebot that acts would have answered."""
+"""Seconds to wait for the answer of another acting homebot."""
 
 ASK_EVERY = 5.0
-"""Seconds until one that only observes asks again."""
+"""Seconds until an observing homebot asks again."""
 
 _LONGEST = 1000
 
@@ -48,14 +48,14 @@ class ActingLease:
     """Lets a gateway act while no other homebot does.
 
     Args:
-        gateway: The gateway; its :attr:`~Gateway.acts` and its reason follow.
+        gateway: Its :attr:`~Gateway.acts` and the reason are kept up to date.
         home: The home; empty for all homes of the broker.
-        name: The name of this one in the log of the other, for example the computer's name.
+        name: The name of this homebot in the log of the other, for example the computer's name.
         random: Source of its id; a seeded one makes every run the same.
 
     Attributes:
         rival: The name of the homebot that acts instead; empty if none does.
-        topics: Those on which homebots talk to each other; messages there are for :meth:`on_message`.
+        topics: The topics on which homebots talk to each other; their messages go to :meth:`on_message`.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class ActingLease:
         if message.retain or len(message.payload) > _LONGEST:
             return
         if message.topic == self._connection.status_topic:
-            if message.payload == OFFLINE:  # the will of another one of the same name: we are here
+            if message.payload == OFFLINE:  # the will of another homebot of the same name
                 self._restate.set()
             return
         try:
@@ -113,7 +113,7 @@ class ActingLease:
                 self._warn(
                     OTHER_OBSERVES, f"another homebot ({word.name or word.id}) started here as well; it only observes"
                 )
-        elif self._is_candidate:  # it may have come too late to hear our question, and would hear nothing of us
+        elif self._is_candidate:  # it may have missed our question, so it would not know of us
             self._is_candidate = False
             self._yield_to(word)
 
@@ -134,7 +134,7 @@ class ActingLease:
 
     @property
     def _is_sure(self) -> bool:
-        """True if no answer came on this link: while the one before was down another may have begun."""
+        """True if no answer came on this link; while the last one was down, another homebot may have begun to act."""
         return self._sure_of is not None and self._sure_of is self._connection.state
 
     async def _ask_on_each_link(self) -> None:

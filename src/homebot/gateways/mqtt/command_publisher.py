@@ -1,4 +1,4 @@
-"""Commands on their way to devices: written by their convention, checked and published; and the responses to them."""
+"""Commands to devices: encoded by their convention, checked and published; and the devices' responses."""
 
 import math
 from collections.abc import Callable, Iterable
@@ -27,9 +27,9 @@ COMMAND_ID: Final = "command"
 """The user property with the id of a command."""
 
 MOST_AWAITED: Final = 1000
-"""Commands with awaited responses at once; the oldest is forgotten, and its response is then unknown."""
+"""Most commands that await a response; the oldest is forgotten, and its response is then unknown."""
 
-_TOKEN: Final = 8  # bytes, written as 16 hexadecimal digits: scripts can repeat them, and they are hard to guess
+_TOKEN: Final = 8  # bytes, as 16 hexadecimal digits: easy to copy in scripts, hard to guess
 _LONGEST: Final = 4096  # bytes of a response
 _LONGEST_REASON: Final = 200
 
@@ -39,8 +39,8 @@ class ResponseCounters:
     """Counters of responses.
 
     Attributes:
-        responses_late: Those that came after the command had expired.
-        responses_unknown: Those to no known command.
+        responses_late: Responses that came after the command had expired.
+        responses_unknown: Responses to no known command.
     """
 
     responses: int = 0
@@ -50,9 +50,9 @@ class ResponseCounters:
 
 @final
 class Responses:
-    """Asks devices for responses, and publishes the answers.
+    """Asks devices for responses to commands, and publishes the answers.
 
-    A command carries a topic for the response, and data by which the two are matched (MQTT Version 5.0, section 4.10).
+    A command carries a response topic, and correlation data that match the two (MQTT 5.0, section 4.10).
     """
 
     def __init__(self, gateway: str, topic: str, clock: Clock, publish: Callable[[CommandAnswer], object]) -> None:
@@ -64,7 +64,7 @@ class Responses:
         self._awaited: BoundedMap[bytes, tuple[Command, float]] = BoundedMap(MOST_AWAITED)
 
     def request(self, command: Command, properties: Properties) -> Properties:
-        """Return *properties* of a message with *command*, which ask for a response if a caller waits for it."""
+        """Return *properties* for a message with *command*, with a request for a response if a caller waits for one."""
         if not command.id:
             return properties
         token = token_hex(_TOKEN).encode()
@@ -74,7 +74,7 @@ class Responses:
 
     @staticmethod
     def named(command_id: str, properties: Properties = NO_PROPERTIES) -> Properties:
-        """Return *properties* of a message with the id of the command that it carries; the same where it has none."""
+        """Return *properties* with the id of the command in the message; unchanged if that is empty."""
         return replace(properties, user_properties=((COMMAND_ID, command_id),)) if command_id else properties
 
     def on_response(self, message: MqttMessage) -> None:
@@ -103,10 +103,9 @@ class Responses:
 
 
 def problem_of(response: bytes) -> str:
-    """Return the reason of a refusing response; empty for any other.
+    """Return the reason given by a response that refuses a command; empty for any other response.
 
-    No standard defines them: one with an error, as of Zigbee2MQTT and Shelly, is a refusal; any other accepts the
-    command.
+    No standard defines responses: one with an error, as Zigbee2MQTT and Shelly send, is a refusal; any other accepts.
     """
     try:
         fields = parse_object(response[:_LONGEST])
@@ -120,26 +119,26 @@ def problem_of(response: bytes) -> str:
 
 
 MAX_SECRETS = 1_000
-"""Topics of which the last secret is known; then the oldest is forgotten."""
+"""Topics whose last secret is known; the oldest is forgotten first."""
 
 _LEAST_QOS: Final = 1
-"""Of commands, so that the broker says that it has them."""
+"""QoS of commands, so that the broker acknowledges them."""
 
 
 class SentSecrets:
-    """The last message with a code on each topic, as a keyed hash; the code itself is not kept."""
+    """A keyed hash of the last message with a code on each topic; the code itself is not kept."""
 
     def __init__(self) -> None:
         self.sent: BoundedMap[str, bytes] = BoundedMap(MAX_SECRETS)
         self._key = token_bytes(32)
 
     def record(self, publication: Publication) -> Publication:
-        """Record *publication*, and return it as it may be sent: not retained, as it has a code."""
+        """Record *publication*, and return it without its retain flag: a code must not stay on the broker."""
         self.sent[publication.topic] = self._hash(publication.payload)
         return publication._replace(retain=False)
 
     def is_one(self, topic: str, payload: bytes) -> bool:
-        """Return whether a message is one that we sent with a code."""
+        """Return whether a message is the last one that we sent there with a code."""
         return self.sent.get(topic) == self._hash(payload)
 
     def _hash(self, payload: bytes) -> bytes:
@@ -147,7 +146,7 @@ class SentSecrets:
 
 
 class CommandPublisher:
-    """The way from commands to publications."""
+    """Publishes commands."""
 
     def __init__(
         self,
@@ -162,23 +161,23 @@ class CommandPublisher:
         self._responses = responses
 
     async def perform(self, command: Command) -> None:
-        """Publish *command*; return when the broker has it. A broker that speaks MQTT 5 forgets it when it expires.
+        """Publish *command*; return when the broker has it.
 
-        Any other keeps a message of QoS 1 or 2 for a device that is away until that is back, and so a repetition has
-        QoS 0: the device obeys once then.
+        An MQTT 5 broker drops the message when the command expires. Others keep a message of QoS 1 or 2 until an absent
+        device is back, so repetitions have QoS 0, and the device obeys once.
 
         Raises:
-            UnableError: No part is described that can do that; nothing was sent.
+            UnableError: No described part can do that; nothing was sent.
             RefusedError: The code is wrong, or the broker refused.
-            LinkError: There is no link; or the part reports nothing that could show whether it obeyed, and no client
-                subscribes to the topic, as far as an MQTT 5 broker says so, or the broker has just come back and the
-                device was not heard since.
+            LinkError: There is no link. Or the part has no report that could confirm the command, and either an MQTT 5
+                broker says that no client subscribes to the topic, or the broker has just come back and the device
+                has not been heard since.
         """
         try:
             announced_part = self._find_part(command.key, command.part, command.topics)
             publications = self._written(announced_part, command)
         except WrongCodeError:
-            raise  # no other way to the part is tried with a wrong code: it might ask for none
+            raise  # with a wrong code no other route is tried: it might not ask for one
         except HomebotError as exc:
             raise UnableError(str(exc)) from exc
         reports = partial(announced_part.reports, command.capability)
@@ -190,7 +189,7 @@ class CommandPublisher:
             raise LinkError(f"no client subscribes to {publications[0].topic[:100]}")
 
     async def _publish(self, command: Command, publications: Iterable[Publication]) -> bool:
-        """Publish the messages of *command*; return whether a client may have received one, or will."""
+        """Publish the messages of *command*; return whether a client may receive one of them."""
         properties = _expiring(command)
         if self._responses is not None:
             properties = self._responses.request(command, properties)
@@ -219,7 +218,7 @@ class CommandPublisher:
             raise RefusedError(f"{name} of {command.key[:100]}", "its convention failed") from exc
         for one in publications:
             validate_topic(one.topic)
-            # Only topics in the announcement were checked against other devices and reserved topics.
+            # Only the announced topics were checked against other devices and reserved topics.
             if one.topic not in announced_part.described.part.writes:
                 raise RefusedError(
                     f"a command to {command.key[:100]}", f"it did not announce {one.topic} as a command topic"
@@ -228,9 +227,9 @@ class CommandPublisher:
 
 
 def _expiring(command: Command) -> Properties:
-    """Return the properties of a message that expires with *command*, or before it is sent again.
+    """Return properties for a message that expires with *command*, or before it is repeated.
 
-    Brokers count whole seconds, and may deliver it in the last one.
+    Brokers count whole seconds, and may still deliver it in the last one.
     """
     seconds = command.kept_for or command.expires_after
     return Properties(message_expiry_interval=max(1, math.floor(seconds))) if seconds else NO_PROPERTIES

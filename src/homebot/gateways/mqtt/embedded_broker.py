@@ -1,4 +1,4 @@
-"""The broker that homebot brings along, on the usual port or the next free one."""
+"""The embedded broker, on the usual port or the next free one."""
 
 import errno
 from collections.abc import AsyncIterator, Sequence
@@ -35,9 +35,9 @@ EMBEDDED_BROKER = HostService(HostedBroker, _hosted)
 
 @asynccontextmanager
 async def embedded_broker(graph: Graph, clock: Clock, *, ports: Sequence[int] = USUAL_PORTS) -> AsyncIterator[Broker]:
-    """Run the embedded broker on 127.0.0.1, the first of *ports* that is free or else any free one, and say which.
+    """Run the embedded broker on 127.0.0.1 and log its port: the first free one of *ports*, or else any free one.
 
-    Its counts and recent losses are reported by the service ``/broker/health``.
+    The service ``/broker/health`` reports its counters and recent losses.
     """
     broker = await _started(clock, ports)
     try:
@@ -65,7 +65,7 @@ async def _started(clock: Clock, ports: Sequence[int]) -> Broker:
             await broker.start()
         except PortTakenError:
             continue
-        except OSError as exc:  # two programs that begin at once may both bind a port; only one may listen on it
+        except OSError as exc:  # programs that start at once may both bind a port, but only one may listen
             if exc.errno != errno.EADDRINUSE:
                 raise LinkError(f"the embedded broker cannot listen: {exc.strerror}") from exc
             continue

@@ -1,7 +1,7 @@
 """Announced MQTT devices: discovery, state and commands.
 
-All of it is handled in the order of the broker, by the task that receives. The tasks of :meth:`AnnouncedDevices.serve`
-do the slow and waiting work: subscribing, asking, and timed ends of values.
+The receiving task handles all messages in the broker's order. The tasks of :meth:`AnnouncedDevices.serve` do whatever
+waits: subscriptions, requests, expiry of values.
 """
 
 import asyncio
@@ -49,12 +49,12 @@ T = TypeVar("T")
 
 
 class AnnouncedDevices:
-    """The engine of one gateway: from its conventions' announcements to devices; its port to :class:`RawMessages`.
+    """The engine of an MQTT gateway, which makes devices of announcements; also its :class:`RawMessages`.
 
     Attributes:
-        text_filters: The filters of all that devices say as text.
-        route: Returns the readers of a topic; None if it has none.
-        tick: Advances the time; once before each batch of messages.
+        text_filters: The filters of texts that devices publish.
+        route: Returns the readers of a topic, or None.
+        tick: Reads the clock; called once before each batch of messages.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class AnnouncedDevices:
         self.texts = CommandServer(engine, publisher.perform, self, self._health, keeps_states=False)
 
     async def serve(self) -> None:
-        """Subscribe, ask and keep the time until cancelled."""
+        """Subscribe, send requests and expire values until cancelled."""
         async with anyio.create_task_group() as tasks:
             for work in (
                 partial(self._subscriber.run, self._connection),
@@ -111,9 +111,9 @@ class AnnouncedDevices:
                 tasks.start_soon(run_as, self._owner, work)
 
     async def handle_message(self, message: MqttMessage, route: TopicReaders, *, raw: bool = True) -> None:
-        """Handle a message on a topic of *route*; a device announced by this message also reads it.
+        """Handle a message on a topic of *route*; a device that it announces also reads it.
 
-        An empty one takes a device that says text out of the house.
+        An empty message removes a device that publishes text.
 
         Args:
             raw: Whether to deliver its bytes to the listeners of the topic itself.
@@ -156,7 +156,7 @@ class AnnouncedDevices:
         """Handle a message on a topic that only a few parts read, mostly without waiting.
 
         Returns:
-            The deliveries left, for listeners to texts; None without such listeners.
+            The remaining deliveries to listeners; None if there are no listeners.
         """
         topic, payload, _, retained, _, _ = message
         reporter = self._reporter
@@ -183,11 +183,11 @@ class AnnouncedDevices:
             await self._listeners.deliver(raw_text, wait_if_full=message.qos > 0)
 
     async def handle_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Handle a message as an announcement alone, unless it is one of homebot itself."""
+        """Handle a message only as an announcement, unless it is one of homebot's own."""
         if self.offers.publishes and self.offers.is_own_topic(message.topic):
             return
-        async with self._taking:  # one that we published ourselves waits until a long one is taken
-            if not message.payload:  # that something is gone never waits
+        async with self._taking:  # our own announcement waits for the end of a long one
+            if not message.payload:  # a withdrawal never waits
                 self.quarantine.waiting.drop(message.topic)
             elif self.quarantine.must_wait(message, message.topic, message.payload):
                 return
@@ -196,7 +196,7 @@ class AnnouncedDevices:
             await self._replay_retained(missed, message.topic)
 
     def send_raw(self, command: RawCommand) -> Awaitable[object]:
-        """Publish *command*, once awaited, and expect the same text as the answer of a device that it is for."""
+        """Publish *command* when awaited; for a text device, expect the same text as its answer."""
         address, payload = command.address, command.payload.encode()
         codec = self._registry.codecs.get(address)
         if codec is not None:
@@ -208,7 +208,7 @@ class AnnouncedDevices:
         return self._connection.publish(address, payload, qos=command.qos, retain=command.retain, properties=properties)
 
     def find_source(self, address: str, listener: str) -> tuple[str, str]:
-        """Return key and name of the device that speaks on the topic *address*, which it need not have done yet."""
+        """Return key and name of the device that publishes on the topic *address*, even if it has not done so yet."""
         validate_topic(address)
         if (route := self.route(address)) is not None:
             for announced_part in (route.text, *route.announced_parts):
@@ -224,7 +224,7 @@ class AnnouncedDevices:
         return self._registry.put_address(address)
 
     def missed_by(self, address: str, since: float) -> tuple[RawMessage, ...]:
-        """Return the messages on a topic since *since*, on the monotonic clock, for a new listener."""
+        """Return the kept messages on a topic since *since*, on the monotonic clock, for a new listener."""
         route, word = self._registry.route(address), self._last_messages.get(address)
         if route is not None and route.text is not None:
             return route.text.missed_by(since, self._reporter.now)
@@ -234,13 +234,13 @@ class AnnouncedDevices:
         return (message.model_copy(update={"received_at": word.at}),)
 
     async def _send_announcement(self, message: MqttMessage, route: TopicReaders) -> None:
-        """Publish *message*, and handle it: no broker returns our own announcement of a device."""
+        """Publish *message* and handle it, as no broker returns our own announcement."""
         await self._connection.publish(message.topic, message.payload, qos=message.qos, retain=message.retain)
         self.tick()
         await self.handle_announcement(message._replace(retain=False), self.route(message.topic) or route)
 
     async def _handle_next(self, messages: Iterator[MqttMessage]) -> bool:
-        """Handle the next message that need not wait any more; return whether there was one."""
+        """Handle the next deferred message that is due; return whether there was one."""
         async with self._taking:
             message = next(messages, None)
             if message is None:
@@ -251,7 +251,7 @@ class AnnouncedDevices:
             missed = await self._announcements.handle(message, route.conventions)
         await self._replay_retained(missed, message.topic)
         after = self.route(message.topic)
-        if after is not None:  # a device that it announced reads it as a retained one
+        if after is not None:  # a device that it announced reads it as a retained message
             await self._states.read(
                 message.topic,
                 message.payload,
@@ -264,10 +264,10 @@ class AnnouncedDevices:
         return True
 
     async def _replay_retained(self, missed: Readers, taken: str) -> None:
-        """Deliver the retained messages of topics that are subscribed to already: the broker does not send them again.
+        """Deliver retained messages of topics with a subscription, for which the broker does not send them again.
 
         Args:
-            taken: The topic of the message that was just taken.
+            taken: The topic of the message just handled.
         """
         for topic, reader in missed:
             word = self._last_messages.get(topic)

@@ -1,7 +1,7 @@
-"""The MQTT gateway: hears devices on a broker, and sends them the commands of the graph.
+"""The MQTT gateway: reads what devices publish on a broker, and sends them the commands of the graph.
 
-Messages are handled in the broker's order, in batches. One of QoS 1 or 2 is acknowledged only after every listener has
-it in its queue; until then it is the broker's, which sends it again should this process die.
+Messages are handled in the broker's order, in batches. One of QoS 1 or 2 is acknowledged only after every listener
+has it in its queue; should this process die before that, the broker sends it again.
 """
 
 import platform
@@ -43,22 +43,22 @@ __all__ = ["MqttGateway"]
 OVERSIZE = "gateway.oversize"
 
 _TURN = 200
-"""Messages handed over before their readers get a turn: below the 256 that a reader takes in one, so that a burst of
-QoS 0 does not overrun the inbox of a reader that keeps up."""
+"""Messages delivered before their readers get a turn: fewer than the 256 that a reader takes at once, so that a burst
+of QoS 0 does not overrun the inbox of a reader that keeps up."""
 
 _ANNOUNCED = 7
-"""Messages that an announcement counts for in that, once more for each kB: those of a whole house come at once, and
-the broker must get rid of them. The work for some 25, 4 ms, is done together: one subscription, one check."""
+"""How many messages an announcement counts for, and again for each kB. A whole house is announced at once: about 25
+announcements, 4 ms of work, share one turn, one subscription and one check."""
 
 _ANSWERS = QoSProfile(depth=1000)
-"""Answers to commands of a whole house at once; the oldest is lost first, and its command has no answer."""
+"""Room for the answers to commands to a whole house; the oldest is lost first, and its command has no answer."""
 
 
 class MqttGateway(Gateway):
     """Brings the devices on one MQTT broker onto the graph.
 
     Args:
-        context: Services of its host; a :class:`homebot.mqtt.clients.HostedBroker` in memory makes the client.
+        context: Services of its host; a :class:`homebot.mqtt.clients.HostedBroker` makes the client.
     """
 
     Settings: ClassVar[type[BaseModel]] = MqttGatewaySettings
@@ -70,7 +70,7 @@ class MqttGateway(Gateway):
         computer = (hosted and hosted.computer) or platform.node()
         self.acts = bool(settings.act)
         self._settings = settings
-        # A name that lasts, unlike the client id, or each run would leave one more topic at the broker for ever.
+        # Unlike the client id this name is stable, or each run would leave one more retained topic on the broker.
         status_topic = f"homebot/{_topic_level(computer)}/{node.name}/status"
         self._connection = MqttConnection(
             settings.options(),
@@ -96,7 +96,7 @@ class MqttGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Find the conventions, read the credentials, and load the client's libraries.
+        """Load the conventions and the client's libraries, and read the credentials.
 
         Raises:
             UsageError: A convention cannot be loaded, a file cannot be read, or settings contradict each other.
@@ -106,11 +106,11 @@ class MqttGateway(Gateway):
             settings.check_files()
             if settings.url != EMBEDDED:
                 settings.options()
-                client_maker(settings.client or "aiomqtt")  # here nothing waits for it yet
+                client_maker(settings.client or "aiomqtt")  # loaded now, while nothing waits for it
 
     @classmethod
     async def reach(cls, settings: BaseModel) -> None:
-        """Log in to a broker of one's own, as another client than the gateway, which may be running."""
+        """Log in to the configured broker, with a client id other than that of the gateway, which may be running."""
         if isinstance(settings, MqttGatewaySettings) and settings.url != EMBEDDED:
             options = replace(settings.options(), client_id=f"homebot-{secrets.token_hex(4)}", session_expiry=0)
             async with client_maker(settings.client or "aiomqtt")(options).connected():
@@ -118,14 +118,14 @@ class MqttGateway(Gateway):
 
     @classmethod
     def host_services(cls, settings: BaseModel) -> tuple[HostService[object], ...]:
-        """Return the embedded broker where no address is given."""
+        """Return the embedded broker if no address is given."""
         return (EMBEDDED_BROKER,) if isinstance(settings, MqttGatewaySettings) and settings.url == EMBEDDED else ()
 
     @classmethod
     def resolve(cls, settings: BaseModel, context: GatewayContext) -> BaseModel:
-        """Take the address of the embedded broker, and a client id from the given source of random numbers.
+        """Fill in the address of the embedded broker, and a client id from the given random numbers.
 
-        On the embedded broker only our own devices listen, so acting is the default, and so is our own client.
+        Only simulated devices and homebot itself use the embedded broker, so there the gateway acts by default.
         """
         if not isinstance(settings, MqttGatewaySettings):
             return settings
@@ -139,7 +139,7 @@ class MqttGateway(Gateway):
 
     @classmethod
     def observes(cls, settings: BaseModel) -> bool:
-        """Return whether a gateway with *settings* sends no commands; on the embedded broker it usually does."""
+        """Return whether a gateway with *settings* sends no commands: the default for all but the embedded broker."""
         if not isinstance(settings, MqttGatewaySettings):
             return False
         return settings.url != EMBEDDED if settings.act is None else not settings.act
@@ -151,14 +151,14 @@ class MqttGateway(Gateway):
 
     @classmethod
     def network(cls, settings: BaseModel) -> str:
-        """Return the broker's host and port, without any credentials; ``embedded`` for homebot's own broker."""
+        """Return the broker's host and port, without credentials; ``embedded`` for the embedded broker."""
         if not isinstance(settings, MqttGatewaySettings) or settings.url == EMBEDDED:
             return EMBEDDED
         options = MqttOptions.from_url(settings.url)
         return f"{options.host.lower()}:{options.port}"
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Keep the link and handle messages until cancelled; ready when the first try to connect has ended."""
+        """Keep the link and handle messages until cancelled; ready after the first attempt to connect."""
         texts, announcements = self._described.text_filters, self._described.filters
         async with self._connection as connection, anyio.create_task_group() as tasks:
             await connection.subscribe(*(MqttSubscription(one, qos=1, no_local=True) for one in texts))
@@ -175,7 +175,7 @@ class MqttGateway(Gateway):
             task_status.started()
 
     def log_state(self, state: GatewayState, before: GatewayState | None) -> None:
-        """Log nothing: :class:`LinkReport` tells more of it, and sooner."""
+        """Log nothing: :class:`LinkReport` logs more, and earlier."""
 
     async def _receive(self, connection: MqttConnection) -> None:
         with isolated(self.node.full_name):
@@ -186,7 +186,7 @@ class MqttGateway(Gateway):
                     return
                 await self._handle(batch)
                 connection.ack(batch)
-                del batch  # while it waits for the next one: all that a broker retains is tens of megabytes
+                del batch  # not kept while waiting for the next one: all retained messages are tens of megabytes
 
     def _asked_responses(self) -> Responses:
         answers = self.node.create_publisher(CommandAnswer, self.names.answers, _ANSWERS)
@@ -211,7 +211,7 @@ class MqttGateway(Gateway):
                 responses.on_response(message)
                 continue
             if topic in sent and described.secrets.is_one(topic, payload):
-                continue  # it has a code, which no listener here is to see
+                continue  # it contains a code, which no listener may see
             route = described.route(topic)
             if len(payload) > max_payload:
                 work += await self._handle_long(message, route)
@@ -228,7 +228,7 @@ class MqttGateway(Gateway):
                 await described.handle_message(message, route)
 
     async def _handle_long(self, message: MqttMessage, route: TopicReaders | None) -> int:
-        """Handle a long message, which can only be an announcement; return how much work it was."""
+        """Handle a message over the usual limit, which must be an announcement; return its amount of work."""
         work = 0
         if route is not None and route.conventions:
             work = _ANNOUNCED * (1 + len(message.payload) // 1024) * len(route.conventions)

@@ -1,4 +1,4 @@
-"""Handles announcements and withdrawals."""
+"""The handler of announcements and withdrawals."""
 
 from collections.abc import Iterator
 from functools import cache, partial
@@ -28,17 +28,17 @@ RESERVED = "gateway.command_topic_refused"
 AMBIGUOUS = "gateway.announcement_ambiguous"
 
 GRACE = 10.0
-"""Seconds for which a device that is taken back may be announced anew before it counts as gone.
+"""Seconds for which a withdrawn device may be announced again before it counts as gone.
 
-Zigbee2MQTT renames a device by taking it back and announcing it two seconds later.
+Zigbee2MQTT renames a device by withdrawing it and announcing it two seconds later.
 """
 
 MAX_STEPS = 100_000
-"""Steps of one message: a convention that never ends must not hold the gateway."""
+"""Most steps per message, so that a convention that never ends cannot hold the gateway."""
 
 
 class AnnouncementHandler:
-    """The way from announcements to sightings."""
+    """Turns announcements into registered devices and sightings."""
 
     def __init__(
         self,
@@ -58,12 +58,10 @@ class AnnouncementHandler:
         self._missed: list[tuple[str, AnnouncedPart | AvailabilityReader]] = []
 
     async def handle(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> Readers:
-        """Handle *message* as an announcement to *conventions*, one after the other.
-
-        One message is handled in slices of a few milliseconds, between which others get their turn.
+        """Handle *message* as an announcement of each of *conventions*, in slices of a few milliseconds.
 
         Returns:
-            The readers, by topic, that may have missed something.
+            The readers, by topic, that may have missed a message.
         """
         self._accepted = self._offended = False
         self._missed = []
@@ -83,9 +81,9 @@ class AnnouncementHandler:
         return tuple(self._missed)
 
     def handle_text(self, message: MqttMessage, conventions: tuple[Convention, ...]) -> None:
-        """Handle *message* as the first text of a device, by the first of *conventions* that knows its topic.
+        """Handle *message* as the first text of a device, with the first of *conventions* that knows its topic.
 
-        Any client may publish text, so a topic which breaks a rule is reported and counted, but charged to no source.
+        Any client may publish text, so an invalid topic is logged and counted, but not charged to a source.
         """
         for convention in conventions:
             try:
@@ -107,7 +105,7 @@ class AnnouncementHandler:
         length = len(message.payload)
         try:
             if _takes_slices(type(convention)) and isinstance(convention, SlicedConvention):
-                length = 0  # of each device in a list it is unknown
+                length = 0  # unknown for the single devices of a list
                 steps = iter(convention.read_message_in_slices(message.topic, message.payload, retained=message.retain))
             else:
                 steps = iter(convention.read_message(message.topic, message.payload, retained=message.retain))
@@ -116,7 +114,7 @@ class AnnouncementHandler:
             return
         numbered = enumerate(steps)
         while self._handle_slice(numbered, convention, message, length):
-            # Out of the reach of the faults of conventions: a cancellation here is meant for the gateway.
+            # Outside the error handling for conventions: a cancellation here is meant for the gateway.
             await anyio.lowlevel.checkpoint()
 
     def _handle_slice(
@@ -126,7 +124,7 @@ class AnnouncementHandler:
         message: MqttMessage,
         length: int,
     ) -> bool:
-        """Handle events of a message for a few milliseconds; return whether more may come."""
+        """Handle events of a message for a few milliseconds; return whether there may be more."""
         work = TimeSlice(self._clock)
         try:
             for number, event in steps:
@@ -192,7 +190,7 @@ class AnnouncementHandler:
             self.remove(key, LISTED)
 
     def _publish(self, change: RegistryChange, message: MqttMessage) -> None:
-        """Publish the difference that *message* made, and have the device subscribed to and asked."""
+        """Publish the change made by *message*, and have the device's topics subscribed to and its state requested."""
         stored, before = change.stored, change.before
         described = stored.described
         stored.heard_at = stored.heard_at if message.retain else self._reporter.now
@@ -215,7 +213,7 @@ class AnnouncementHandler:
             self._states.report_reachability(stored)
 
     def _why(self, stored: StoredAnnouncement, before: StoredAnnouncement | None, message: MqttMessage) -> str:
-        """Return why a sighting is due; empty if none is."""
+        """Return the reason for a sighting; empty if none is due."""
         if before is not None:
             if not stored.publishes_the_same(before):
                 return "its description changed"
@@ -247,7 +245,7 @@ class AnnouncementHandler:
         self.remove(key, why)
 
     def remove(self, key: str, why: str) -> None:
-        """Remove an announcement that is registered, at once."""
+        """Remove a registered announcement at once."""
         self._scheduler.drop(("gone", key))
         if (stored := self._registry.remove(key)) is None:
             return
@@ -260,5 +258,5 @@ class AnnouncementHandler:
 
 @cache
 def _takes_slices(kind: type[Convention]) -> bool:
-    """Return whether *kind* reads in slices; a check of a protocol takes longer than a short announcement."""
+    """Return whether *kind* reads in slices; cached, as checking a protocol takes longer than a short announcement."""
     return issubclass(kind, SlicedConvention)

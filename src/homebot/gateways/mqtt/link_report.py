@@ -1,4 +1,4 @@
-"""Tells people and the graph how the link to the broker is."""
+"""Reports of the link to the broker, to people and to the graph."""
 
 from collections.abc import Sequence
 
@@ -16,21 +16,21 @@ NOT_HEARD = "gateway.subscription_refused"
 NO_ANSWER = "gateway.no_answer"
 
 ANSWER_WAIT = 2.0
-"""Seconds for which the start of homebot waits for a broker that does not answer; the gateway goes on trying."""
+"""Seconds for which startup waits for the broker's answer; the gateway keeps trying after that."""
 
 _MAX_NAMES = 10
 _DOWN = frozenset({LinkPhase.WAITING, LinkPhase.REFUSED})
 
 MAX_LOSSES = 5
-"""Lines about a lost link in ten seconds."""
+"""Most log lines about a lost link in ten seconds."""
 
 
 class LinkReport:
-    """Follows the states of a connection.
+    """Logs and publishes the states of a connection.
 
     Args:
-        listening_to: The subject of the subscriptions, in words.
-        filters: The subscriptions that this takes; without any of them it hears nothing.
+        listening_to: The subject of the subscriptions, for the log.
+        filters: Subscriptions of which at least one must be granted for the gateway to receive anything.
     """
 
     def __init__(self, gateway: Gateway, connection: MqttConnection, listening_to: str, filters: Sequence[str]) -> None:
@@ -45,7 +45,7 @@ class LinkReport:
         self._losses = LogLimit(clock, burst=MAX_LOSSES)
 
     async def wait_for_first_try(self) -> None:
-        """Wait until the first try to connect has ended, for 2 s at most."""
+        """Wait for the end of the first attempt to connect, for at most 2 s."""
         with anyio.move_on_after(ANSWER_WAIT):
             await self._tried.wait()
             return
@@ -56,19 +56,19 @@ class LinkReport:
         )
 
     async def watch(self) -> None:
-        """Report every state until the connection is closed."""
+        """Report each state until the connection is closed."""
         async for state in self._connection.states():
             if state.phase is LinkPhase.CONNECTED:
                 self._connected()
             elif state.phase in _DOWN or (self._was_up and state.phase is LinkPhase.CONNECTING):
-                self._down(state)  # the next try follows a loss at once, and may take ten seconds
+                self._down(state)  # after a loss the next attempt starts at once, and may take ten seconds
             self._was_up = state.phase is LinkPhase.CONNECTED
             if state.phase is not LinkPhase.CONNECTING:
                 self._tried.set()
 
     def _connected(self) -> None:
         if self._was_up:
-            self._gateway.publish_state("unavailable", "the connection was lost")  # and made again at once
+            self._gateway.publish_state("unavailable", "the connection was lost")  # and restored at once
         url, refused = self._connection.url, self._connection.refused
         observing = "" if self._gateway.acts else " (observing only)"
         hears = f"listening to {self._listening_to}{observing}"

@@ -1,6 +1,6 @@
-"""The publisher of homebot's devices to other systems; brings their commands onto the graph.
+"""The publisher of homebot's devices to other systems, whose commands it brings onto the graph.
 
-While the link is down nothing is lost: offers and states are kept, bounded, and published anew on every link.
+Offers and states are kept, within bounds, while the link is down, and published again on every link.
 """
 
 from collections import deque
@@ -26,7 +26,7 @@ __all__ = ["Offers", "publishers_of"]
 NOT_PUBLISHED = "gateway.not_published"
 
 MAX_EVENTS = 1000
-"""Events that wait for the link; of more, the oldest go."""
+"""Most events that wait for the link; the oldest are dropped first."""
 
 
 class Offers:
@@ -50,11 +50,11 @@ class Offers:
             self._exposed = ExposedDevices(gateway, self._show, self._publish_states, quarantine.log_limited)
 
     def is_own_topic(self, topic: str) -> bool:
-        """Return whether *topic* is one of our own, and of no device."""
+        """Return whether *topic* belongs to homebot's own devices."""
         return any(publisher.is_own_topic(topic) for publisher in self._publishers)
 
     def handle_command(self, message: MqttMessage) -> None:
-        """Forward *message* if it is a command to an exposed device; a retained one is none."""
+        """Forward *message* if it is a command to an exposed device, and not retained."""
         for publisher in self._publishers if not message.retain else ():
             try:
                 commands = publisher.read_command(message.topic, message.payload)
@@ -83,7 +83,7 @@ class Offers:
         self._wait(one for publisher in self._publishers for one in publisher.states(offer, known, changed))
 
     def _wait(self, publications: Iterable[Publication]) -> None:
-        """Queue the newest state of each topic, so that a slow link costs no memory, and each event."""
+        """Queue each event, and the newest state of each topic, so that a slow link needs no more memory."""
         for publication in publications:
             if not publication.retain:
                 if len(self._events) == MAX_EVENTS:
@@ -108,7 +108,7 @@ class Offers:
                     await connection.publish(topic, publication.payload, qos=publication.qos, retain=publication.retain)
                 except LinkError:
                     if publication.payload or not publication.retain:
-                        continue  # on the next link every state is published anew; an event is over then
+                        continue  # the next link publishes every state again; by then an event is over
                     self._waiting.setdefault(topic, publication)
                     break
                 except HomebotError as exc:

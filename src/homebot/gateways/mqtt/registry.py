@@ -1,4 +1,4 @@
-"""The announcements registered at an MQTT gateway, and the readers of each topic. Pure."""
+"""The registered announcements of an MQTT gateway, and the readers of each topic. Pure."""
 
 from collections.abc import Callable, Hashable, Iterable, Sequence
 from functools import lru_cache
@@ -23,28 +23,28 @@ __all__ = ["AnnouncementRegistry", "TopicReaders"]
 
 _MAX_ROUTES = 50_000
 _MAX_GROUPS = 64
-"""Groups of conventions that find announcements on the same topics: few, however many topics there are."""
+"""Distinct sets of conventions that share topics: few, however many topics there are."""
 
 _FEW_PARTS = 100
-"""Parts that may read one message in one go."""
+"""Most parts that read one message without a pause."""
 
 _BOUNDS = RegistryLimits()
 
 _Readings: TypeAlias = list[tuple[str, AnnouncedPart | AvailabilityReader]]
-"""Filters, each with its reader."""
+"""Filters, each with a reader."""
 
 
 class TopicReaders(NamedTuple):
     """All readers of one topic.
 
     Attributes:
-        conventions: Those that devices announce themselves to there.
-        texts: Those that may know the part of a text there; none as long as one does.
-        text: The part that says text there.
-        only_text: The same, if the topic has no other reader.
-        availability_readers: Devices with availability there.
-        announced_parts: Parts that speak there, those of one device together, but for that one.
-        only_states: Whether nothing is there but the states of those parts, which are few.
+        conventions: Conventions that read announcements there.
+        texts: Conventions that may recognize a text there; empty once its part is known.
+        text: The part that publishes text there.
+        only_text: The same part, if the topic has no other reader.
+        availability_readers: Readers of availability there.
+        announced_parts: Parts that read their state there, grouped by device; without *text*.
+        only_states: Whether the only readers are those parts, and few.
     """
 
     conventions: tuple[Convention, ...]
@@ -60,8 +60,8 @@ class AnnouncementRegistry(DeviceRegistry):
     """The announcements of all conventions of one gateway.
 
     Attributes:
-        codecs: How parts say text, by the topics on which they are told.
-        route: Returns the readers of a topic; None if it has none.
+        codecs: The codecs of parts that publish text, by their command topics.
+        route: Returns the readers of a topic, or None.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class AnnouncementRegistry(DeviceRegistry):
         self.route = self._routes.__getitem__
 
     def is_read(self, topic: str) -> bool:
-        """Return whether a part, or an availability reader, reads *topic* now."""
+        """Return whether a part or an availability reader reads *topic*."""
         return topic in self._texts or self._readers.has_match(topic)
 
     def _enter(
@@ -126,7 +126,7 @@ class AnnouncementRegistry(DeviceRegistry):
         refused: list[WireError],
         replayed: _Readings,
     ) -> SharedReachability:
-        """Return the reachability known under *key*; a new one reads the *topics* of its *availability*."""
+        """Return the reachability under *key*, or a new one that reads the *topics* of its *availability*."""
         shared = self._shared.get(key)
         if shared is not None:
             return shared
@@ -151,7 +151,7 @@ class AnnouncementRegistry(DeviceRegistry):
     def _add_reader(
         self, topic_filter: str, reader: AnnouncedPart | AvailabilityReader, refused: list[WireError]
     ) -> bool:
-        """Add *reader*; return False, with the reason in *refused*, if the filter cannot be used."""
+        """Add *reader*; if the filter cannot be used, add the reason to *refused* and return False."""
         try:
             self._topics.use(topic_filter)
         except WireError as exc:
@@ -167,7 +167,7 @@ class AnnouncementRegistry(DeviceRegistry):
         self._forget_routes(topic_filter)
 
     def _register_text(self, stored: StoredAnnouncement, text: TextEndpoint) -> None:
-        """Register a text device; its convention's filters bring its messages, so it needs no subscription."""
+        """Register a text device; the filters of its convention already cover its messages."""
         for announced_part in stored.parts.values():
             self._texts[text.address] = announced_part
             if isinstance(announced_part.described.codec, TextCodec):
@@ -203,7 +203,7 @@ class AnnouncementRegistry(DeviceRegistry):
                 texts = tuple(one for one in conventions if one in self._text_conventions)
             conventions = tuple(one for one in conventions if one not in self._text_conventions)
         if not readers and text is None and (conventions or texts):
-            return self._announcement_readers(conventions, texts)  # announcements are many, and few of them come again
+            return self._announcement_readers(conventions, texts)  # most announcements come only once
         if len(self._routes) >= _MAX_ROUTES:
             self._routes.clear()
         route = self._routes[topic] = _route_of(conventions, texts, text, readers)
@@ -227,7 +227,7 @@ def _route_of(
 
 
 class _Routes(dict[str, TopicReaders | None]):
-    """Readers by topic, found where they are first asked for: a topic that was asked for before costs no call."""
+    """A cache of readers by topic, without a function call for a known topic."""
 
     def __init__(self, find: Callable[[str], TopicReaders | None]) -> None:
         super().__init__()
@@ -238,7 +238,7 @@ class _Routes(dict[str, TopicReaders | None]):
 
 
 def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hashable:
-    """Return the key of a shared *availability*: its device, or the announcement if that names no device."""
+    """Return the key under which *availability* is shared: with its device, or its announcement if that names none."""
     device = stored.described.identifiers or stored.key
     try:
         hash(availability)
@@ -248,7 +248,7 @@ def _shared_key(stored: StoredAnnouncement, availability: Availability) -> Hasha
 
 
 def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability, Hashable, list[str]]]:
-    """Return each availability of *stored* with its part, key and topics; all at once, as a plug-in may fail."""
+    """Return each availability of *stored* with its part, key and topics; a list, so that a plug-in fails early."""
     found: list[tuple[str, Availability, Hashable, list[str]]] = []
     described = stored.described
     own = {"": described.availability}
@@ -263,7 +263,7 @@ def _availabilities(stored: StoredAnnouncement) -> list[tuple[str, Availability,
 
 
 def _readings(stored: StoredAnnouncement) -> list[tuple[str, AnnouncedPart]]:
-    """Return each filter with a part of *stored*; all at once, as a plug-in may fail."""
+    """Return each filter with its part of *stored*; a list, so that a plug-in fails early."""
     found: list[tuple[str, AnnouncedPart]] = []
     for announced_part in stored.parts.values() if stored.described.text is None else ():
         topics = dict.fromkeys(announced_part.described.codec.topics())

@@ -1,6 +1,6 @@
-"""Topics without commands to devices, in any announcement: those of brokers, bridges and homebot. Pure.
+"""Topics that no announcement may use for commands: those of brokers, bridges and homebot. Pure.
 
-An app may publish there by itself, if it has reason to; a command to a device never ends there.
+Apps may still publish there themselves.
 """
 
 from collections.abc import Iterable, Mapping
@@ -19,7 +19,7 @@ _BRIDGE_REQUEST = "/bridge/request/"
 
 
 class _Reservation(NamedTuple):
-    """The reason why topics are reserved, and the convention that may use them all the same: all below its prefix."""
+    """The reason why topics are reserved, and the convention that may use them nevertheless."""
 
     why: str
     free_for: str = ""
@@ -29,7 +29,7 @@ class ReservedTopics:
     """Reserved topics of one gateway.
 
     Args:
-        conventions: Its conventions: no device takes commands where devices announce themselves or publish text.
+        conventions: Conventions whose topics of announcements and texts are reserved.
     """
 
     def __init__(self, conventions: Iterable[Convention]) -> None:
@@ -48,7 +48,7 @@ class ReservedTopics:
                     self._rules.add(topic_filter, _Reservation(f"it belongs to {one.name}"))
 
     def why(self, topic: str, convention: str = "") -> str:
-        """Return why no device of *convention* may take commands on *topic*; empty if that is not reserved."""
+        """Return why no device of *convention* may have a command topic *topic*; empty if it may."""
         if topic.startswith("$"):
             return "it belongs to the broker"
         if topic == OWN or topic.startswith(f"{OWN}/"):
@@ -64,9 +64,9 @@ class ReservedTopics:
         return why
 
     def without(self, described: DeviceAnnounced) -> tuple[DeviceAnnounced, tuple[str, ...]]:
-        """Return *described* without commands on reserved topics, and these topics with the reasons.
+        """Return *described* without its reserved command topics, and these topics with the reasons.
 
-        Such a part stays, and can be read; it cannot be told anything.
+        The parts concerned stay readable.
         """
         reserved: dict[str, str] = {}
         for part in described.parts:

@@ -25,13 +25,13 @@ EMBEDDED = "embedded"
 RECEIVE_MAXIMUM = 2048
 """Messages that may wait for our acknowledgement.
 
-So many, and the 1,000 that a default Mosquitto queues, can be retained on the broker without the first subscription
-losing any.
+Together with the 1,000 that Mosquitto queues by default, this is how many retained messages the first subscription
+receives without loss.
 """
 
 INBOX_MESSAGES = 100_000
 INBOX_BYTES = 64 * 1024 * 1024
-"""Bytes for a house's announcements, all of which the broker sends at once; it drops those that stay queued."""
+"""Bytes for the announcements of a house, which the broker sends all at once; it drops what stays queued."""
 
 
 class MqttGatewaySettings(PasswordSettings):
@@ -47,15 +47,15 @@ class MqttGatewaySettings(PasswordSettings):
         ca_file: PEM file of the authorities to trust with ``mqtts``.
         cert_file: PEM file of this client's certificate.
         key_file: PEM file of its key.
-        client_id: Name at the broker, unique there; by default a new one for each run, and the session ends with it. A
+        client_id: Name at the broker, unique there; by default a new one for each run, which ends the session. A
             fixed one gets the messages that the broker queued while homebot was not running.
         client: ``aiomqtt``, proven with most brokers, or ``native``, homebot's own, which needs less CPU time. By
             default the latter on the embedded broker, the former on all others. aiomqtt sends QoS 2 as QoS 1, so a
             message may arrive twice.
-        protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1, also if the broker says nothing to 5 for 10 s; or one
+        protocol: ``auto`` tries MQTT 5 and falls back to 3.1.1, also if a broker does not answer 5 for 10 s; or one
             of ``5`` and ``3.1.1``.
         max_payload: Largest message in bytes; the broker is informed, larger ones are dropped and counted.
-        max_announcement: The same for lists of devices: Zigbee2MQTT's takes about 4 kB for each, so the default is
+        max_announcement: The same for lists of devices: Zigbee2MQTT's needs about 4 kB for each, so the default is
             enough for 5,000. A device's own announcement is refused above 256 kB. An MQTT 5 broker silently drops a
             larger list: ``homebot doctor`` then reports a bridge without one; with 3.1.1 it is counted as ``dropped
             oversize``.
@@ -64,8 +64,8 @@ class MqttGatewaySettings(PasswordSettings):
         session_expiry: Seconds for which the broker queues messages while the gateway is disconnected.
         stale_after: Seconds of silence after which a device counts as stale.
         responses: Whether commands ask the devices for a response, where the broker speaks MQTT 5.
-        conventions: Which uses of topics to understand, by entry-point name or ``module:Class``; by default all that
-            homebot brings along.
+        conventions: Conventions to understand, by entry-point name or ``module:Class``; by default all that
+            come with homebot.
 
     A further key is the name of a convention, with that convention's own table, see :attr:`tables`.
     """
@@ -126,7 +126,7 @@ class MqttGatewaySettings(PasswordSettings):
         return self
 
     def options(self) -> MqttOptions:
-        """Return the options of the client, with the password read from its place.
+        """Return the options of the client, including the password.
 
         Raises:
             UsageError: The password cannot be read, or the address and the settings contradict each other.
@@ -150,7 +150,7 @@ class MqttGatewaySettings(PasswordSettings):
         )
 
     def with_client_id(self, client_id: str) -> "MqttGatewaySettings":
-        """Return the same settings with another name for this run; one that the user chose stays."""
+        """Return the settings with another client id, unless the user has chosen one."""
         if "client_id" in self.model_fields_set:
             return self
         return self.model_construct(_fields_set=self.model_fields_set, **(dict(self) | {"client_id": client_id}))
@@ -159,7 +159,7 @@ class MqttGatewaySettings(PasswordSettings):
         """Check that the certificate files can be read, and that only this user can read that of the key.
 
         Raises:
-            UsageError: That is not so; names the setting.
+            UsageError: They cannot, or others can; the message names the setting.
         """
         for key in ("ca_file", "cert_file", "key_file"):
             file: Path | None = getattr(self, key)

@@ -1,4 +1,4 @@
-"""State topics that are needed, and the subscriptions that follow. Pure."""
+"""The state topics in use, and the subscriptions that they require. Pure."""
 
 from collections.abc import Callable, Iterable
 from itertools import islice
@@ -12,22 +12,22 @@ __all__ = ["StateTopics", "pop_filters", "prefix_of"]
 MAX_TOPICS = 100_000
 LONGEST = 1000
 LITERAL_LEVELS = 2
-"""Levels without a wildcard in a filter that begins with one, as of Theengs Gateway: ``+/+/BTtoMQTT/A4C138000011``."""
+"""Fewest literal levels of a filter that begins with a wildcard; Theengs Gateway: ``+/+/BTtoMQTT/A4C138000011``."""
 
 
 class StateTopics:
-    """Counts the users of each filter; 100,000 filters at most.
+    """The number of users of each filter, for up to 100,000 filters.
 
     Args:
-        announcements: Filters that are subscribed to in any case, at QoS 0.
-        others: Filters that are, at a higher one.
-        max_topics: How many filters may be in use.
+        announcements: Filters that are always subscribed to, at QoS 0.
+        others: Filters that are always subscribed to, at a higher QoS.
+        max_topics: Most filters in use.
 
     Attributes:
-        users: How often each filter is needed.
-        wanted: Filters to subscribe to, in the order of their coming; one that is taken out counts as subscribed to.
-            One of an announcement may be among them, for the kept message.
-        unwanted: Filters to unsubscribe from; never one of an announcement.
+        users: The number of users of each filter.
+        wanted: Filters to subscribe to, oldest first; removing one marks it as subscribed to. A filter of announcements
+            may be among them, to receive its retained message again.
+        unwanted: Filters to unsubscribe from; never one of announcements.
     """
 
     def __init__(self, announcements: Iterable[str], others: Iterable[str] = (), max_topics: int = MAX_TOPICS) -> None:
@@ -42,10 +42,10 @@ class StateTopics:
         self.unwanted: dict[str, None] = {}
 
     def use(self, topic_filter: str) -> None:
-        """Need *topic_filter* once more.
+        """Add a user of *topic_filter*.
 
         Raises:
-            WireError: It is no filter, longer than 1,000 characters, about other devices too, or one too many.
+            WireError: It is invalid, longer than 1,000 characters, not specific to the device, or exceeds the limit.
         """
         users = self.users.get(topic_filter)
         if users is None:
@@ -57,7 +57,7 @@ class StateTopics:
         self.users[topic_filter] = (users or 0) + 1
 
     def leave(self, topic_filter: str) -> None:
-        """Drop one need of *topic_filter*; an unused one is passed over."""
+        """Remove a user of *topic_filter*, if it has one."""
         users = self.users.get(topic_filter)
         if users is None:
             return
@@ -71,7 +71,7 @@ class StateTopics:
             self.unwanted[topic_filter] = None
 
     def is_covered(self, topic_filter: str) -> bool:
-        """Return whether all it matches comes by another filter; subscribing then brings the retained message alone."""
+        """Return whether another filter covers it, so that subscribing only brings the retained message."""
         is_other = topic_filter not in self._announcements and self._covering.has_match(topic_filter)
         return is_other and not has_wildcard(topic_filter)
 
@@ -89,7 +89,7 @@ class StateTopics:
 
 
 def prefix_of(filters: Iterable[str]) -> Callable[[str], str]:
-    """Return a function that names the group of a topic: its first level, where one of the *filters* begins with it."""
+    """Return a function from a topic to its group: the first level, if one of the *filters* begins with it."""
     levels = {level: f"{level}/#" for one in filters if (level := one.partition("/")[0]) not in {"+", "#"}}
     return lambda topic: levels.get(topic.partition("/")[0], "#")
 
@@ -104,7 +104,7 @@ def _asks_too_much(topic_filter: str) -> bool:
 
 
 def pop_filters(filters: dict[str, None], at_most: int) -> tuple[str, ...]:
-    """Remove the oldest of *filters*, and return them."""
+    """Remove and return the oldest of *filters*."""
     taken = tuple(islice(filters, at_most))
     for one in taken:
         del filters[one]

@@ -1,4 +1,4 @@
-"""Subscribes to the topics of described devices, and asks them for their state; both in a measured way."""
+"""Subscriptions to the topics of described devices, and requests for their state, both at a limited rate."""
 
 from collections.abc import Hashable
 from functools import partial
@@ -25,17 +25,17 @@ NOT_HEARD = "gateway.state_not_heard"
 NOT_ASKED = "gateway.not_asked"
 
 BATCH = 100
-"""Filters in one request: their kept messages stay far below the queue limit of a broker."""
+"""Filters per request, so that their retained messages stay far below a broker's queue limit."""
 
 ASK_EVERY = 0.02
-"""Seconds between two questions, so that a thousand devices do not answer at once."""
+"""Seconds between requests, so that a thousand devices do not answer at once."""
 
 MAX_ASKS = 50_000
 MAX_ASKS_EACH = 20
 
 
 class Subscriber:
-    """Updates the subscriptions to the needs of the descriptions, all of them at QoS 0."""
+    """Keeps the subscriptions in line with the descriptions, all at QoS 0."""
 
     def __init__(
         self,
@@ -55,11 +55,11 @@ class Subscriber:
         self._linked = anyio.Event()
 
     def wake(self) -> None:
-        """Check the needed topics again."""
+        """Check the topics in use again."""
         self._needed.set()
 
     def ask(self, stored: StoredAnnouncement) -> None:
-        """Ask the device for its state once all that is needed now is subscribed to; check that as :meth:`wake`."""
+        """Request the state of a device once its topics are subscribed to; includes :meth:`wake`."""
         self._needed.set()
         asks: dict[Publication, None] = {}
         for part in stored.parts.values():
@@ -71,7 +71,7 @@ class Subscriber:
             self._asks_later[ask] = (ask,)
 
     def question(self, question: DeviceRequest) -> None:
-        """Ask a device for its identity; a later question with the same key replaces an earlier one."""
+        """Ask a device to identify itself; a question replaces an earlier one with the same key."""
         if question.key not in self._asks and len(self._asks) >= MAX_ASKS:
             self._counters.asks_dropped += 1
             return
@@ -79,7 +79,7 @@ class Subscriber:
         self._asked.set()
 
     async def run(self, connection: MqttConnection) -> None:
-        """Subscribe, unsubscribe and ask until cancelled."""
+        """Subscribe, unsubscribe and send requests until cancelled."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(self._subscribe, connection)
             for work in (self._send_state_requests, self._on_connected):
@@ -117,12 +117,12 @@ class Subscriber:
                 continue
             for ask in self._asks.pop(next(iter(self._asks))):
                 if not await self._publish(connection, ask):
-                    self._asks.clear()  # on the next link all are asked again
+                    self._asks.clear()  # the next link asks all again
                     break
                 await anyio.sleep(ASK_EVERY)
 
     async def _on_connected(self, connection: MqttConnection) -> None:
-        """Ask devices on each link to announce themselves, and on each but the first for their state."""
+        """Ask devices to announce themselves on each link, and on each but the first for their state."""
         is_first = True
         async for state in connection.states():
             if state.phase is not LinkPhase.CONNECTED:
