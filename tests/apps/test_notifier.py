@@ -93,7 +93,7 @@ async def test_a_notification_that_fails_is_logged_and_the_app_runs_on(
     (line,) = events(lines, NOT_SENT)
     assert "mqtt: the gateway only observes" in line
     failure = line.removeprefix("a ").replace(" of waiting", "")
-    assert house.runtime.app_host.notification_problem() == f"the last {failure}"
+    assert [*house.runtime.app_host.problems()] == [f"the last {failure}"]
     assert house.crashed == ()
 
 

@@ -166,6 +166,15 @@ async def test_a_damaged_file_is_set_aside(tmp_path: Path) -> None:
     assert rows(path) == {("hall", "armed"): True}
 
 
+async def test_homebot_reports_the_trouble_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / STORE_FILE
+    path.write_bytes(b"no database at all" * 100)
+    path.chmod(0o600)
+    async with Runtime(parse_config({}, "test"), with_door=False, index_file=tmp_path / "index.sqlite") as runtime:
+        (problem,) = runtime.app_host.problems()
+    assert problem.startswith(f"the file of the apps {path} was damaged")
+
+
 async def test_a_file_that_breaks_or_goes_while_it_is_used_is_written_anew(tmp_path: Path) -> None:
     """All that it had is in memory."""
     path = tmp_path / "home" / STORE_FILE

@@ -69,6 +69,11 @@ class AppStores:
         self._changed: dict[tuple[str, str], None] = {}
         self._has_news = anyio.Event()
 
+    @property
+    def trouble(self) -> str:
+        """The trouble of the file, as text; empty if there is none."""
+        return "" if self._kept is None else self._kept.trouble
+
     def of(self, app: str) -> Store:
         """Return the store of *app*, always the same one."""
         if app not in self._stores:

@@ -16,6 +16,8 @@ from homebot.runtime.plan import Plan, PlannedComponent
 from homebot.support.isolation import run_as
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from homebot.apps.notifier import Notifier
     from homebot.apps.stores import AppStores
 
@@ -93,10 +95,12 @@ class AppHost:
             return {}
         return {"notifications_dropped": self._notifier.dropped, "notifications_failed": self._notifier.failed}
 
-    def notification_problem(self) -> str:
-        """Return why the last notification was not sent; empty if it was."""
-        trouble = "" if self._notifier is None else self._notifier.trouble
-        return trouble and f"the last notification was not sent: {trouble}"
+    def problems(self) -> Iterator[str]:
+        """Yield why the last notification was not sent, and the trouble of the file of the apps."""
+        if self._notifier is not None and self._notifier.trouble:
+            yield f"the last notification was not sent: {self._notifier.trouble}"
+        if self._stores is not None and self._stores.trouble:
+            yield self._stores.trouble
 
     def given_up(self) -> set[tuple[str, str]]:
         """Return the node and the callback of each job that apps have given up."""

@@ -62,8 +62,7 @@ class RuntimeHealth:
         for name, crash in sorted(self._supervisor.crashes.items()):
             if crash.state == "restarting":
                 yield f"{name} crashed ({crash.last}) and will be restarted"
-        if problem := self._apps.notification_problem():
-            yield problem
+        yield from self._apps.problems()
         for service, seconds in self._graph.handlers_without_caller():
             if seconds >= _LONG:
                 why = "its caller gave up, and later calls may wait for it"
