@@ -53,9 +53,10 @@ def _plain(unit: str) -> Quantity:
     return Quantity("x_sensor", "measurement", unit)
 
 
-_ENERGIES = ("Energy", "ExportActive", "ExportTariff", "ImportActive", "Today", "Total", "TotalTariff", "Yesterday")
+_ENERGIES = ("Energy", "ImportActive", "Today", "Total", "TotalTariff", "Yesterday")
 _KNOWN: Mapping[str, Quantity] = {
     **dict.fromkeys(_ENERGIES, quantity("energy")),
+    **dict.fromkeys(("ExportActive", "ExportTariff"), quantity("energy_returned")),
     **dict.fromkeys(("ActivePower", "Power"), quantity("power")),
     **dict.fromkeys(("Current", "CurrentNeutral"), quantity("current")),
     "Voltage": quantity("voltage"),
@@ -133,7 +134,7 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
 
 def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
-    for leaf in sorted(leaves, key=lambda one: one.quantity.capability == "energy"):  # counters after what is now
+    for leaf in sorted(leaves, key=lambda one: one.quantity.capability.startswith("energy")):  # counters after what is now
         quantity = leaf.quantity
         is_number = leaf.is_number or quantity.capability != "measurement"
         part = JsonPart(
