@@ -73,6 +73,9 @@ NIGHT_LIGHT = Advertisement(
 DOOR = Advertisement(
     "58:2D:34:10:20:30", -60, service_data={full_uuid("fdcd"): bytes.fromhex("0804302010342d58040102")}
 )
+BTHOME_V1_DEW = Advertisement(
+    "A4:C1:38:8D:18:B3", -60, "ATC_8D18B3", service_data={full_uuid("181c"): bytes.fromhex("2308ca06")}
+)
 BTHOME_V1 = Advertisement(
     "A4:C1:38:8D:18:B2", -60, "ATC_8D18B2", service_data={full_uuid("181c"): bytes.fromhex("2302ca090303bf13")}
 )
@@ -114,6 +117,7 @@ def values(found: Broadcast) -> dict[tuple[str, str], PlainValue]:
         (NIGHT_LIGHT, {("motion", "occupancy"): True}),
         (DOOR, {("door", "contact"): True, ("door_left_open", "problem"): True}),
         (BTHOME_V1, {("temperature", "temperature"): 25.06, ("humidity", "humidity"): 50.55}),
+        (BTHOME_V1_DEW, {("dew_point", "temperature"): 17.38}),
         (
             LOCK,
             {("key_id", "value"): "Fingerprint key id 2", ("lock_method", "value"): "biometrics"}
@@ -131,6 +135,7 @@ def values(found: Broadcast) -> dict[tuple[str, str], PlainValue]:
         "night light",
         "door",
         "BTHome v1",
+        "dew point",
         "lock",
     ],
 )

@@ -112,6 +112,11 @@ def test_objects_of_one_name_are_parts_of_their_own() -> None:
     ]
 
 
+def test_a_dew_point_is_a_temperature_as_in_other_conventions() -> None:
+    (found,) = read_packet(bytes.fromhex("4008CA06")).values
+    assert (found.part, found.object.capability, found.value) == ("dew_point", "temperature", 17.38)
+
+
 def test_the_firmware_and_the_model_are_read_backwards() -> None:
     packet = read_packet(bytes.fromhex("40F00100F100010204"))
     assert (packet.device_type, packet.firmware) == (1, "4.2.1.0")

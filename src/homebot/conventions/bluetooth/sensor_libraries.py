@@ -44,6 +44,9 @@ ON_BATTERY = 300.0
 
 MAX_PARTS = 64
 _OWN_CLASSES = frozenset({"signal_strength", "packet_id"})
+_HOME_ASSISTANT: Mapping[str, str] = {"dew_point": "temperature"}
+"""Its class for one that the libraries alone have."""
+
 _PRESSES: Mapping[str, str] = {
     "press": "single",
     "double_press": "double",
@@ -251,7 +254,7 @@ _LONGEST_EVENT = 100
 def _measured(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
-    quantity = quantity_of(device_class, str(description.native_unit_of_measurement or ""))
+    quantity = quantity_of(_HOME_ASSISTANT.get(device_class, device_class), str(description.native_unit_of_measurement or ""))
     category: Category = "diagnostic" if device_class in {"battery", "voltage"} else ""
     if isinstance(value, str | date):
         part = sensor_part(part_id, "value", category=category)

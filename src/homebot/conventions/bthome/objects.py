@@ -97,7 +97,7 @@ BTHOME_OBJECTS: Mapping[int, BTHomeObject] = {
     0x05: _number("illuminance", "illuminance", 3, "0.01"),
     0x06: _measured("mass", 2, "0.01", "kg"),
     0x07: _measured("mass_lb", 2, "0.01", "lb"),
-    0x08: _measured("dew_point", 2, "0.01", "°C", signed=True),
+    0x08: _number("dew_point", "temperature", 2, "0.01", signed=True),
     0x09: _measured("count", 1),
     0x0A: _number("energy", "energy", 3, "0.001"),
     0x0B: _number("power", "power", 3, "0.01"),
