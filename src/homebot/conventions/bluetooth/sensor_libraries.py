@@ -254,7 +254,8 @@ _LONGEST_EVENT = 100
 def _measured(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
-    quantity = quantity_of(_HOME_ASSISTANT.get(device_class, device_class), str(description.native_unit_of_measurement or ""))
+    device_class = _HOME_ASSISTANT.get(device_class, device_class)
+    quantity = quantity_of(device_class, str(description.native_unit_of_measurement or ""))
     category: Category = "diagnostic" if device_class in {"battery", "voltage"} else ""
     if isinstance(value, str | date):
         part = sensor_part(part_id, "value", category=category)

@@ -134,7 +134,7 @@ def read_leaves(message: Mapping[str, object]) -> tuple[Leaf, ...]:
 
 def describe_sensors(config: TasmotaConfig, leaves: Iterable[Leaf]) -> Iterable[DescribedPart]:
     """Describe a part for each leaf, and one for the strength of the wireless signal."""
-    for leaf in sorted(leaves, key=lambda one: one.quantity.capability.startswith("energy")):  # counters after what is now
+    for leaf in sorted(leaves, key=lambda one: "energy" in one.quantity.capability):  # counters after what is now
         quantity = leaf.quantity
         is_number = leaf.is_number or quantity.capability != "measurement"
         part = JsonPart(
