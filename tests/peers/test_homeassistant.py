@@ -319,13 +319,19 @@ async def test_a_renamed_entity_keeps_its_part_a_removed_one_goes_and_a_revoked_
 ) -> None:
     async with home_assistant(ha_python, tmp_path) as home, house(home) as seen:
         key, part = seen.parts()["light.bed_light"]
-        rename = {"entity_id": "light.bed_light", "new_entity_id": "light.bedside", "name": "Reading lamp"}
+        rename = {
+            "entity_id": "light.bed_light",
+            "new_entity_id": "light.bedside",
+            "name": "Reading lamp",
+            "aliases": ["Night lamp"],
+        }
         await home.request("/api/services/homebot_peer/rename", rename)
         with anyio.fail_after(PATIENCE):
             while "light.bedside" not in seen.parts():  # noqa: ASYNC110 - sightings fill it
                 await anyio.sleep(0.02)
         again, renamed = seen.parts()["light.bedside"]
         assert (again, renamed.id, renamed.name) == (key, part.id, "Reading lamp")
+        assert any(one.key == "aliases" and "Night lamp" in one.value for one in seen.sightings[key].metadata)
         assert (await turn_on(seen, "light.bedside", on=True)).success
         assert (await home.states())["light.bedside"]["state"] == "on"
         await home.request("/api/services/homebot_peer/remove", {"entity_id": "light.bedside"})

@@ -17,6 +17,7 @@ from homebot.errors import RefusedError, UsageError
 from homebot.gateways.homeassistant import HomeAssistantGateway, HomeAssistantGatewaySettings
 from homebot.graph import Node
 from homebot.house.dialect import DeviceState, SimulatedDeviceInfo
+from homebot.house.dialects.wire import as_json, as_object
 from homebot.house.homeassistant import ServedEntity, SimulatedHomeAssistant
 from homebot.house.http.web_server import WebPeer
 
@@ -54,6 +55,19 @@ class CrashingHomeAssistant(SimulatedHomeAssistant):
             self.serving.cancel()
         else:
             super().receive(peer, message)
+
+
+class NamingHomeAssistant(SimulatedHomeAssistant):
+    """A Home Assistant with a further name for each entity, which is in single entries only."""
+
+    def receive(self, peer: WebPeer, message: bytes) -> None:
+        if b"get_entries" not in message:
+            super().receive(peer, message)
+            return
+        asked = as_object(message)
+        entries = {key: {"entity_id": key, **one.entry(), "aliases": ["Portal"]} for key, one in self.entities.items()}
+        assert asked["entity_ids"] == list(entries)
+        peer.send(as_json({"id": asked["id"], "type": "result", "success": True, "result": entries}))
 
 
 class House(WatchedGateway):
@@ -102,6 +116,12 @@ async def test_a_trigger_of_a_device_is_a_press_and_one_of_an_entity_is_not(tmp_
         assert [one.options for one in buttons.capabilities] == [("remote_button_short_press turn_on",)]
         home.fire(SHORT)
         assert await seen.reported("press") == "remote_button_short_press turn_on"
+
+
+async def test_the_aliases_of_an_entity_are_further_names_of_its_device(tmp_path: Path) -> None:
+    async with house(tmp_path, NamingHomeAssistant()) as seen:
+        sighting = await seen.sighted(parts=1)
+    assert next(one.value for one in sighting.metadata if one.key == "aliases").endswith("Portal")
 
 
 async def test_a_renamed_area_is_the_new_room_and_a_change_of_nothing_else_says_nothing(tmp_path: Path) -> None:

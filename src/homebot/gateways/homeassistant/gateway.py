@@ -116,11 +116,22 @@ class HomeAssistantGateway(LinkedGateway):
                 continue
             try:
                 listed = await self._link.call(f"the {registry}s", f"config/{registry}_registry/list")
+                if registry == "entity":
+                    listed = await self._with_aliases(listed)
             except RefusedError:
                 if registry in {"device", "entity", "area"}:
                     raise
                 continue  # floors and labels came in 2024.3
             self._entities.registries.put(registry, listed)
+
+    async def _with_aliases(self, listed: object) -> object:
+        """Return the entries of entities with their aliases, which their list lacks."""
+        ids = [text_of(as_fields(one).get("entity_id")) for one in listed] if isinstance(listed, list) else []
+        try:
+            found = await self._link.call("the aliases", "config/entity_registry/get_entries", {"entity_ids": ids})
+        except RefusedError:  # it came in 2023.2
+            return listed
+        return list(as_fields(found).values()) or listed
 
     async def _follow_registries(self, triggers: DeviceTriggers) -> None:
         """Follow the triggers of all devices; list changed registries again, and group all entities by them."""
