@@ -386,7 +386,7 @@ def test_an_endpoint_that_the_bridge_has_no_name_for_is_named_in_the_topic() -> 
         {"type": "climate", "endpoint": "3", "features": [target]},
         feature("numeric", "floor_min", key="floor_min_3", endpoint="3"),
         feature("numeric", "code_1"),
-        endpoints={"1": {}, "2": {"name": "l2"}, "3": {}},
+        endpoints={"1": {}, "2": {"name": "l2"}, "3": {}, "4": {"name": []}, "5": 7},
     )
     assert relay.codec.write("on_off", True) == (Publication(f"{TOPIC}/set", b'{"state_l2":"ON"}'),)
     (setpoint,) = valve.codec.write("heating_setpoint", 20.0)
