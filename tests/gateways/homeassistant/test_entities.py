@@ -100,6 +100,32 @@ def test_the_entities_of_a_device_are_its_parts_and_its_area_its_room() -> None:
 
 
 @pytest.mark.parametrize(
+    ("of_device", "of_lamp", "of_fan", "room"),
+    [
+        ("hall", "attic", "attic", "Attic"),
+        ("hall", "attic", None, "Hall"),
+        (None, None, "attic", "Attic"),
+        (None, None, None, ""),
+    ],
+)
+def test_the_area_of_all_entities_outranks_that_of_their_device(
+    of_device: str | None, of_lamp: str | None, of_fan: str | None, room: str
+) -> None:
+    """Home Assistant shows each entity in its own area, if it has one; settings stay in that of the device."""
+    entries = [
+        entity_entry("light.a", device_id="d1", area_id=of_lamp),
+        entity_entry("fan.a", device_id="d1", area_id=of_fan),
+        entity_entry("sensor.signal", device_id="d1", entity_category="diagnostic"),
+    ]
+    entities = home(*entries, device={"area_id": of_device})
+    entities.registries.put("area", [{"area_id": one, "name": one.capitalize()} for one in ("hall", "attic")])
+    for one in ("light.a", "fan.a", "sensor.signal"):
+        entities.put(one, state("on"), is_new=True)
+    entities.regroup()
+    assert entities.device("d1").area == room
+
+
+@pytest.mark.parametrize(
     ("device", "expected"),
     [
         ({"identifiers": [["mqtt", "zigbee2mqtt_0x00158d0001abcdef"]]}, "eui64:00158d0001abcdef"),

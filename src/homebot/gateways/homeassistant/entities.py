@@ -163,8 +163,8 @@ class HomeAssistantEntities:
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
         own = entities[0].name or ids[0].partition(".")[2].replace("_", " ") if entities else key
         name = device.name or own
-        area, floor = self.registries.place(key, ids)
         sole = [one for one in entities if not one.entry.category]
+        area, floor = self.registries.place(key, [one.entity_id for one in sole] or ids)
         shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
         lists = {"tags": self.registries.listed("labels", key, ids)}
         lists["aliases"] = (*shown_as, *self.registries.listed("aliases", key, ids))

@@ -99,9 +99,14 @@ class Registries:
         )
 
     def place(self, device_id: str, entity_ids: Iterable[str]) -> tuple[str, str]:
-        """Return the names of the area and of the floor of a device, or else of its entities; empty for none."""
-        for fields in self._entries(device_id, entity_ids):
-            area = self._listed["area"].get(_text(fields, "area_id"))
+        """Return the names of the area and of the floor of a device; empty for none.
+
+        The area of an entity outranks that of its device, which counts if the entities are in several.
+        """
+        device, *entities = (_text(fields, "area_id") for fields in self._entries(device_id, entity_ids))
+        shared = {one or device for one in entities}
+        for area_id in (*(shared if len(shared) == 1 else ()), device, *entities):
+            area = self._listed["area"].get(area_id)
             if area is not None:
                 floor = self._listed["floor"].get(_text(area, "floor_id"), {})
                 return text_of(area.get("name")), text_of(floor.get("name"))
