@@ -12,7 +12,7 @@ from homebot.errors import RefusedError
 __all__ = ["MAX_APPROVALS", "Approval", "ApprovalRegistry", "approval_digest"]
 
 MAX_APPROVALS = 10_000
-"""Parts that are approved; further ones are refused."""
+"""Most approved parts; further ones are refused."""
 
 
 class Approval(NamedTuple):
@@ -28,7 +28,7 @@ class Approval(NamedTuple):
 
 @final
 class ApprovalRegistry:
-    """The approvals by gateway, key and part: neither a device id nor an identifier has one. Too many are refused."""
+    """The approvals by gateway, key and part; they never belong to a device id or an identifier."""
 
     def __init__(self) -> None:
         self._by_place: dict[PartPlace, Approval] = {}
@@ -37,7 +37,7 @@ class ApprovalRegistry:
         return len(self._by_place)
 
     def put(self, sources: Collection[SourceRecord], now: float) -> tuple[str, ...]:
-        """Approve all parts of *sources* that take commands; return the differences from the approvals before."""
+        """Approve all parts of *sources* that take commands; return the differences from earlier approvals."""
         found = dict(_descriptions(sources))
         if len(self._by_place.keys() | found.keys()) > MAX_APPROVALS:
             raise RefusedError("an approval", f"there are {MAX_APPROVALS:,} already; take some back")
@@ -46,7 +46,7 @@ class ApprovalRegistry:
         return tuple([f"{key}: {change}" for key, change in changes])
 
     def discard(self, sources: Iterable[SourceRecord]) -> bool:
-        """Take back the approvals of all announcements *sources*; return whether there were any."""
+        """Withdraw the approvals of all announcements *sources*; return whether there were any."""
         keys = {source.key for source in sources}
         places = [place for place in self._by_place if place[:2] in keys]
         for place in places:
@@ -54,7 +54,7 @@ class ApprovalRegistry:
         return bool(places)
 
     def of(self, sources: Iterable[SourceRecord]) -> Iterator[tuple[PartPlace, Approval, str]]:
-        """Yield each approved part of *sources*, its approval, and the changes since as text, empty for none."""
+        """Yield each approved part of *sources*, its approval, and the changes since then in words, empty for none."""
         for source in sources if self._by_place else ():
             for part in source.sighting.parts:
                 place = (*source.key, part.id)
@@ -73,7 +73,7 @@ class ApprovalRegistry:
 
 
 def approval_digest(sources: Iterable[SourceRecord]) -> str:
-    """Return the digest of what an approval of all parts of *sources* would be bound to."""
+    """Return the digest to which an approval of all parts of *sources* would be bound."""
     return payload_digest(sorted(_descriptions(sources)))
 
 

@@ -1,4 +1,4 @@
-"""Changes of devices: those that were not published yet, and the last ones for late clients. Pure."""
+"""Changes of devices: those waiting to be published, and the last ones for late clients. Pure."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -22,31 +22,31 @@ __all__ = ["MAX_SIZE", "REMEMBERED", "ChangeLog", "ChangeQueue", "NewStates", "s
 _MAX_STATES = 10_000
 
 _EVENTS = 100
-"""Events that a reader may have unread."""
+"""Most unread events of a reader."""
 
 REMEMBERED = 2000
-"""Changes that can still be asked for."""
+"""Most changes kept for late clients."""
 
 MAX_SIZE = 16 * 1024 * 1024
-"""Bytes of all, about: each change has the whole device in it, and those of a device that is gone are nowhere else."""
+"""Estimated bytes of all kept changes: each contains the whole device."""
 
 _CHANGE = 4096
-"""Bytes of a change without its texts and parts, about."""
+"""Estimated bytes of a change without its texts and parts."""
 
 _PART = 1024
-"""Bytes of a part without its lists, about."""
+"""Estimated bytes of a part without its lists."""
 
 
 NewStates: TypeAlias = tuple[Entry, MergedParts, tuple[Reading, ...], str, Time, bool]
-"""New values that a report of a device brought, or one event: the device, its parts as they were then, the values, the
-stream of their change, when they were told, and whether the device told them itself."""
+"""The new values of a report, or one event: the device, its parts at the time, the values, the stream of their change,
+the time of the report, and whether it came live from the device."""
 
 
 # Looked up once, as `of_checked` says.
 _change_of, _device_change_of = StateChange.of_checked, DeviceChange.of_checked
 
 stream_of = "\0".join
-"""Returns the stream of a change of a device: its id, and part and capability of each value in it."""
+"""Returns the stream of a change: the id of the device, with part and capability of each value."""
 
 
 @dataclass(slots=True, eq=False)
@@ -61,15 +61,15 @@ class _PendingChange:
 
 @final
 class ChangeQueue:
-    """Collects changes until they are taken: a device that is announced in thirty messages is then published once.
+    """Collects changes, so that a device that is announced in thirty messages is published once.
 
     Attributes:
-        sequence: Number of the last change that was taken.
-        states_lost: Changes of states that were dropped before they were taken.
-        of_links: Numbers of those among the changes taken last that a gateway's link made, lost or back.
-        growing: Changes of devices that were announced further, by id, until :meth:`end_growth`.
-        recent: The last changes that were taken, for late clients.
-        announced: The number of announcements so far, new or changed, and of first reachabilities, which follow them.
+        sequence: Number of the last change that was popped.
+        states_lost: Changes of states that were dropped before they were popped.
+        of_links: Numbers of the changes popped last that were due to a gateway's link, lost or restored.
+        growing: Changes of devices with further announcements, by id, until :meth:`end_growth`.
+        recent: The last popped changes, for late clients.
+        announced: The number of new or changed announcements so far, and of first reachabilities.
     """
 
     def __init__(self, entries: Mapping[str, Entry], topics: TopicOwnership, first_sequence: int) -> None:
@@ -89,7 +89,7 @@ class ChangeQueue:
         self.collects_settings = False
 
     def add(self, kind: ChangeKind, entry: Entry, why: str, other: str = "", *, is_of_link: bool = False) -> None:
-        """Add a change of *entry*; mere ``changed`` goes into the change that waits already, if there is one."""
+        """Add a change of *entry*; a mere ``changed`` is merged into a waiting change."""
         pending = self._last.get(entry.id)
         if kind == "changed" and pending is not None and pending.kind != "stale":
             return
@@ -99,18 +99,18 @@ class ChangeQueue:
         self._last[entry.id] = change
 
     def add_growth(self, entry: Entry, why: str) -> None:
-        """Add a further announcement of *entry*; it goes into the next change, at the latest at the end of growth."""
+        """Add a further announcement of *entry*, as part of its next change or that at the end of growth."""
         if entry.id not in self._last:
             self.growing[entry.id] = _PendingChange("changed", entry, why, "")
 
     def end_growth(self) -> None:
-        """Let the changes of devices that were announced further be taken."""
+        """Release the changes of devices with further announcements."""
         self._last.update(self.growing)
         self.pending += self.growing.values()
         self.growing.clear()
 
     def add_removal(self, entry: Entry, why: str, other: str = "") -> None:
-        """Add the removal of *entry*; it is published as it is now."""
+        """Add the removal of *entry*, which is published as it is now."""
         device = entry.to_device(self._topics)
         self.growing.pop(entry.id, None)
         if self._last.pop(entry.id, None) is not None:
@@ -125,14 +125,14 @@ class ChangeQueue:
         return str(self._events)
 
     def add_states(self, states: NewStates) -> None:
-        """Add new values, or one event; while 10,000 wait, they are dropped and counted."""
+        """Add new values, or one event; they are dropped and counted while 10,000 wait."""
         if len(self.states) >= _MAX_STATES:
             self.states_lost += 1
         else:
             self.states.append(states)
 
     def pop(self, at_most: int | None = None) -> tuple[DeviceChange, ...]:
-        """Return the oldest changes, and the disputes they caused, and forget them."""
+        """Remove and return the oldest changes, with the disputes they caused."""
         if at_most is None:
             self.end_growth()
         taken = self.pending[:at_most]
@@ -146,7 +146,7 @@ class ChangeQueue:
         return tuple(found)
 
     def pop_states(self, at_most: int | None = None) -> tuple[StateChange, ...]:
-        """Return the changes of states, oldest first, and forget them; changes of a removed part are left out."""
+        """Remove and return the changes of states, oldest first, without those of removed parts."""
         taken = self.states[:at_most]
         del self.states[: len(taken)]
         found: list[StateChange] = []
@@ -173,7 +173,7 @@ class ChangeQueue:
         return tuple(found)
 
     def _current(self, entry: Entry, readings: tuple[Reading, ...]) -> tuple[Reading, ...]:
-        """Return those of *readings* with a part and capability that still exist."""
+        """Return the *readings* whose part and capability still exist."""
         if self._entries.get(entry.id) is not entry:
             return ()
         if readings[0].capability in EVENTS:
@@ -206,13 +206,13 @@ class ChangeQueue:
 
 
 class ChangeLog:
-    """Changes in the order of their coming; of too many, or too long ones, the oldest are forgotten.
+    """The last changes in order; the oldest are forgotten when there are too many bytes or changes.
 
     Args:
-        first: Sequence number from which on it knows all.
+        first: Sequence number from which on it is complete.
 
     Attributes:
-        forgotten: Sequence number of the last change that it does not have.
+        forgotten: Sequence number of the newest forgotten change.
     """
 
     def __init__(self, first: int, most: int = REMEMBERED, max_size: int = MAX_SIZE) -> None:
@@ -223,7 +223,7 @@ class ChangeLog:
         self._changes: deque[tuple[DeviceChange, int]] = deque()
 
     def append(self, change: DeviceChange) -> None:
-        """Keep *change*, and forget the oldest ones beyond the limit."""
+        """Add *change*, and forget the oldest ones beyond the limits."""
         size = _size(change)
         self._changes.append((change, size))
         self._size += size
@@ -233,7 +233,7 @@ class ChangeLog:
             self.forgotten = oldest.sequence
 
     def since(self, sequence: int) -> tuple[DeviceChange, ...]:
-        """Return the changes after the one with the number *sequence*, as far as they are known."""
+        """Return the known changes after number *sequence*."""
         newer = takewhile(lambda one: one.sequence > sequence, (one for one, _ in reversed(self._changes)))
         return tuple(newer)[::-1]
 

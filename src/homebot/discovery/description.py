@@ -1,4 +1,4 @@
-"""Description of a device: the result of its announcements, and of the owner's statements. Pure."""
+"""The description of a device: the result of its announcements and of the owner's statements. Pure."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -37,14 +37,14 @@ __all__ = [
 
 
 MAX_FACTS = 200
-"""Facts of one device that are published; those of the preferred announcements first."""
+"""Most published facts of one device; those of the preferred announcements come first."""
 
 
-@dataclass(slots=True)  # not frozen, which would take a microsecond more for every announcement
+@dataclass(slots=True)  # not frozen, which would cost a microsecond per announcement
 class DeviceDescription:
-    """The part of a device's record that follows from the announcements and the owner's statements.
+    """The fields of a device that follow from its announcements and the owner's statements.
 
-    The others are those of :class:`homebot.devices.Device`.
+    The names are those of :class:`homebot.devices.Device`.
     """
 
     name: str
@@ -64,7 +64,7 @@ class DeviceDescription:
 def describe_device(
     sources: tuple[SourceRecord, ...], topics: TopicOwnership, known_ids: PartIds, owner: OwnerFacts | None
 ) -> DeviceDescription:
-    """Return the description of a device that was announced."""
+    """Return the description of an announced device."""
     ordered = sorted(sources, key=preference) if len(sources) > 1 else sources
     first = ordered[0].sighting
     merged = _with_sirens(merge_parts(ordered, topics, known_ids), first)
@@ -75,7 +75,7 @@ def describe_device(
     facts = _facts(ordered)
     given = _given_in_hub(facts)
     if owner is not None:
-        plan = owner.rooms.plan  # without a call, as this is for every announcement
+        plan = owner.rooms.plan  # without a call, as this runs for every announcement
         if not area and plan.has_areas:
             area = _room_at(facts, plan)
         if area:
@@ -112,9 +112,9 @@ _RELAYS: Final = frozenset({"plug", "switch"})
 
 
 def _with_sirens(merged: MergedParts, sighting: Sighting) -> MergedParts:
-    """Return *merged* with the type ``siren`` for each relay that is one by its name: all switches on sounds none.
+    """Return *merged* with the type ``siren`` for relays named like one, so that "all switches on" sounds none.
 
-    The name and the model of the device count for its only relay.
+    For the only relay of a device, the names of device and model count too.
     """
     if _RELAYS.isdisjoint(map(_PART_TYPE, merged.parts)):
         return merged
@@ -135,7 +135,7 @@ def with_stated_facts(
 ) -> DeviceDescription:
     """Return the description of a device from its announcements and statements.
 
-    The owner's statements outrank announcements, and these the teaching of a tag; the facts are in this order.
+    The owner's statements outrank announcements, which outrank a tag; the facts are in this order.
     """
     own = [_stated_fact(fact) for fact in stated if not fact.name.startswith(_TAUGHT)]
     taught = [_stated_fact(fact) for fact in stated if fact.name.startswith(_TAUGHT)]
@@ -161,26 +161,26 @@ _TAUGHT: Final = "taught_"
 
 
 _POSITIONS: Final = frozenset({"position", "txt_position"})
-"""The fact as Thing Descriptions (``homebot:facts``) and DNS-SD (a pair of TXT) have it."""
+"""The key of the fact in Thing Descriptions (``homebot:facts``) and in DNS-SD (TXT)."""
 
 _ANNOUNCED_ERROR: Final = 2.0
-"""Metres by which a position may be wrong that a device announces without an error."""
+"""Error in metres of a position announced without one."""
 
 
 def position_of(facts: Iterable[Fact]) -> Position | None:
-    """Return the first position among the *facts* of a device; None if there is none."""
+    """Return the first position among the *facts* of a device, or None."""
     for fact in facts:
         if fact.name in _POSITIONS:
             source = fact.key if fact.convention == OWNER else fact.convention or fact.gateway
             try:
                 return read_position(fact.value, _ANNOUNCED_ERROR, source)
-            except UsageError:  # a device's own word for something else
+            except UsageError:  # a device's own use of the key for something else
                 continue
     return None
 
 
 def _given_in_hub(facts: Iterable[Fact]) -> dict[str, list[str]]:
-    """Return the aliases, tags and floors that people gave a device in a hub, which separates them by commas."""
+    """Return the aliases, tags and floors given to a device in a hub, which separates them by commas."""
     found: dict[str, list[str]] = {"aliases": [], "tags": [], "floor": []}
     for fact in facts:
         if fact.name in found:
@@ -189,7 +189,7 @@ def _given_in_hub(facts: Iterable[Fact]) -> dict[str, list[str]]:
 
 
 def _floor_of(sources: Iterable[SourceRecord], area: str) -> str:
-    """Return the floor of the announcement that has a device in *area*; empty for none."""
+    """Return the floor in the announcement that places the device in *area*; empty for none."""
     rooms = (one.sighting for one in sources if fold(one.sighting.area) == fold(area))
     return next((pair.value for room in rooms for pair in room.metadata if pair.key == "floor"), "")
 
@@ -199,12 +199,12 @@ def _values(facts: Iterable[Fact], name: str) -> Iterator[str]:
 
 
 def _area_of(facts: Sequence[Fact], plan: HousePlan) -> str:
-    """Return the room that *facts* state, else the one at the position that they state; empty for none."""
+    """Return the room stated by *facts*, or else the room at their position; empty for none."""
     return next(_values(facts, "area"), "") or _room_at(facts, plan)
 
 
 def _room_at(facts: Iterable[Fact], plan: HousePlan) -> str:
-    """Return the room at the position among *facts*; empty for none."""
+    """Return the room at the position in *facts*; empty for none."""
     position = position_of(facts) if plan.has_areas else None
     place = None if position is None else homebot.places.FloorPlan.of(plan).place_of(position)
     return "" if place is None else place.room
@@ -213,7 +213,7 @@ def _room_at(facts: Iterable[Fact], plan: HousePlan) -> str:
 def with_approvals(
     described: DeviceDescription, approvals: Sequence[tuple[PartPlace, Approval, str]]
 ) -> DeviceDescription:
-    """Return the description with the owner's approvals: each approved route, and the changes since elsewhere."""
+    """Return the description with the owner's approvals: the approved routes, and what changed at others."""
     digests = {place: approval.description.digest for place, approval, change in approvals if not change}
     facts = [
         _owner_fact(CHANGED, change, *place[:2], approval.said_at) for place, approval, change in approvals if change
@@ -240,7 +240,7 @@ def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) ->
 
 
 def with_preferred_routes(described: DeviceDescription, prefer: Sequence[str], said_at: float) -> DeviceDescription:
-    """Return the description of a device of several gateways with its routes in the order *prefer*, and that fact."""
+    """Return the description of a device of several gateways with its routes in the order *prefer*, a fact too."""
     gateways = {gateway for (gateway, _), _, _ in described.addresses}
     named = [gateway for gateway in prefer if gateway in gateways]
     if len(gateways) == 1 or not named:
@@ -282,7 +282,7 @@ def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
     before: tuple[KeyValue, ...] = ()
     for source in sources:
         metadata = source.sighting.metadata
-        if metadata != before:  # a device has the same in each of its announcements
+        if metadata != before:  # the announcements of a device share them
             for one in metadata:
                 found.setdefault(one.key, one)
             before = metadata
@@ -290,7 +290,7 @@ def _metadata(sources: Sequence[SourceRecord]) -> tuple[KeyValue, ...]:
 
 
 def _facts(sources: Sequence[SourceRecord]) -> tuple[Fact, ...]:
-    """Return each value once for each gateway and convention, by the first announcement that has it."""
+    """Return each value once per gateway and convention, from the first announcement that has it."""
     found: dict[tuple[str, str, str, str], Fact] = {}
     before: tuple[object, ...] = ()
     for source in sources:

@@ -1,4 +1,4 @@
-"""Devices, the announcements they consist of, and the pending updates of each. Pure."""
+"""The devices, their announcements, and their pending updates. Pure."""
 
 from dataclasses import dataclass
 from typing import final
@@ -15,17 +15,17 @@ from homebot.discovery.topics.ownership import TopicOwnership
 __all__ = ["DeviceTable", "IndexCounters"]
 
 _MAX_UNSAVED = 200_000
-"""Ids that wait for an index file that cannot be written; those that are known now then take their place."""
+"""Ids that may wait for an index file that cannot be written; beyond that, all known devices are written."""
 
 
 @dataclass(slots=True)
 class IndexCounters:
-    """Numbers of dropped and refused inputs.
+    """Counters of dropped and refused inputs.
 
     Attributes:
-        rejected: Announcements of new devices while the index was full, and those of a device that has too many.
-        retained_only: Announcements that the broker had kept, of devices that were forgotten.
-        unknown_parts: Readings of parts that were not announced, or not with that capability; they change nothing.
+        rejected: Announcements of new devices while the index was full, or of a device with too many.
+        retained_only: Retained announcements of forgotten devices.
+        unknown_parts: Readings of unannounced parts or capabilities; they are ignored.
     """
 
     rejected: int = 0
@@ -35,13 +35,13 @@ class IndexCounters:
 
 @final
 class DeviceTable:
-    """The tables of the index, shared by merging, liveness, states and search, which each change their part of them.
+    """The tables of the index, which merging, liveness, states and search share and change.
 
     Attributes:
-        lost: The loss of the link of each gateway that has none.
-        outdated: Ids of the devices with outdated postings.
-        unsaved: Ids to be written to the index file, those of devices that went as well, oldest first.
-        is_saved: Whether there is an index file; without one nothing is unsaved.
+        lost: The lost links, by gateway.
+        outdated: Ids of devices with outdated postings.
+        unsaved: Ids to be written to the index file, oldest first; also those of removed devices.
+        is_saved: Whether there is an index file; without one, nothing is unsaved.
     """
 
     def __init__(self, first_sequence: int, owner: OwnerFacts) -> None:
@@ -62,7 +62,7 @@ class DeviceTable:
     def record_change(
         self, kind: ChangeKind, entry: Entry, why: str, other: str = "", *, is_of_link: bool = False
     ) -> None:
-        """Record a change of *entry*, which makes its message and its postings out of date."""
+        """Record a change of *entry*, whose message and postings are now out of date."""
         entry.device = None
         self.outdated[entry.id] = None
         self.changes.add(kind, entry, why, other, is_of_link=is_of_link)
@@ -75,7 +75,7 @@ class DeviceTable:
         self.mark_unsaved(entry.id)
 
     def mark_unsaved(self, device_id: str) -> None:
-        """Note that the record of the device is out of date."""
+        """Mark the record of the device as out of date."""
         if self.is_saved:
             self.unsaved[device_id] = None
             if len(self.unsaved) > _MAX_UNSAVED:
@@ -83,6 +83,6 @@ class DeviceTable:
                 self.mark_all_unsaved()
 
     def mark_all_unsaved(self) -> None:
-        """Note that no record is up to date."""
+        """Mark all records as out of date."""
         self.unsaved.update(dict.fromkeys(self.entries))
         self.unsaved.update((tombstone.id, None) for tombstone in self.tombstones)

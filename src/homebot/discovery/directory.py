@@ -1,4 +1,4 @@
-"""The node of the discovery layer: it follows every gateway and maintains the index, and forgets silent devices."""
+"""The node of the discovery layer, which follows all gateways, maintains the index, and forgets silent devices."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -49,11 +49,11 @@ class DirectorySettings(BaseModel):
 
     Attributes:
         forget_after: Seconds for which a stale device stays listed before it is removed; a week by default, since many
-            lamps say nothing for days.
-        max_devices: How many devices are listed; further ones are counted and logged.
-        persist: Whether devices are remembered in a file over a restart, where the program has a place for it.
-        prefer: Names of gateways, the best first: the order in which they take commands for a device that several can
-            reach. Gateways without a place in it come last, in the usual order.
+            lamps are silent for days.
+        max_devices: Most listed devices; further ones are counted and logged.
+        persist: Whether devices are remembered in a file across restarts.
+        prefer: Names of gateways, best first: the order in which they get commands for a device that several can
+            reach. Other gateways come last, in the usual order.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -65,14 +65,13 @@ class DirectorySettings(BaseModel):
 
 
 class Directory:
-    """Listens to the sightings and reports of every gateway, present and to come.
+    """Subscribes to the sightings and reports of all gateways, present and future.
 
-    It takes only messages of a gateway's own node, on that gateway's own topics; messages that
-    another program publishes there are ignored.
+    Messages on the topics of a gateway count only if its own node publishes them.
 
     Args:
-        file: Where it keeps the index over a restart; None for nowhere.
-        known: The devices known at the start if it has no *file*.
+        file: The file that keeps the index across restarts; None for none.
+        known: The devices known at the start without a *file*.
     """
 
     def __init__(
@@ -86,7 +85,7 @@ class Directory:
         known: Sequence[IndexRow] = (),
     ) -> None:
         self._node = node
-        # Microseconds: a directory that was restarted goes on above the numbers of the one before.
+        # Microseconds, so that numbers keep growing across restarts.
         self.index = DeviceIndex(
             forget_after=settings.forget_after,
             first_sequence=round(node.graph.steady_now() * 1e6) + 1,
@@ -108,8 +107,8 @@ class Directory:
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Keep the index until cancelled.
 
-        It answers as soon as it has taken in its file and the messages that gateways keep for late joiners, so that a
-        client of a restarted directory does not see an empty house.
+        It answers once it has read its file and the messages that gateways keep for late joiners, so that clients of a
+        restarted directory do not see an empty house.
         """
         await self._persistence.load()
         with self._node.graph.watch() as changes:
@@ -138,7 +137,7 @@ class Directory:
             await anyio.lowlevel.checkpoint()
 
     def _follow_all(self) -> None:
-        """Follow all topics, sightings first: a report of an unannounced device has no meaning."""
+        """Follow all topics, sightings first: the report of an unannounced device means nothing."""
         endpoints = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER)
         for kind in (Sighting, Report, GatewayState):
             for endpoint in endpoints:
@@ -197,7 +196,7 @@ class Directory:
         )
 
     def _reject_foreign(self, gateway: str, message: Sighting | Report) -> None:
-        """Log that *gateway* published in the name of another, which is not believed."""
+        """Log that *gateway* published in the name of another; its message is ignored."""
         if self._limit.allows(FOREIGN) is not None:
             self._node.log.warning(
                 FOREIGN,

@@ -1,4 +1,4 @@
-"""Filter for events that arrive by several routes: equal ones are one. Pure."""
+"""A filter for events that arrive by several routes. Pure."""
 
 from dataclasses import dataclass, field
 from typing import TypeAlias, final
@@ -10,10 +10,10 @@ from homebot.support.bounded_map import BoundedMap
 __all__ = ["Echoes"]
 
 WINDOW = 2.0
-"""Seconds after an event within which another route tells the same one."""
+"""Seconds within which other routes report the same event."""
 
 _MOST = 64
-"""Events of one device that are remembered; the oldest is forgotten."""
+"""Most events remembered per device; the oldest is forgotten."""
 
 _Event: TypeAlias = tuple[int, str, PlainValue]
 
@@ -27,9 +27,9 @@ class _RecentEvent:
 
 @final
 class Echoes:
-    """A button that is announced twice, by its own convention and by another, tells each press twice.
+    """The recent events of a device, such as a button that two conventions announce and that reports each press twice.
 
-    Of equal events within two seconds as many happened as the route that reported most of them reported.
+    Of equal events within two seconds, as many happened as the route with the most reported.
     """
 
     __slots__ = ("_lately",)
@@ -38,7 +38,7 @@ class Echoes:
         self._lately: BoundedMap[_Event, _RecentEvent] = BoundedMap(_MOST)
 
     def is_new(self, place: int, capability: str, value: PlainValue, route: SourceKey, now: float) -> bool:
-        """Return whether an event was not reported by another route already."""
+        """Return whether no other route has reported the event."""
         what = (place, capability, value)
         lately = self._lately.get(what)
         if lately is None or now - lately.at > WINDOW:

@@ -1,4 +1,4 @@
-"""Endpoints of a device, one for each gateway that knows it: their freshness, and its reachability. Pure."""
+"""The endpoints of a device, one for each gateway that knows it, and its reachability. Pure."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from operator import attrgetter
@@ -25,17 +25,17 @@ __all__ = [
 ]
 
 _SourceReach: TypeAlias = tuple[SourceRecord, str, Reach | None]
-"""Reachability of a part, as one announcement has it."""
+"""The reachability of a part according to one announcement."""
 
 NOT_REPORTED = Reachability()
-"""Reachability of a device of which no announcement reports it."""
+"""The reachability of a device without such reports."""
 
 
 def reachability(sources: Iterable[SourceRecord]) -> Reachability:
     """Return whether a device can be reached: the combined reachability of its parts.
 
-    One that can be reached is enough. Where some deny it, none affirms it, and others, of which nothing is known,
-    reported since, it is unknown. Without their link gateways know nothing; without any it cannot be reached.
+    One reachable part is enough. If some are unreachable, none is reachable, and others of unknown reachability have
+    reported since, it is unknown. Gateways without a link know nothing; if all lack one, the device is unreachable.
     """
     known = tuple(sources)
     linked = [one for one in known if not one.is_lost]
@@ -49,7 +49,7 @@ def reachability(sources: Iterable[SourceRecord]) -> Reachability:
 def offline_parts(
     sources: Mapping[SourceKey, SourceRecord], places: Mapping[tuple[str, str, str], int], ids: Mapping[int, str]
 ) -> tuple[str, ...]:
-    """Return the ids of the parts that cannot be reached, by the same rule for each."""
+    """Return the ids of the parts that cannot be reached, by the rule of :func:`reachability`."""
     reports: dict[int, list[_SourceReach]] = {}
     for (gateway, key, part), place in places.items():
         source = sources.get((gateway, key))
@@ -75,12 +75,12 @@ def _source_reaches(sources: Iterable[SourceRecord]) -> list[_SourceReach]:
 
 
 def _combined(reports: list[_SourceReach]) -> Reachability:
-    """Return the newest answer of the first kind that any of *reports* has: yes, no, unknown."""
+    """Return the newest of *reports* that say yes; else of those that say no; else of those that do not know."""
     for value in (True, False, None):
         answers = [(source, part, one) for source, part, one in reports if one is not None and one.value is value]
         if answers:
             source, part, reach = max(answers, key=lambda one: one[2].heard_at)
-            label = source.label if source.sighting.convention else "it"  # a key of a gateway tells a person nothing
+            label = source.label if source.sighting.convention else "it"  # the key of a gateway means nothing to people
             is_all_of_it = all(one is not None and one.value is value for other, _, one in reports if other is source)
             label = label if is_all_of_it or part in label else f"{label} ({part})"
             return _answer(label, source, reach, reports)
@@ -106,7 +106,7 @@ def _according(source: SourceRecord, reach: Reach) -> str:
 
 
 def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord | None:
-    """Return an announcement of unknown or doubtful reachability that the device used later than *since*."""
+    """Return an announcement of unknown or doubtful reachability by which the device reported after *since*."""
     undecided = (source for source, _, one in reports if one is None or one.value is None)
     return next((source for source in undecided if source.confirmed and source.heard_at > since), None)
 
@@ -114,14 +114,14 @@ def _reported_later(reports: list[_SourceReach], since: float) -> SourceRecord |
 _KEY = attrgetter("key")
 
 Addresses: TypeAlias = tuple[SourceKey, str, str]
-"""The announcement that counts at one gateway, where the device publishes there, and where it takes texts."""
+"""The decisive announcement at one gateway, and the device's addresses there: for its texts and for commands."""
 
 
 def addresses(sources: Sequence[SourceRecord], main: DevicePart | None) -> tuple[Addresses, ...]:
-    """Return those of each gateway: two conventions at one gateway publish everything twice.
+    """Return the addresses at each gateway, once: two conventions at one gateway publish everything twice.
 
     Args:
-        sources: The announcements, the preferred ones first.
+        sources: The announcements, preferred ones first.
         main: The main part of the device; None if its parts are unknown.
     """
     found: dict[str, Addresses] = {}
@@ -152,7 +152,7 @@ def endpoints(
     freshness: Freshness,
     stale_gateways: frozenset[str],
 ) -> tuple[Endpoint, ...]:
-    """Return the endpoints as they are now; those that are offline, stale or only claimed come last."""
+    """Return the current endpoints; those that are offline, stale or only claimed come last."""
     found: list[Endpoint] = []
     for (gateway, key), address, command_address in described:
         heard = [source for source in sources.values() if source.key[0] == gateway]
@@ -174,7 +174,7 @@ def endpoints(
 
 
 def endpoint_reach(sources: Mapping[SourceKey, SourceRecord]) -> tuple[str, ...]:
-    """Return whether the device can be reached at each of its gateways."""
+    """Return for each gateway whether the device can be reached there."""
     gateways = dict.fromkeys(gateway for gateway, _ in sources)
     return tuple(
         reachability([source for source in sources.values() if source.key[0] == gateway]).state for gateway in gateways
@@ -182,19 +182,19 @@ def endpoint_reach(sources: Mapping[SourceKey, SourceRecord]) -> tuple[str, ...]
 
 
 def rank_in(prefer: Sequence[str], gateway: str) -> int:
-    """Return the place of *gateway* in *prefer*, from 0; one that is not in it comes after all that are."""
+    """Return the rank of *gateway* in *prefer*, from 0; gateways not listed come last."""
     return prefer.index(gateway) if gateway in prefer else len(prefer)
 
 
 def preferred_routes(parts: tuple[DevicePart, ...], prefer: Sequence[str]) -> tuple[DevicePart, ...]:
-    """Return *parts* with their routes in the order of the gateways in *prefer*, those of other gateways last."""
+    """Return *parts* with their routes in the order of *prefer*; those of other gateways last."""
     return _with_sorted_routes(parts, lambda route: rank_in(prefer, route.gateway))
 
 
 def sorted_routes(
     parts: tuple[DevicePart, ...], sources: Mapping[SourceKey, SourceRecord], stale_gateways: frozenset[str]
 ) -> tuple[DevicePart, ...]:
-    """Return *parts* with the routes by which nothing can be reached, and stale ones, last."""
+    """Return *parts* with unreachable and stale routes last."""
 
     def order(route: Route) -> tuple[bool, bool]:
         source = sources[route.gateway, route.key]
@@ -206,7 +206,7 @@ def sorted_routes(
 
 
 def last_seen(sources: Collection[SourceRecord]) -> Time:
-    """Return when a device was last heard of in *sources*: when it spoke, or else was announced."""
+    """Return when a device was last seen in *sources*: when it last reported, or else was announced."""
     confirmed = [source for source in sources if source.confirmed]
     return max(confirmed or sources, key=lambda one: (one.heard_at, one.seen_at.sec, one.seen_at.nanosec)).seen_at
 
@@ -229,6 +229,6 @@ def _freshness(sources: Iterable[SourceRecord], device: Freshness, *, is_stale: 
 
 
 def _command_address(part: DevicePart, gateway: str) -> str:
-    """Return where *part* takes text: by the first of the gateway's routes that takes any."""
+    """Return the address where *part* accepts text: that of the first route of the gateway with one."""
     ways = (one for one in part.routes if one.gateway == gateway and one.takes) if accepts_text(part.part) else ()
     return next((text_address(one.key, one.part) for one in ways), "")

@@ -1,4 +1,4 @@
-"""A device in the index: its announcements, its signs of life, and the message that tells of it."""
+"""A device in the index: its announcements, its signs of life, and its message."""
 
 import math
 from collections.abc import Collection, Iterable, Mapping
@@ -53,22 +53,22 @@ class Entry:
     """The index's record of a device.
 
     Attributes:
-        deadline: When it becomes stale unless it is heard of again, in seconds of the clock that is never set.
+        deadline: When it becomes stale unless it reports again, on the monotonic clock.
         expires: The same in seconds since the Unix epoch.
-        evidence: Why its announcements are one device, in words.
-        topic_owner: The device that keeps a topic from it, as was published last; empty for none.
-        silence_allowed: For how many seconds its gateways think that silence is no bad sign.
-        saved_period: The period of the clock that is never set in which it was last to be written that it was seen.
-        known_ids: Ids that parts had, beside those of the description that stands.
-        is_denied: Whether any of its announcements says that something of it cannot be reached.
+        evidence: Why its announcements describe one device, in words.
+        topic_owner: The device that claims one of its topics, as last published; empty for none.
+        silence_allowed: Seconds of silence that its gateways consider normal.
+        saved_period: The period of the monotonic clock in which its last sighting was last queued for saving.
+        known_ids: Former ids of parts, in addition to those of the current description.
+        is_denied: Whether any of its announcements reports a part, or all of it, as unreachable.
         is_shared: Whether several gateways know it.
-        stale_gateways: The gateways at which it was silent for too long, of several that know it.
-        trusted: The endpoints that may have its commands, where that was ever a question; those that are gone included.
-        claimed: The endpoints that may not; see :mod:`homebot.discovery.merging.trust`.
-        agreement: The last reports of the two; None if all are trusted.
-        echoes: The last events, each with the number of routes that reported it; None without events.
-        owner: The owner's statements on devices; None before it is in the index.
-        device: What :meth:`to_device` returned last; None where its states or its freshness changed since.
+        stale_gateways: Of several gateways, those at which it has been silent for too long.
+        trusted: The endpoints that may get its commands, once that had to be decided; also those that are gone.
+        claimed: The endpoints that may not get them; see :mod:`homebot.discovery.merging.trust`.
+        agreement: The last reports of trusted and claimed endpoints; None if all are trusted.
+        echoes: The last events, with the number of routes that reported each; None without events.
+        owner: The owner's statements; None before it is in the index.
+        device: The last result of :meth:`to_device`; None if states or freshness have changed since.
     """
 
     id: str
@@ -96,24 +96,24 @@ class Entry:
     device: Device | None = None
 
     def hardware(self) -> tuple[str, ...]:
-        """Return its hardware addresses."""
+        """Return the hardware addresses of the device."""
         found = (one for source in self._believed().values() for one in source.sighting.identifiers)
         return tuple(dict.fromkeys(one for one in found if not one.startswith("id:")))
 
     def last_seen(self) -> Time:
-        """Return when it was last heard of: when it spoke, or else was announced."""
+        """Return when it was last seen: when it last reported, or else was announced."""
         sources = self.sources.values()
         return next(iter(sources)).seen_at if len(sources) == 1 else last_seen(sources)
 
     def invalidate_description(self) -> None:
-        """Build the description anew when next asked for: its announcements changed, or the disputes about it."""
+        """Discard the description, because its announcements or the disputes about it have changed."""
         if self._description is not None:
             self.known_ids = self.part_ids()
             self._description = None
         self.device = None
 
     def part_ids(self) -> PartIds:
-        """Return the ids that its parts have, and those that they had in announcements that are gone."""
+        """Return the ids of its parts, including those from announcements that are gone."""
         if self._description is None:
             return self.known_ids
         ids = self._description.merged.ids()
@@ -124,7 +124,7 @@ class Entry:
         return (self._description or self._described(topics)).merged
 
     def to_device(self, topics: TopicOwnership) -> Device:
-        """Return the message that tells all of it; the same object as long as nothing is new."""
+        """Return the message that describes it; the same object as long as nothing has changed."""
         if self.device is None:
             described = self._description or self._described(topics)
             sources = self.sources.values()
@@ -160,7 +160,7 @@ class Entry:
         return self.device
 
     def reachability(self) -> Reachability:
-        """Return whether it can be reached, as its parts are together."""
+        """Return whether it can be reached, combined from its parts."""
         sources = self._believed() if self.claimed else self.sources
         for source in sources.values():
             if source.reach or source.lost is not None:
@@ -168,7 +168,7 @@ class Entry:
         return NOT_REPORTED
 
     def reach_state(self) -> str:
-        """Return the state of :meth:`reachability`, sooner where anything of it can be reached."""
+        """Return the state of :meth:`reachability`, faster if nothing of it is unreachable."""
         for source in self._believed().values():
             for reach in source.reach.values():
                 if reach.value and not source.is_lost:
@@ -176,7 +176,7 @@ class Entry:
         return self.reachability().state
 
     def endpoint_reach(self) -> tuple[str, ...]:
-        """Return whether it can be reached at each of its gateways; nothing if there is only one."""
+        """Return for each gateway whether it can be reached there; nothing if there is only one."""
         return endpoint_reach(self.sources) if self.is_shared else ()
 
     def gateways(self) -> frozenset[str]:
@@ -184,7 +184,7 @@ class Entry:
         return frozenset(gateway for gateway, _ in self.sources)
 
     def silent_gateways(self) -> frozenset[str]:
-        """Return the gateways at which it has been silent for too long: all of them where it is stale."""
+        """Return the gateways at which it has been silent for too long; all of them if it is stale."""
         return self.gateways() if self.freshness == "stale" else self.stale_gateways
 
     def offline_parts(self, merged: MergedParts) -> tuple[str, ...]:
@@ -195,7 +195,7 @@ class Entry:
         return offline_parts(self._believed(), merged.places, ids)
 
     def _endpoints(self, described: tuple[Addresses, ...], reachable: Reachability) -> tuple[Endpoint, ...]:
-        """Return its endpoints; the one of a single announcement, as most devices have, is as the device."""
+        """Return its endpoints; a single announcement, as most devices have, shares the state of the device."""
         if len(self.sources) > 1:
             return endpoints(described, self.sources, self.freshness, self.stale_gateways)
         (((gateway, key), address, command_address),) = described
@@ -218,7 +218,7 @@ class Entry:
         )
 
     def _believed(self) -> Mapping[SourceKey, SourceRecord]:
-        """Return the announcements that decide its type and state: not claimed ones beside others."""
+        """Return the announcements that decide its type and state: those not merely claimed, if there are any."""
         if not self.claimed:
             return self.sources
         return {key: source for key, source in self.sources.items() if not source.is_claimed} or self.sources
@@ -243,7 +243,7 @@ class Entry:
         return self._newest(self.parts(topics), events=False).values()
 
     def _newest(self, merged: MergedParts, *, events: bool) -> dict[tuple[int, str], StoredValue]:
-        """Return the newest report of all routes to each part; live values take precedence over retained ones."""
+        """Return the newest report of each part by any route; live values take precedence over retained ones."""
         newest: dict[tuple[int, str], StoredValue] = {}
         for (gateway, key), source in self.sources.items():
             for (part, capability), stored in (source.events if events else source.values).items():
@@ -257,7 +257,7 @@ class Entry:
 
 
 def silent_gateways(entries: Iterable[Entry]) -> frozenset[str]:
-    """Return the gateways at which none of *entries* was heard in time."""
+    """Return the gateways at which none of *entries* reported in time."""
     heard, silent = set[str](), set[str]()
     for entry in entries:
         silent |= entry.silent_gateways()

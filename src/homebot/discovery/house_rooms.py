@@ -1,4 +1,4 @@
-"""The rooms of the house: those of the configuration, and those that were imported, which can be changed. Pure."""
+"""The rooms of the house: those of the configuration, and imported ones, which can be changed. Pure."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class HouseRooms:
         """Import *rooms* and *doors*.
 
         Raises:
-            ConfigError: They do not fit the plan; nothing was added.
+            ConfigError: They contradict the plan; nothing was added.
         """
         added, added_doors = tuple(rooms), tuple(doors)
         self.plan = _checked(self.plan.with_rooms(added, source, added_doors))
@@ -35,10 +35,10 @@ class HouseRooms:
         self.imported_doors = tuple({fold(one.name): one for one in (*self.imported_doors, *added_doors)}.values())
 
     def restore(self, rooms: tuple[HouseRoom, ...], source: str, doors: tuple[HouseDoor, ...] = ()) -> None:
-        """Take over the imported *rooms* and *doors* of an earlier run.
+        """Restore the imported *rooms* and *doors* of an earlier run.
 
         Raises:
-            ConfigError: Some do not fit the configuration any more; they are remembered, and not in the plan.
+            ConfigError: Some contradict the configuration; they are remembered, but left out of the plan.
         """
         self.imported, self.imported_doors = rooms, doors
         problem: ConfigError | None = None
@@ -54,29 +54,29 @@ class HouseRooms:
             raise problem
 
     def reconfigured(self, places: Places) -> HouseRooms:
-        """Return the rooms of another configuration with those that were imported.
+        """Return the rooms of another configuration together with the imported ones.
 
         Raises:
-            ConfigError: They do not fit each other.
+            ConfigError: They contradict each other.
         """
         rooms = HouseRooms(self.plan.home, places.rooms, places.doors)
         rooms.restore(self.imported, "the imported rooms", self.imported_doors)
         return rooms
 
     def remove(self, name: str) -> None:
-        """Take an imported room out of the plan, with its doors.
+        """Remove an imported room and its doors from the plan.
 
         Raises:
-            RefusedError: No import stated it, or the configuration does.
+            RefusedError: It was not imported, or the configuration has it.
         """
         self._check_imported(name, f"removing the room {name!r}")
         self._change((one for one in self.imported if fold(one.name) != fold(name)), self.imported_doors)
 
     def rename(self, name: str, new: str, *, is_stated: bool) -> None:
-        """Give an imported room another name.
+        """Rename an imported room.
 
         Args:
-            is_stated: Whether devices were placed in it, so that no import need have stated it.
+            is_stated: Whether devices were placed in it, so that it need not have been imported.
 
         Raises:
             RefusedError: There is no such room, the configuration has it, or there is one called *new*.
@@ -94,7 +94,7 @@ class HouseRooms:
         self._change((_renamed(one, name, new) for one in self.imported), doors)
 
     def _check_imported(self, name: str, order: str) -> None:
-        """Refuse *order* where the room *name* is not one that an import alone stated."""
+        """Refuse *order* unless the room *name* comes from an import alone."""
         if self._configured.room(name) is not None:
             raise RefusedError(order, "it is stated in the configuration; change [places] there")
         if all(fold(one.name) != fold(name) for one in self.imported):
@@ -102,7 +102,7 @@ class HouseRooms:
             raise RefusedError(order, f"no import stated it; {did_you_mean(name, known, 'see `homebot places list`')}")
 
     def _change(self, rooms: Iterable[HouseRoom], doors: Iterable[HouseDoor]) -> None:
-        """Make *rooms* and *doors* the imported ones; a door to a room that is gone goes with it."""
+        """Set the imported *rooms* and *doors*, without doors to rooms that are gone."""
         changed = tuple(rooms)
         known = {fold(one.name) for one in (*changed, *self._configured.rooms)} | {OUTSIDE}
         changed = tuple(one._replace(doors=tuple(to for to in one.doors if fold(to) in known)) for one in changed)

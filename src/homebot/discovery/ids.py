@@ -1,4 +1,4 @@
-"""The ids that devices get, and the memory of those that went. Pure."""
+"""The ids of devices, and the memory of removed devices. Pure."""
 
 import re
 from collections import OrderedDict
@@ -14,7 +14,7 @@ from homebot.support.folding import fold
 __all__ = ["MAX_TOMBSTONES", "Tombstone", "Tombstones", "id_of_name", "name_without", "new_id"]
 
 MAX_TOMBSTONES = 10_000
-"""Devices that went and are remembered; the oldest is forgotten."""
+"""Most removed devices remembered; the oldest is forgotten."""
 
 _NO_LETTERS = re.compile(r"[^a-z0-9]+")
 _LONGEST_SLUG = 60
@@ -24,8 +24,8 @@ _SHORTEST_SUFFIX = 4
 def new_id(sighting: Sighting, known: Container[str], gone: Container[str]) -> str:
     """Return the id of a new device.
 
-    The key, as in the thesis, for a device that its topic alone tells of; else its name in plain letters. Where that is
-    taken, the gateway or a few letters of its identity follow.
+    It is the key, as in the thesis, for a device known only by its topic; else its name in plain letters. If that is
+    taken, the gateway or a few letters of its identity are appended.
     """
     if not sighting.identifiers and (sighting.is_plain_text or not sighting.parts):
         proposals: Iterator[str] = accumulate(repeat(f"@{sighting.gateway}"), initial=sighting.key)
@@ -45,12 +45,12 @@ def _longer_ids(slug: str, identity: str) -> Iterator[str]:
 
 
 def name_without(sighting: Sighting) -> str:
-    """Return the name of a device that no announcement names: that of a part, or the end of the key."""
+    """Return a name for an unnamed device: that of a part, or the end of the key."""
     return next((part.name for part in sighting.parts if part.name), "") or sighting.key.rpartition("/")[2]
 
 
 def id_of_name(name: str) -> str:
-    """Return the id of a device of that name, where no other has it."""
+    """Return the id for a device of that name, if it is not taken."""
     return _NO_LETTERS.sub("_", fold(name))[:_LONGEST_SLUG].strip("_") or "device"
 
 
@@ -63,14 +63,13 @@ def _identity(sighting: Sighting) -> str:
 
 
 class Tombstone(NamedTuple):
-    """A device that went.
+    """A removed device.
 
     Attributes:
-        id: The id it had, and gets again when it returns.
-        retained_only: Whether it was forgotten, though its announcements may still be kept by the broker: these alone
-            do not bring it back.
-        at: When it went, in seconds since the Unix epoch.
-        trusted: The endpoints that had its commands; see :mod:`homebot.discovery.merging.trust`.
+        id: Its id, which it gets again when it returns.
+        retained_only: Whether the owner had it forgotten, so that retained announcements do not bring it back.
+        at: When it was removed, in seconds since the Unix epoch.
+        trusted: The endpoints that got its commands; see :mod:`homebot.discovery.merging.trust`.
     """
 
     id: str
@@ -83,10 +82,10 @@ class Tombstone(NamedTuple):
 
 @final
 class Tombstones:
-    """Remembers devices that went, so that one that returns is recognised, and a ghost is not taken for one.
+    """The removed devices, to recognize one that returns and to ignore its leftovers.
 
     Attributes:
-        by_id: Those that are remembered, oldest first; most houses have none.
+        by_id: The remembered devices, oldest first; most houses have none.
     """
 
     def __init__(self, at_most: int = MAX_TOMBSTONES) -> None:
@@ -102,7 +101,7 @@ class Tombstones:
         return iter(tuple(self.by_id.values()))
 
     def put(self, tombstone: Tombstone) -> Tombstone | None:
-        """Remember *tombstone*; return the one that is forgotten for it, if any."""
+        """Remember *tombstone*; return the one forgotten in its place, if any."""
         self.pop(tombstone.id)
         self.by_id[tombstone.id] = tombstone
         self._by_key.update(dict.fromkeys(tombstone.keys, tombstone.id))
@@ -110,7 +109,7 @@ class Tombstones:
         return self.pop(next(iter(self.by_id))) if len(self.by_id) > self._at_most else None
 
     def find(self, key: SourceKey, identifiers: Iterable[str]) -> Tombstone | None:
-        """Return the device that *key* announced, or that has one of the hardware addresses among *identifiers*."""
+        """Return the device announced by *key*, or with one of the hardware addresses among *identifiers*."""
         if key in self._by_key:
             return self.by_id[self._by_key[key]]
         for identifier in identifiers:

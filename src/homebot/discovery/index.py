@@ -1,10 +1,9 @@
-"""The index: the devices, their services, and the freshness of that knowledge. Pure; it is given the time.
+"""The index: the devices, their services, and how fresh that knowledge is. Pure: callers pass the time.
 
-It holds devices, not topics: with any number of messages, announcements and addresses, a device is one entry. Changes
-of devices are collected until :meth:`DeviceIndex.pop_changes`, so that a device that is announced in thirty
-messages is published once.
+A device is one entry, whatever its number of messages, announcements and addresses. Changes of devices are collected
+until :meth:`DeviceIndex.pop_changes`, so that a device that is announced in thirty messages is published once.
 
-A time called *now* is in seconds of a clock that is never set; *wall* is in seconds since the Unix epoch.
+Times called *now* are in seconds on the monotonic clock; *wall* is in seconds since the Unix epoch.
 """
 
 from __future__ import annotations
@@ -39,15 +38,15 @@ class DeviceIndex:
 
     Args:
         forget_after: Seconds for which a stale device stays in the index before it is removed.
-        first_sequence: Number of the first change; a new index that follows an old one starts above it.
+        first_sequence: Number of the first change, above those of an earlier index.
 
     Attributes:
-        changes: The changes to be published, and the last ones that were.
+        changes: The changes to be published, and the last published ones.
         pop_states: Its :meth:`ChangeQueue.pop_states`; to be called after *pop_changes*.
-        postings: Postings by which devices are found; up to date after :meth:`sort`.
-        deadlines: The times at which :meth:`expire` has something to do, in seconds of its clock.
-        next_deadline: Returns the first of them; None for never.
-        decisions: Decisions of the owner on which announcements are one device, for the index file.
+        postings: Postings for finding devices; up to date after :meth:`sort`.
+        deadlines: When :meth:`expire` has work to do, in seconds on its clock.
+        next_deadline: Returns the first deadline; None for never.
+        decisions: The owner's decisions on which announcements are one device, for the index file.
         observe, report: Those of :class:`SightingIntake`.
         split, merge: Those of :class:`DeviceMerger`.
         record_link: That of :class:`StateRecorder`.
@@ -91,23 +90,23 @@ class DeviceIndex:
 
     @property
     def ids(self) -> tuple[str, ...]:
-        """The ids of all devices, and of those that went."""
+        """The ids of all devices, including removed ones."""
         return tuple(dict.fromkeys((*self.table.entries, *(one.id for one in self.tombstones))))
 
     @property
     def sequence(self) -> int:
-        """Number of the last change that was taken."""
+        """Number of the last change that was popped."""
         return self.changes.sequence
 
     def expire(self, now: float, at_most: int | None = None) -> int:
-        """Mark devices as stale that are silent for too long at *now*, and forget those that are stale for too long.
+        """Mark devices that have been silent for too long as stale, and remove those that have been stale for too long.
 
         Args:
-            now: Seconds of a clock that is never set: a change of the computer's time makes nothing stale.
-            at_most: How many changes to make. None makes them all.
+            now: Seconds on the monotonic clock, so that setting the computer's clock makes nothing stale.
+            at_most: Most changes to make; None for no limit.
 
         Returns:
-            How many were made; ask again until it is none.
+            The number of changes made; call again until it is 0.
         """
         made = 0
         while (at_most is None or made < at_most) and (entry := self._liveness.pop_silent(now)) is not None:
@@ -121,11 +120,11 @@ class DeviceIndex:
 
     @property
     def is_behind(self) -> bool:
-        """True if changes wait to be taken, or devices to be made findable."""
+        """True if changes or postings are waiting."""
         return bool(self.changes.pending or self.changes.states or self.table.outdated)
 
     def devices(self, service_type: str = "") -> tuple[Device, ...]:
-        """Return the devices that offer *service_type* (all of them when it is empty), sorted by id."""
+        """Return the devices that offer *service_type*, sorted by id; all devices if it is empty."""
         entries = self.table.entries
         ids = self.find(type_is(service_type)) if service_type else entries
         return tuple(entries[device_id].to_device(self.table.topics) for device_id in sorted(ids))
@@ -136,15 +135,15 @@ class DeviceIndex:
         return entry.to_device(self.table.topics) if entry is not None else None
 
     def find(self, query: Query) -> frozenset[str] | set[str]:
-        """Return the ids of the devices that fit *query*; not to be changed."""
+        """Return the ids of the devices that match *query*, as a set not to be modified."""
         if self.table.outdated:
             self.sort()
         return self.table.postings.find(query)
 
     def sort(self, at_most: int | None = None) -> bool:
-        """Make devices that changed findable, at most so many; return whether some are left.
+        """Update the postings of at most so many changed devices; return whether some are left.
 
-        :meth:`find` does it by itself; done before, the answer comes sooner.
+        :meth:`find` does so itself, but answers sooner if it was done before.
         """
         table = self.table
         outdated, topics = table.outdated, table.topics
@@ -164,13 +163,13 @@ class DeviceIndex:
         return bool(outdated)
 
     def forget(self, device_id: str, now: float) -> tuple[tuple[str, str], ...] | None:
-        """Remove the device; announcements of it that the broker keeps do not bring it back, its own messages do.
+        """Remove the device; its own messages bring it back, retained announcements do not.
 
         Args:
             now: Seconds since the Unix epoch, for the tombstone.
 
         Returns:
-            Gateway and place of its announcements; None if there is no such device.
+            Gateway and topic of its announcements; None if there is no such device.
         """
         entry = self.table.entries.get(device_id)
         if entry is None:
@@ -181,14 +180,14 @@ class DeviceIndex:
 
     @property
     def places(self) -> PlacesEditor:
-        """Editor of the rooms, aliases and tags that the owner states."""
+        """The editor of the rooms, aliases and tags that the owner states."""
         from homebot.discovery.places_editor import PlacesEditor  # noqa: PLC0415 - with the first statement
 
         return PlacesEditor(self.table)
 
     @property
     def places_exchange(self) -> PlacesExchange:
-        """Export and import of the owner's statements."""
+        """The export and import of the owner's statements."""
         from homebot.discovery.places_exchange import PlacesExchange  # noqa: PLC0415 - with the first file
 
         return PlacesExchange(self.table, self.places)
@@ -197,15 +196,15 @@ class DeviceIndex:
         """Return the entry of the device, for the index file."""
         entry = self.table.entries.get(device_id)
         if entry is not None:
-            entry.parts(self.table.topics)  # so that those that are new have their ids
+            entry.parts(self.table.topics)  # so that new parts have their ids
         return entry
 
     def restore(self, entry: Entry, now: float, wall: float | None = None) -> None:
-        """Take in a device of the index file, unconfirmed, before anything else is taken in.
+        """Add a device of the index file, unconfirmed, before any other input.
 
         Args:
-            now: Seconds of the clock that :meth:`expire` is asked with: it has its whole time from now on, as the time
-                for which homebot was away is unknown if a clock was set meanwhile.
-            wall: Seconds since the Unix epoch, for its stamp; by default the same.
+            now: Seconds on the clock of :meth:`expire`. The time to expiry begins now, as how long homebot was down is
+                unknown if the clock was set meanwhile.
+            wall: Seconds since the Unix epoch, for its stamp; by default *now*.
         """
         self._intake.restore(entry, now, now if wall is None else wall)

@@ -1,4 +1,4 @@
-"""Liveness of devices: the silence of each that is no bad sign, and those that have been silent for too long. Pure."""
+"""The liveness of devices: the silence that each is allowed, and those that exceed it. Pure."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ __all__ = ["SAVE_LIFE", "Liveness"]
 
 
 SAVE_LIFE = 3600.0
-"""Seconds between two writings of when devices were last seen, of all that report often at once: each page that one of
-them changes is written whole, and an SD card wears out."""
+"""Seconds between writes of when devices were last seen, together for all that report often: each write changes a whole
+page of the file, and SD cards wear out."""
 
 _ONLINE_FOR = 86_400.0
-"""Seconds for which a device that reported live that it is online may be silent: its last will watches over it."""
+"""Seconds for which a device that reported itself online may be silent, as its last will would report its end."""
 
 
 @final
 class Liveness:
-    """Deadlines of the devices: after its own a device is stale, and after *forget_after* more it is overdue.
+    """The deadlines of the devices: after one a device is stale, and *forget_after* later it is to be removed.
 
     Attributes:
-        now: Time of the newest input, in seconds of a clock that is never set.
-        deadlines: When :meth:`pop_silent` has which device, in seconds of that clock.
+        now: Time of the newest input, in seconds on the monotonic clock.
+        deadlines: When :meth:`pop_silent` returns each device, in seconds on that clock.
     """
 
     def __init__(self, table: DeviceTable, forget_after: float) -> None:
@@ -42,11 +42,11 @@ class Liveness:
         self.deadlines: TimerQueue[str, None] = TimerQueue()
 
     def mark_seen(self, entry: Entry, source: SourceRecord, stamp: Time, why: str) -> None:
-        """Note that *entry* itself spoke now, through *source*: it is fresh.
+        """Record that *entry* itself has just reported through *source*, and so is fresh.
 
         Args:
             stamp: The time in seconds since the Unix epoch.
-            why: The reason to give where it was neither fresh nor stale.
+            why: The reason for the change if it was neither fresh nor stale.
         """
         now = self.now
         if (period := now // SAVE_LIFE) != entry.saved_period:
@@ -58,12 +58,12 @@ class Liveness:
         silence = max(entry.report_interval.record(now), entry.silence_allowed, online_for)
         entry.device = None
         before, entry.freshness = entry.freshness, "fresh"
-        if stamp is not self._stamp:  # all that is heard at once has one
+        if stamp is not self._stamp:  # the same for everything received at once
             self._stamp, self._seconds = stamp, stamp.to_seconds()
         due, entry.deadline, entry.expires = entry.deadline, now + silence, self._seconds + silence
         if entry.is_shared:
             self._mark_gateway_seen(entry, source.key[0], was_stale=before == "stale")
-        elif before != "fresh" or entry.deadline < due:  # a later one is seen when the one before has come
+        elif before != "fresh" or entry.deadline < due:  # a later deadline is checked when the earlier one has come
             self.deadlines.set(entry.id, entry.deadline, None)
         if before == "fresh":
             return
@@ -74,7 +74,7 @@ class Liveness:
             self._table.record_change("changed", entry, why)
 
     def extend(self, entry: Entry, source: SourceRecord, heard_at: float) -> None:
-        """Allow *entry* the silence that *source*, last heard at *heard_at*, allows; it may have a longer one."""
+        """Extend the deadline of *entry* by the silence that *source*, last heard at *heard_at*, allows."""
         silence = source.lasts
         deadline = heard_at + silence
         if deadline > entry.deadline:
@@ -82,22 +82,22 @@ class Liveness:
         self.schedule(entry)
 
     def restart(self, entry: Entry, now: float, wall: float) -> None:
-        """Allow *entry*, which is known from before, its whole silence from now on."""
+        """Let the allowed silence of a restored *entry* begin now."""
         silence = max(source.lasts for source in entry.sources.values())
         entry.deadline, entry.expires = now + silence, wall + silence
         self.deadlines.set(entry.id, entry.deadline, None)
 
     def schedule(self, entry: Entry) -> None:
-        """Watch over the deadline of *entry*."""
+        """Schedule the deadline of *entry*."""
         due = self._due(entry)
         if entry.is_shared and entry.freshness != "stale":
             due = min((due, *self._gateway_deadlines(entry).values()))
         self.deadlines.set(entry.id, due, None)
 
     def pop_silent(self, now: float) -> Entry | None:
-        """Return a device that has been silent for too long at *now*; None if there is none.
+        """Return a device that has been silent for too long at *now*, or None.
 
-        One that is stale is to be removed, any other to be marked as stale.
+        If it is stale already, it is to be removed; otherwise to be marked as stale.
         """
         while (due := self.deadlines.pop(now)) is not None:
             entry = self._table.entries[due[0]]
@@ -110,17 +110,17 @@ class Liveness:
         return None
 
     def mark_stale(self, entry: Entry) -> None:
-        """Note that *entry* was silent for too long, at every gateway."""
+        """Record that *entry* has been silent for too long at every gateway."""
         entry.freshness = "stale"
         self.schedule(entry)
         self._table.record_change("stale", entry, "it has been silent for too long")
 
     def _due(self, entry: Entry) -> float:
-        """Return when *entry* is stale; where it is, when it is to be removed."""
+        """Return when *entry* becomes stale; if it is, when it is to be removed."""
         return entry.deadline + self._forget_after if entry.freshness == "stale" else entry.deadline
 
     def _gateway_deadlines(self, entry: Entry) -> dict[str, float]:
-        """Return when *entry* is stale at each of its gateways that heard it since the start, and where it is not."""
+        """Return when *entry* becomes stale at each gateway that has heard it since the start, unless it is."""
         usual = entry.report_interval.expected_silence
         found: dict[str, float] = {}
         for (gateway, _), source in entry.sources.items():
@@ -130,7 +130,7 @@ class Liveness:
         return found
 
     def _mark_gateway_seen(self, entry: Entry, gateway: str, *, was_stale: bool) -> None:
-        """Note that *entry*, which several announcements are about, was heard at *gateway*."""
+        """Record that *entry*, a device with several announcements, was heard at *gateway*."""
         if was_stale:
             entry.stale_gateways = entry.gateways() - {gateway}
         elif gateway in entry.stale_gateways:
@@ -139,7 +139,7 @@ class Liveness:
         self.schedule(entry)
 
     def _mark_gateways_stale(self, entry: Entry, now: float) -> None:
-        """Note at which gateways *entry* was silent for too long at *now*; at others it was not."""
+        """Record the gateways at which *entry* has been silent for too long at *now*."""
         silent = sorted(gateway for gateway, due in self._gateway_deadlines(entry).items() if due <= now)
         entry.stale_gateways |= frozenset(silent)
         if silent:

@@ -1,6 +1,6 @@
-"""Devices near a robot: by the ways of the floor plan, the places of devices, poses and doors, as they are now.
+"""Devices near a robot: by paths on the floor plan and the current places of devices, poses and doors.
 
-Loaded with the first query that asks for it.
+Loaded with the first such query.
 """
 
 import math
@@ -34,16 +34,16 @@ from homebot.support.folding import fold
 __all__ = ["NearDevices", "Nearness"]
 
 _MOST_LEFT_OUT: Final = 20
-"""Devices named that fit, but are not results."""
+"""Most matching devices that are named though they are not results."""
 
 
 class NearDevices(NamedTuple):
     """The devices near a robot.
 
     Attributes:
-        devices: The best of them, best first.
-        why: Returns the cost of one, with its terms.
-        answer: The answer to the question, without the devices.
+        devices: The devices, best first.
+        why: Returns the cost of a device, with its terms.
+        answer: The answer in words, without the devices.
     """
 
     devices: list[NearDevice]
@@ -56,7 +56,7 @@ class Nearness:
     """Finds the devices near a robot.
 
     Args:
-        index: The index; all its changes were taken when it is asked.
+        index: The index, whose changes must have been popped before a query.
     """
 
     def __init__(self, node: Node, index: DeviceIndex) -> None:
@@ -80,12 +80,12 @@ class Nearness:
         """Return the devices near a robot.
 
         Args:
-            limit: How many; 0 for all.
+            limit: Most devices; 0 for all.
 
         Raises:
             UsageError: There is no such robot.
-            RefusedError: Where the robot is, is not known now.
-            ServiceError: The node that knows it does not answer.
+            RefusedError: The robot's position is not known now.
+            ServiceError: The node that tracks it does not answer.
         """
         pose, age = await self._pose(near.robot)
         await TimeSlice(self._clock).do(self._prepare())
@@ -164,7 +164,7 @@ class Nearness:
         return Spot(name, None if centre is None else (centre.x, centre.y))
 
     def _prepare(self) -> Generator[None, None, None]:
-        """Spot the devices that are new or changed; all of them, and the doors, on a plan that did. In small steps."""
+        """Locate new and changed devices; on a changed plan all devices and doors. In small steps."""
         while (plan := self._index.owner.plan) is not self._plan:
             floor_plan = FloorPlan.of(plan)
             finder = yield from floor_plan.path_finder()
@@ -179,7 +179,7 @@ class Nearness:
             yield
 
     def _spot_next(self) -> bool:
-        """Spot a device that is new or changed; return False if there is no other."""
+        """Locate one new or changed device; return False if there is none."""
         index, recent = self._index, self._index.changes.recent
         if self._sequence < recent.forgotten:
             self._moved = dict.fromkeys(index.ids)
@@ -193,7 +193,7 @@ class Nearness:
         return bool(self._moved)
 
     def _spot(self, device_id: str) -> None:
-        """Spot a device by its position, else in its room; no longer if it is gone."""
+        """Locate a device by its position or else its room; remove it if it is gone."""
         device, plan = self._index.get(device_id), self._floor_plan
         self._finder.discard(device_id)
         self._errors.pop(device_id, None)
@@ -219,7 +219,7 @@ class Nearness:
             self._errors[device_id] = CostTerm(position.error, reason)
 
     def _toll(self, name: str) -> float:
-        """Return the metres that going through a door costs; computed again where its lock or contact has changed."""
+        """Return the cost of a door in metres, computed again if its lock or contact has changed."""
         known, door = self._tolls.get(name), self._doors[name]
         if known is not None and not known[1]:
             return known[0]
@@ -229,7 +229,7 @@ class Nearness:
         return known[0]
 
     def _door(self, name: str) -> DoorState:
-        """Return the state of a door: a lock outranks the contact, and one without a contact is open."""
+        """Return the state of a door: its lock outranks its contact, and without a contact it counts as open."""
         door = self._doors[name]
         lock, contact = self._state(door.lock, "lock"), self._state(door.contact, "contact")
         if lock is not None and lock[0] == "locked":
@@ -244,7 +244,7 @@ class Nearness:
         return DoorState(tuple(terms), f"open {told}" if "stale" in told else "")
 
     def _state(self, named: str, capability: str) -> tuple[PlainValue, str] | None:
-        """Return the newest value of a capability of the device with the id or name *named*, and how old it is."""
+        """Return the newest value of a capability of the device with the id or name *named*, and its age."""
         device = self._device(named) if named else None
         states = [] if device is None else [one for one in device.states if one.capability == capability]
         if device is None or not states:
@@ -264,8 +264,8 @@ class Nearness:
         return self._index.get(device_id)
 
     def _no_ways(self, devices: list[str], room: str, locked: frozenset[str]) -> Iterator[tuple[str, str]]:
-        """Yield each of *devices* with the reason why no way leads from *room* to it."""
-        apart = self._finder.unreachable(room) if devices and locked else set()  # also with all doors unlocked
+        """Yield each of *devices* with the reason why no path leads from *room* to it."""
+        apart = self._finder.unreachable(room) if devices and locked else set()  # even with all doors unlocked
         for device_id in devices:
             place = self._finder.place_of(device_id)
             reason = f": {', '.join(locked)} is locked" if len(locked) == 1 and device_id not in apart else ""

@@ -1,13 +1,13 @@
-"""Facts that the owner states of devices: rooms, aliases and tags, which outrank the announced ones. Pure.
+"""Facts that the owner states about devices: rooms, aliases and tags, which outrank announced ones. Pure.
 
 A statement by a command or an import belongs to the announcements that the device had at the time, so that each keeps
-it when devices are merged and split. It is also kept by device id, for a device with new announcements, and by
-hardware address if a places file gives one. The configuration names devices by id or hardware address; the id that the
-device of an announcement had is remembered, so that it is found after a merge.
+it when devices are merged or split. It is also stored under the device id, for a device with new announcements, and
+under the hardware address if a places file gives one. The configuration names devices by id or hardware address; former
+ids are remembered, so that a device is still found after a merge.
 
-An approval is bound to one announced part as it is, in :mod:`homebot.discovery.approvals`, and inherited by nothing.
+An approval, in contrast, is bound to one announced part; see :mod:`homebot.discovery.approvals`.
 
-Of two statements on one fact a command outranks an import, an import the configuration, and a later one an earlier one.
+A command outranks an import, an import the configuration, and a later statement an earlier one.
 """
 
 import json
@@ -27,11 +27,11 @@ from homebot.support.folding import fold
 __all__ = ["MAX_STATEMENTS", "OwnerFacts"]
 
 MAX_STATEMENTS = 100_000
-"""Announcements, ids and hardware addresses of which something is stated; further ones are refused."""
+"""Most announcements, ids and hardware addresses with statements; further ones are refused."""
 
 _Facts: TypeAlias = tuple[OwnerFact, ...]
 _Name: TypeAlias = SourceKey | str
-"""A key of an announcement; or an id, or a hardware address, of a device."""
+"""The key of an announcement, or the id or a hardware address of a device."""
 
 _NONE: _Facts = ()
 _MOST_NAMED = 5
@@ -39,32 +39,32 @@ _MOST_NAMED = 5
 
 @dataclass(slots=True, eq=False)
 class _Statement:
-    """Facts that commands and imports state of the device of these names."""
+    """Facts that commands and imports state about the device with these names."""
 
     facts: _Facts
     names: dict[_Name, None]
 
     def announcements(self) -> list[SourceKey]:
-        """Return those of its names that are keys of announcements."""
+        """Return the names that are keys of announcements."""
         return [name for name in self.names if not isinstance(name, str)]
 
 
 @final
 class OwnerFacts:
-    """The rooms of the house, and the facts that the owner states of devices.
+    """The rooms of the house, and the facts that the owner states about devices.
 
-    Its methods raise RefusedError where there are too many statements or approvals, and those of rooms raise the errors
-    of :class:`HouseRooms`.
+    Its methods raise RefusedError for too many statements or approvals; those for rooms also raise the errors of
+    :class:`HouseRooms`.
 
     Args:
         places: The table ``[places]`` of the configuration.
         read_at: When that was read, in seconds since the Unix epoch.
 
     Attributes:
-        closed_door: Metres that going through a closed door counts.
-        is_empty: Whether nothing was ever stated of a device, so that there is nothing to ask for.
-        is_unsaved: Whether something was stated that is not in the index file.
-        prefer: The gateways that the configuration prefers for commands, the best first.
+        closed_door: Metres that a closed door adds to a path.
+        is_empty: Whether nothing has been stated about any device.
+        is_unsaved: Whether some statements are not in the index file.
+        prefer: The gateways that the configuration prefers for commands, best first.
         read_at: When the configuration was read at the start, in seconds since the Unix epoch.
     """
 
@@ -87,22 +87,22 @@ class OwnerFacts:
         return self.rooms.plan
 
     def of(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
-        """Return the facts of a device, each once: room, aliases, those shown first first, tags.
+        """Return the facts of a device, each once: room, aliases in order of display, tags.
 
-        Only to be asked for where it :attr:`is_empty` no longer.
+        Not to be called while :attr:`is_empty`.
         """
         stated = self.stated(device_id, sources)
         found = (*stated, *self._configured_of(device_id, sources)) if self._configured else stated
         return _once(found) if found else _NONE
 
     def stated(self, device_id: str, sources: Collection[SourceRecord]) -> _Facts:
-        """Return the facts that commands and imports stated of a device: those of commands first, later ones first."""
+        """Return the facts that commands and imports stated about a device: commands first, later ones first."""
         if not self._by_name:
             return _NONE
         return self.stated_of(source.key for source in sources) or self.stated_of(_names(device_id, sources))
 
     def known_as(self, key: SourceKey) -> str:
-        """Return the name by which the configuration states something of an announcement; empty for none."""
+        """Return the name under which the configuration states facts about an announcement; empty for none."""
         return self._known_as.get(key, "")
 
     def put(
@@ -112,11 +112,11 @@ class OwnerFacts:
         facts: Iterable[OwnerFact],
         present: Container[SourceKey],
     ) -> None:
-        """Replace the statements of commands and imports on a device.
+        """Replace the statements of commands and imports about a device.
 
         Args:
-            facts: The facts; none to take all back.
-            present: The announcements of devices that are there; others of the device are gone, and lose theirs too.
+            facts: The facts; empty to withdraw all statements.
+            present: All current announcements; those of the device that are gone lose their statements too.
         """
         own: dict[_Name, None] = {**dict.fromkeys(source.key for source in sources), device_id: None}
         stated = _Statement(tuple(facts), own)
@@ -130,9 +130,9 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def _take_back(self, statement: _Statement, names: Iterable[_Name]) -> None:
-        """Remove *names* from those that a statement is about; without an announcement it is about none."""
+        """Remove *names* from a statement; without an announcement left it is dropped."""
         self._leave(statement, names)
-        if not statement.announcements():  # else a device with one of the same hardware addresses has it too
+        if not statement.announcements():  # or a device that shares a hardware address would get it too
             self._leave(statement, tuple(statement.names))
 
     def _leave(self, statement: _Statement, names: Iterable[_Name]) -> None:
@@ -142,11 +142,11 @@ class OwnerFacts:
                 del self._by_name[name]
 
     def put_unknown(self, names: Iterable[str], facts: Iterable[OwnerFact], present: Container[SourceKey]) -> None:
-        """Replace the statements of commands and imports on a device that is not there yet.
+        """Replace the statements of commands and imports about a device that does not exist yet.
 
         Args:
             names: The id, or the hardware addresses, that it will have.
-            facts: The facts; none to take all back.
+            facts: The facts; empty to withdraw all statements.
         """
         stated = _Statement(tuple(facts), dict.fromkeys(names))
         self.check_room(sum(name not in self._by_name for name in stated.names))
@@ -158,13 +158,13 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def unknown(self, known: Collection[str]) -> Iterator[tuple[str, _Facts]]:
-        """Yield each name of which something is stated that is not among the *known* ids and hardware addresses."""
+        """Yield each name with statements that is not among the *known* ids and hardware addresses."""
         for name in dict.fromkeys((*self._by_name, *self._configured)):
             if isinstance(name, str) and name not in known:
                 yield name, _once((*self.stated_of((name,)), *self._configured.get(name, ())))
 
     def stated_of(self, names: Iterable[_Name]) -> _Facts:
-        """Return the facts that commands and imports stated of a device by these *names*."""
+        """Return the facts that commands and imports stated about a device under these *names*."""
         return _once(sorted((fact for statement in self._statements(names) for fact in statement.facts), key=_rank))
 
     def import_rooms(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> None:
@@ -173,12 +173,12 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def reconfigure(self, places: Places, rooms: HouseRooms, read_at: float) -> None:
-        """Replace the statements of the configuration, with *rooms* that fit it."""
+        """Replace the statements of the configuration, with *rooms* to match."""
         self.closed_door, self.rooms, self._configured = places.closed_door, rooms, _configured(places, read_at)
         self.is_empty = self.is_empty and not self._configured
 
     def remove_room(self, name: str) -> None:
-        """Take an imported room out of the plan, with its doors, unless devices were placed in it."""
+        """Remove an imported room and its doors from the plan, unless devices were placed in it."""
         if placed := sorted(str(min(one.names, key=lambda name: not isinstance(name, str))) for one in self._in(name)):
             named = ", ".join(placed[:_MOST_NAMED]) + (", …" if len(placed) > _MOST_NAMED else "")
             reason = f"devices were placed in it: {named}; place them elsewhere first"
@@ -187,7 +187,7 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def rename_room(self, name: str, new: str) -> None:
-        """Give a room that was imported, or in which devices were placed, another name."""
+        """Rename a room that was imported, or in which devices were placed."""
         in_it = self._in(name)
         if fold(new) != fold(name) and self._in(new):
             raise RefusedError(f"renaming the room {name!r}", f"there is a room {new!r} already")
@@ -197,18 +197,18 @@ class OwnerFacts:
         self.is_unsaved = True
 
     def _statements(self, names: Iterable[_Name]) -> Iterable[_Statement]:
-        """Return the statements on devices of these *names*, each once."""
+        """Return the statements about devices with these *names*, each once."""
         return dict.fromkeys(self._by_name[name] for name in names if name in self._by_name)
 
     def _in(self, room: str) -> list[_Statement]:
-        """Return the statements on devices that were placed in *room*."""
+        """Return the statements about devices placed in *room*."""
         return [one for one in self._statements(self._by_name) if any(_is_room(fact, room) for fact in one.facts)]
 
     def check_room(self, count: int) -> None:
         """Check that there is room for *count* more statements.
 
         Raises:
-            RefusedError: There is not.
+            RefusedError: There is none.
         """
         if count + len(self._by_name) > MAX_STATEMENTS:
             raise RefusedError("a statement", f"there are {MAX_STATEMENTS:,} already; take some back")
@@ -216,7 +216,7 @@ class OwnerFacts:
     def adopt(self, device_id: str, sources: Collection[SourceRecord]) -> None:
         """Record the id under which a device appears, so that its statements stay with its announcements.
 
-        Statements on the device that it was split off are from now on stated of each by itself.
+        Statements about the device from which it was split off now apply to each separately.
         """
         keys = [source.key for source in sources]
         for statement in self._statements(keys):
@@ -230,7 +230,7 @@ class OwnerFacts:
             self._adopt_by_name(source.key, tuple(_names(device_id, (source,))))
 
     def _adopt_by_name(self, key: SourceKey, names: Iterable[str]) -> None:
-        """Give the announcement *key* the statements on one of *names* of its device."""
+        """Copy the statements about one of the *names* of its device to the announcement *key*."""
         configured = next((name for name in names if name in self._configured), "")
         if configured and self._known_as.get(key) != configured and self._has_room():
             self._known_as[key] = configured
@@ -239,7 +239,7 @@ class OwnerFacts:
             self._add_key(stated, key)
 
     def inherit(self, sibling: SourceKey, key: SourceKey) -> None:
-        """Give the announcement *key* the statements on *sibling*, which is of the same device."""
+        """Copy the statements about *sibling*, an announcement of the same device, to *key*."""
         if sibling in self._by_name:
             self._add_key(self._by_name[sibling], key)
         if sibling in self._known_as and key not in self._known_as and self._has_room():
@@ -247,7 +247,7 @@ class OwnerFacts:
             self.is_unsaved = True
 
     def record(self) -> str:
-        """Return all but the configuration as text, for the index file."""
+        """Return everything except the configuration as text, for the index file."""
         record = PlacesRecord.model_construct(
             statements=tuple(
                 StatementRecord.model_construct(
@@ -262,14 +262,14 @@ class OwnerFacts:
             known_as=tuple((*key, name) for key, name in self._known_as.items()),
             approvals=tuple(self.approvals.records()),
         )
-        return json.dumps(record.model_dump())  # not as pydantic does, which takes no half of a surrogate pair
+        return json.dumps(record.model_dump())  # unlike pydantic, it accepts lone surrogates
 
     def restore(self, record: str) -> None:
         """Restore the records that :meth:`record` returned.
 
         Raises:
-            WireError: It is no such text, or some of its rooms do not fit the configuration any more; these stay in the
-                record and out of the plan.
+            WireError: It is invalid, or some of its rooms contradict the configuration; these stay in the
+                record, but are left out of the plan.
         """
         read = read_places_record(record)
         for statement in read.statements:
@@ -303,7 +303,7 @@ class OwnerFacts:
 
 
 def _configured(places: Places, read_at: float) -> dict[str, _Facts]:
-    """Return the facts that *places* states, by id or hardware address."""
+    """Return the facts in *places*, by id or hardware address."""
     return {
         name: tuple(fact._replace(said_at=read_at) for fact in facts)
         for names, facts in places.devices.items()
@@ -330,7 +330,7 @@ def _rank(fact: OwnerFact) -> tuple[bool, float]:
 
 
 def _once(facts: Iterable[OwnerFact]) -> _Facts:
-    """Return the first room and position, and each alias and tag once, in this order of kinds."""
+    """Return the first room, the first position, and each alias and tag once, in this order."""
     found: dict[tuple[str, str], OwnerFact] = {}
     for fact in facts:
         found.setdefault((fact.name, "" if fact.name in _SINGLE else fold(fact.value)), fact)

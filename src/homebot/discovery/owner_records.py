@@ -11,7 +11,7 @@ __all__ = ["PlacesRecord", "StatementRecord", "read_places_record"]
 
 
 class StatementRecord(BaseModel):
-    """Facts, with the announcements and the names that they are stated of."""
+    """Facts, with the announcements and names to which they apply."""
 
     model_config = ConfigDict(extra="ignore", defer_build=True)
 
@@ -47,10 +47,10 @@ class PlacesRecord(BaseModel):
 
 
 def read_places_record(text: str) -> PlacesRecord:
-    """Return the record of a text.
+    """Parse a record.
 
     Raises:
-        WireError: It is no such text.
+        WireError: It is invalid.
     """
     try:
         return PlacesRecord.model_validate_json(text)

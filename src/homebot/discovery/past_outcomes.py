@@ -1,4 +1,4 @@
-"""Recent outcomes of the commands to each device: one that often fails is not the right one."""
+"""Recent outcomes of commands by device: one that often fails is not the right one."""
 
 from dataclasses import dataclass
 from typing import Final, final
@@ -15,16 +15,16 @@ __all__ = ["PastOutcomes"]
 
 _HALF_LIFE: Final = 7 * 86_400.0
 _BACK: Final = 3 * _HALF_LIFE
-"""Seconds into the past; older outcomes count less than an eighth."""
+"""How far outcomes count, in seconds; the oldest weigh an eighth."""
 
 _MOST_PAGES: Final = 20
 _WORST: Final = 6.0
-"""Metres that a device would count which never does as it is told."""
+"""Metres added to a device whose commands always fail."""
 
 
 @dataclass(slots=True)
 class _Tally:
-    """Numbers of commands and of failures, and the weights by their age."""
+    """The numbers of commands and failures, and their sums weighted by age."""
 
     commands: int = 0
     failures: int = 0
@@ -34,7 +34,7 @@ class _Tally:
 
 @final
 class PastOutcomes:
-    """The outcomes of three weeks, from the journal, and from then on as they come."""
+    """The outcomes of the last three weeks: from the journal at first, then live."""
 
     def __init__(self, node: Node) -> None:
         self._clock = node.graph.clock
@@ -45,7 +45,7 @@ class PastOutcomes:
         node.create_task(self._load)
 
     def term(self, device_id: str) -> tuple[CostTerm, ...]:
-        """Return what the outcomes count against a device; nothing while none is known of any, as it is equal then."""
+        """Return the cost of a device's past outcomes; nothing while no device has any."""
         if not self._tallies:
             return ()
         known = self._tallies.get(device_id)
@@ -57,7 +57,7 @@ class PastOutcomes:
         return (CostTerm(_WORST * (1 - expected), reason),)
 
     async def _load(self) -> None:
-        """Read the journal, the newest first; without one nothing is known."""
+        """Read the journal, newest entries first; without one nothing is known."""
         until = Time.from_seconds(self._begin)
         since = Time.from_seconds(self._begin - _BACK)
         seen: set[JournalEntry] = set()
@@ -82,7 +82,7 @@ class PastOutcomes:
             return
         tally = self._tallies.setdefault(entry.device, _Tally())
         weight = 2.0 ** ((entry.at.to_seconds() - self._begin) / _HALF_LIFE)
-        if entry.kind == "reverted":  # after it had succeeded
+        if entry.kind == "reverted":  # after a success
             tally.succeeded -= weight
             tally.failures += 1
             return

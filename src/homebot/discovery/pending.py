@@ -1,4 +1,4 @@
-"""Reports before their announcement, and announcements of forgotten devices: they belong to no device now. Pure."""
+"""Reports without a device: those before their announcement, and those of forgotten devices. Pure."""
 
 from typing import final
 
@@ -15,15 +15,15 @@ _MAX_KEYS = 1000
 _MAX_FORGOTTEN = 10_000
 _MAX_ADDRESSES = 16
 _REPORT_WAIT = 60.0
-"""Seconds for which a report is kept for its device: the two come on two topics, and either may be first."""
+"""Seconds for which a report waits for its announcement, which comes on another topic and may be later."""
 
 _EVENT_WAIT = 5.0
-"""The same for an event: a press that is published a minute late opens a door after its visitor left."""
+"""The same for an event: a press published a minute late would open a door after the visitor left."""
 
 
 @final
 class PendingReports:
-    """The newest reports of the last thousand devices not announced yet, and the last sightings of forgotten ones."""
+    """The newest reports of up to 1,000 unannounced devices, and the last sightings of forgotten ones."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -31,17 +31,17 @@ class PendingReports:
         self.reports: BoundedMap[SourceKey, BoundedMap[str, tuple[float, Report]]] = BoundedMap(_MAX_KEYS)
 
     def put(self, key: SourceKey, report: Report, now: float) -> None:
-        """Keep *report*, which came at *now*; the newest of each stream."""
+        """Keep *report*, received at *now*; only the newest of each stream."""
         self.count += 1
         found = self.reports[key] = self.reports.get(key) or BoundedMap(_MAX_ADDRESSES)
         found[report.stream] = now, report
 
     def remember_forgotten(self, key: SourceKey, sighting: Sighting) -> None:
-        """Keep how a device that was forgotten is announced; the newest, of the last ten thousand."""
+        """Keep the newest announcement of a forgotten device; at most 10,000."""
         self._forgotten[key] = sighting
 
     def revive(self, report: Report) -> Sighting | None:
-        """Return the announcement of a device that was forgotten and is alive, as *report* shows; else None."""
+        """Return the announcement of a forgotten device that *report* shows to be alive, or None."""
         is_life = any(reading.capability != REACHABLE or reading.value.flag for reading in report.readings)
         if report.retained or not report.address or not is_life:
             return None
@@ -54,7 +54,7 @@ class PendingReports:
         return sighting.model_copy(update={**update, "kind": "appeared", "why": "it reported again"})
 
     def pop(self, key: SourceKey, now: float) -> tuple[Report, ...]:
-        """Return the reports of the device that is announced at *now*, oldest first, and forget them."""
+        """Remove and return the reports of a device announced at *now*, oldest first."""
         found = self.reports.pop(key, None)
         if found is None:
             return ()

@@ -1,6 +1,6 @@
-"""Keeps the index file in step with the index: reads it at the start, writes the changes every few seconds.
+"""The task that reads the index file at the start, and writes changes every few seconds.
 
-All of SQLite happens in a worker thread. Without a file it does nothing.
+SQLite runs in a worker thread. Without a file nothing happens.
 """
 
 from __future__ import annotations
@@ -38,17 +38,17 @@ LOADED = "discovery.index_file_loaded"
 BAD_RECORD = "discovery.index_record_rejected"
 
 SAVE_EVERY = 2.0
-"""Seconds in which changes are gathered before they are written."""
+"""Seconds for which changes are collected before they are written."""
 
 RETRY_AFTER = 5.0
-"""Seconds until a file that could not be written is tried again."""
+"""Seconds until another attempt after a failed write."""
 
 DECISIONS = "merging"
 PLACES = "places"
-"""The records of the owner: the announcements that are one device, and the statements on devices."""
+"""The owner's records: which announcements are one device, and statements about devices."""
 
 _BATCH = 200
-"""Devices written in one transaction."""
+"""Most devices written in one transaction."""
 
 _LAST_CHANCE = 5.0
 
@@ -60,7 +60,7 @@ class IndexPersistence:
         known: The known devices if there is no file, as from a recording.
 
     Attributes:
-        file: Where the file is; empty for nowhere.
+        file: The path of the file; empty for none.
     """
 
     def __init__(self, node: Node, index: DeviceIndex, path: Path | None, known: Sequence[IndexRow] = ()) -> None:
@@ -77,29 +77,29 @@ class IndexPersistence:
 
     @property
     def problem(self) -> str:
-        """The trouble of the file, as text; empty if there is none."""
+        """The problem with the file, in words; empty for none."""
         return "" if self._kept is None else self._kept.trouble
 
     def counts(self) -> Mapping[str, int]:
-        """Return how often the file or a record could not be written."""
+        """Return how often writing the file or a record failed."""
         failures = 0 if self._kept is None else self._kept.failures
         return {"index_file_failures": failures + self._rejected}
 
     async def load(self) -> None:
-        """Take in the content of the file, as unconfirmed; an unusable file costs no more than its content."""
+        """Load the content of the file as unconfirmed; an unusable file is set aside."""
         if self._kept is None:
             await self._restore_entries(_understood(_records_of(self._known)))
             return
         try:
             async with self._kept.opened() as file:
-                # in a worker thread, for it takes a second for ten thousand devices
+                # in a worker thread, as 10,000 devices take a second
                 known = await to_thread.run_sync(lambda: _understood(file.read()))
         except LinkError:
             return
         await self._restore_entries(known)
 
     async def export(self) -> tuple[IndexRow, ...]:
-        """Return all that the file would have now, whether there is one or not."""
+        """Return the content that the file would have now, whether or not there is one."""
         records = await self._records(self._index.ids)
         owner = tuple((name, one.record()) for name, one in self._owner.items())
         tables: tuple[tuple[IndexTable, tuple[tuple[str, str], ...]], ...] = (
@@ -140,7 +140,7 @@ class IndexPersistence:
         return rejected
 
     def _save_all(self) -> None:
-        """Note that nothing of what is known is in the index file."""
+        """Mark everything as unsaved."""
         self._index.table.mark_all_unsaved()
         for owner in self._owner.values():
             owner.is_unsaved = True
@@ -160,7 +160,7 @@ class IndexPersistence:
                 await self._kept.close()
 
     async def keep(self) -> str:
-        """Write the owner's decisions now; return why they are in memory alone, empty if they are in the file."""
+        """Write the owner's decisions now; return why they could not be saved, empty if they were."""
         kept = self._kept
         if kept is None:
             return ""
@@ -198,7 +198,7 @@ class IndexPersistence:
         return bool(self._index.table.unsaved) or any(owner.is_unsaved for owner in self._owner.values())
 
     async def _records(self, batch: tuple[str, ...]) -> Records:
-        """Make the records; a device that changes during a pause is unsaved again, and in the next batch."""
+        """Return the records; a device that changes during a pause is written again in the next batch."""
         devices: list[tuple[str, str]] = []
         stones: list[tuple[str, str]] = []
         work = TimeSlice(self._clock)

@@ -1,4 +1,4 @@
-"""Editor of the owner's statements on devices at run time: a room, aliases, tags and an approval. Pure."""
+"""The editor of the owner's statements about devices at run time: rooms, aliases, tags and approvals. Pure."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Final, final
@@ -18,7 +18,7 @@ from homebot.support.folding import fold, is_room_typo
 __all__ = ["PlacesEditor"]
 
 _MOST = 50
-"""Aliases, and tags, of a device."""
+"""Most aliases, and most tags, of a device."""
 
 _WORDS: Mapping[FactName, str] = {
     "area": "room",
@@ -36,30 +36,30 @@ _TAUGHT: Final = ("taught_area", "taught_position")
 
 @final
 class PlacesEditor:
-    """Takes the owner's statements, and updates the devices with them.
+    """Applies the owner's statements to the devices.
 
-    Its methods raise RefusedError where there is no such device, or there are too many statements, and UsageError
-    where a name or a position cannot be one, or is probably a typo. Times are in seconds since the Unix epoch.
+    Its methods raise RefusedError for an unknown device or too many statements, and UsageError for a name or position
+    that is invalid or probably a typo. Times are in seconds since the Unix epoch.
     """
 
     def __init__(self, table: DeviceTable) -> None:
         self._table = table
 
     def has(self, device_id: str) -> bool:
-        """Return whether there is a device of that id."""
+        """Return whether there is a device with that id."""
         return device_id in self._table.entries
 
     def place(
         self, device: str, room: str, now: float, *, at: str = "", is_new: bool = False, may_be_absent: bool = False
     ) -> str:
-        """Set the room of a device, its position, or both; return the room that it is in now, or will be.
+        """Set the room or position of a device, or both; return its resulting room.
 
         Args:
-            device: Its id; of one that is not there yet as :meth:`future_name` returns it.
+            device: Its id; for a device that does not exist yet, the result of :meth:`future_name`.
             room: The room, or a floor; empty for none.
-            at: The position, as text; empty for none.
-            is_new: Whether it may be a room with a name one typo away from that of another.
-            may_be_absent: Whether the device need not be there yet.
+            at: The position as text; empty for none.
+            is_new: Whether the room may be new although its name is one typo away from another.
+            may_be_absent: Whether the device need not exist yet.
         """
         entry = self._found(device, may_be_absent=may_be_absent)
         facts = self._where(device, room, at, now, is_new=is_new)
@@ -69,7 +69,7 @@ class PlacesEditor:
         return self._place(device, entry, [*facts, *others], f"the owner placed it {'in' if room else 'at'} {where}")
 
     def unplace(self, device: str, *, may_be_absent: bool = False) -> str:
-        """Take back the room and position that a command or an import stated, or a tag taught; return its room then.
+        """Withdraw the room and position stated by a command or import or taught by a tag; return the resulting room.
 
         Raises:
             RefusedError: There is no such device, or no room was stated or taught.
@@ -86,12 +86,12 @@ class PlacesEditor:
         raise RefusedError("taking back the room", reason)
 
     def future_name(self, device: str) -> str:
-        """Return the id of a device, or that of one that is not there yet by its name; a hardware address as it is."""
+        """Return the id that *device* has or will have by its name; a hardware address is returned unchanged."""
         name = device if self.has(device) else check_name(device)
         return name if self.has(name) or ":" in name or "/" in name else id_of_name(name)
 
     def absent(self) -> Iterator[tuple[str, str]]:
-        """Yield the id or hardware address of each device that is not there, and the room that is stated of it."""
+        """Yield the id or hardware address, and the stated room, of each device that does not exist."""
         known = set(self._table.entries)
         known.update(one for source in self._table.sources.values() for one in source.sighting.identifiers)
         known.update(self._table.owner.known_as(key) for key in self._table.sources)
@@ -99,15 +99,15 @@ class PlacesEditor:
             yield from ((key, fact.value) for fact in facts if fact.name == "area")
 
     def teach(self, device_id: str, gateway: str, tag: str, room: str, now: float) -> tuple[str, bool]:
-        """Remember what a tag at a device says of its place; it counts where neither the owner nor the device does.
+        """Learn the place of a device from a tag attached to it; it counts if neither owner nor device state one.
 
-        That is the tag's own place, as far as it is known.
+        It is the place of the tag, as far as known.
 
         Args:
-            room: The room on the tag; the room that it is in itself counts more.
+            room: The room written on the tag; the known room of the tag outranks it.
 
         Returns:
-            The room that the device is in now, and whether the tag said another place before, or none.
+            The resulting room of the device, and whether the place learnt from the tag is new.
         """
         entry, stated = self._entry(device_id), self.stated(self._entry(device_id))
         facts = self._taught(entry, gateway, tag, room, now)
@@ -120,7 +120,7 @@ class PlacesEditor:
         return entry.to_device(self._table.topics).area, is_new
 
     def _taught(self, entry: Entry, gateway: str, tag: str, room: str, now: float) -> list[OwnerFact]:
-        """Return the position and the room that a tag at a device says; at least one of them."""
+        """Return the position and the room according to a tag at a device; at least one of them."""
         source = f"{gateway}/{tag or 'code'}"
         facts: list[OwnerFact] = []
         area = ""
@@ -138,7 +138,7 @@ class PlacesEditor:
         return facts
 
     def add(self, device_id: str, name: FactName, value: str, now: float) -> tuple[str, ...]:
-        """Add an alias or a tag of a device; return all that it has."""
+        """Add an alias or a tag to a device; return all that it has."""
         entry = self._entry(device_id)
         added = check_name(value)
         others = [fact for fact in self.stated(entry) if (fact.name, fold(fact.value)) != (name, fold(added))]
@@ -149,10 +149,10 @@ class PlacesEditor:
         return self._values(entry, name)
 
     def withdraw(self, device_id: str, name: FactName, value: str) -> tuple[str, ...]:
-        """Take back an alias or a tag that a command or an import stated; return those that it still has.
+        """Withdraw an alias or a tag stated by a command or import; return those that remain.
 
         Raises:
-            RefusedError: There is no such device, or no command and no import stated it.
+            RefusedError: There is no such device, or neither a command nor an import stated it.
         """
         entry = self._entry(device_id)
         stated = self.stated(entry)
@@ -166,11 +166,11 @@ class PlacesEditor:
         return self._values(entry, name)
 
     def approval_digest(self, device_id: str) -> str:
-        """Return the digest of what an approval of a device would be bound to now."""
+        """Return the digest to which an approval of a device would be bound now."""
         return approval_digest(self._entry(device_id).sources.values())
 
     def check_shown(self, device_id: str, digest: str) -> None:
-        """Check that a device is announced as when *digest* was its :meth:`approval_digest`.
+        """Check that *digest* is still the :meth:`approval_digest` of a device.
 
         Raises:
             RefusedError: It is not, or there is no such device.
@@ -179,16 +179,16 @@ class PlacesEditor:
             raise RefusedError(f"the approval of {device_id}", "it changed since it was shown; look at it again")
 
     def approve(self, device_id: str, now: float, digest: str = "") -> tuple[str, ...]:
-        """Approve the announcements of a device as they are, so that it may be driven; again is fine.
+        """Approve the announcements of a device as they are, so that it may be commanded. Idempotent.
 
         Args:
-            digest: The :meth:`approval_digest` that was shown; empty for any.
+            digest: The :meth:`approval_digest` shown to the owner; empty for any.
 
         Returns:
-            Differences from the approvals before, one line for each part of an announcement.
+            Differences from earlier approvals, one line for each part of an announcement.
 
         Raises:
-            RefusedError: There is no such device, it is announced otherwise than shown, or approvals are too many.
+            RefusedError: There is no such device, it has changed since it was shown, or there are too many approvals.
         """
         entry = self._entry(device_id)
         if digest:
@@ -200,7 +200,7 @@ class PlacesEditor:
         return changes
 
     def disapprove(self, device_id: str) -> None:
-        """Take back the approval of a device; if it has none, nothing happens."""
+        """Withdraw the approval of a device, if it has one."""
         entry = self._entry(device_id)
         if self._table.owner.approvals.discard(entry.sources.values()):
             self._table.owner.is_unsaved = True
@@ -211,16 +211,16 @@ class PlacesEditor:
         return {key: _announced_commands(one) for key, one in self._entry(device_id).sources.items()}
 
     def stated(self, entry: Entry) -> tuple[OwnerFact, ...]:
-        """Return the facts that commands and imports state of a device."""
+        """Return the facts that commands and imports state about a device."""
         return self._table.owner.stated(entry.id, entry.sources.values())
 
     def state(self, entry: Entry, facts: Iterable[OwnerFact], why: str) -> None:
-        """Store *facts* as the statements of commands and imports on a device, for the reason *why*."""
+        """Store *facts* as the statements of commands and imports about a device, for the reason *why*."""
         self._table.owner.put(entry.id, entry.sources.values(), facts, self._table.owners)
         self.restate((entry,), why)
 
     def restate(self, entries: Iterable[Entry], why: str) -> None:
-        """Describe *entries* anew, because of statements of the owner: *why*."""
+        """Update the descriptions of *entries* after statements of the owner, for the reason *why*."""
         for entry in entries:
             entry.invalidate_description()
             self._table.record_change("changed", entry, why)
@@ -232,7 +232,7 @@ class PlacesEditor:
         return self._table.owner.stated_of((device,)) if entry is None else self.stated(entry)
 
     def _place(self, device: str, entry: Entry | None, facts: list[OwnerFact], why: str) -> str:
-        """State *facts* of a device; return its room."""
+        """State *facts* about a device; return its room."""
         if entry is None:
             self._table.owner.put_unknown((device,), facts, self._table.owners)
             return next((fact.value for fact in facts if fact.name == "area"), "")
@@ -255,7 +255,7 @@ class PlacesEditor:
         return tuple(fact.value for fact in facts if fact.name == name)
 
     def _where_configured(self, name: FactName, entry: Entry, value: str = "") -> str:
-        """Return that the configuration states such a fact, in words; empty if it does not."""
+        """Return a hint that the configuration states such a fact; empty if it does not."""
         for fact in self._table.owner.of(entry.id, entry.sources.values()):
             if fact.name == name and fact.source == "configuration" and fold(value) in {"", fold(fact.value)}:
                 return f"{fact.value!r} is stated in the configuration; change [places] there"

@@ -26,8 +26,8 @@ class Imported:
     """The result of an import.
 
     Attributes:
-        added: Rooms and devices of which something is new, as text.
-        kept: Rooms and positions of devices that were stated before and are others in the file, as text.
+        added: Rooms and devices with new facts, in words.
+        kept: Rooms and positions stated earlier that the file contradicts, in words.
     """
 
     added: tuple[str, ...]
@@ -36,16 +36,16 @@ class Imported:
 
 @final
 class PlacesExchange:
-    """Writes and reads places files. Times are in seconds since the Unix epoch."""
+    """The export and import of places files. Times are in seconds since the Unix epoch."""
 
     def __init__(self, table: DeviceTable, editor: PlacesEditor) -> None:
         self._table = table
         self._editor = editor
 
     def export_text(self) -> Generator[None, None, str]:
-        """Return all rooms, and all that the owner states of devices, as the text of a places file.
+        """Return all rooms and the owner's statements about devices as the text of a places file.
 
-        Approvals are not in it: they would approve devices unseen in another house. Nor are rooms taught by tags.
+        It omits approvals, which would approve unseen devices in another house, and rooms learnt from tags.
 
         Others may have their turn at each step.
         """
@@ -70,13 +70,12 @@ class PlacesExchange:
         return parse_places(text, plan.home, now, plan.rooms)
 
     def apply(self, places: Places, *, replaces: bool = False) -> Generator[None, None, Imported]:
-        """Take over the content of a places file: all of it or, if it does not fit, nothing.
+        """Apply the content of a places file, all or nothing.
 
-        It adds rooms, aliases and tags. The room of a device that was stated here before stays. Others may have their
-        turn at each step.
+        It adds rooms, aliases and tags. A room stated for a device earlier stays. Other tasks may run at each step.
 
         Raises:
-            ConfigError: Its rooms do not fit those of the house; names the key and the value.
+            ConfigError: Its rooms contradict those of the house; the message names key and value.
             RefusedError: There are too many statements.
         """
         owner = self._table.owner
@@ -97,7 +96,7 @@ class PlacesExchange:
         return Imported(tuple(added), tuple(kept))
 
     def reconfigure(self, places: Places, rooms: HouseRooms, now: float) -> Generator[None, None, None]:
-        """Replace the statements of the configuration, and describe the devices anew that they change.
+        """Replace the statements of the configuration, and update the devices concerned.
 
         Others may have their turn at each step.
         """
@@ -114,13 +113,13 @@ class PlacesExchange:
         yield from self._restate(plan, owner.plan)
 
     def remove_room(self, name: str) -> Generator[None, None, None]:
-        """Take an imported room out of the plan, as :class:`OwnerFacts`; others may have their turn at each step."""
+        """Remove an imported room from the plan, as :class:`OwnerFacts`; other tasks may run at each step."""
         before = self._table.owner.plan
         self._table.owner.remove_room(name)
         yield from self._restate(before, self._table.owner.plan)
 
     def rename_room(self, name: str, new: str) -> Generator[None, None, str]:
-        """Rename a room that was imported, or in which devices were placed, likewise; return its name."""
+        """Rename a room that was imported, or in which devices were placed; return its name."""
         owner, checked = self._table.owner, check_name(new)
         owner.rename_room(name, checked)
         for entry in tuple(self._table.entries.values()):
@@ -130,7 +129,7 @@ class PlacesExchange:
         return checked
 
     def _count(self, names: tuple[str, ...], by_identifier: Mapping[str, list[SourceKey]]) -> int:
-        """Return how many statements a device of the file takes at most."""
+        """Return the most statements that a device of the file may need."""
         return max(len(names), sum(1 + len(entry.sources) for entry in self._known_by(names, by_identifier)))
 
     def _apply_device(
@@ -142,7 +141,7 @@ class PlacesExchange:
         *,
         replaces: bool,
     ) -> bool:
-        """Take over the facts of a device, None if it is not there yet; return whether any is new."""
+        """Apply the facts of a device, None if it does not exist yet; return whether any is new."""
         owner = self._table.owner
         stated = owner.stated_of(names) if entry is None else self._editor.stated(entry)
         in_use = stated if entry is None else owner.of(entry.id, entry.sources.values())
@@ -165,7 +164,7 @@ class PlacesExchange:
                 self._editor.restate((entry,), "the rooms of the house changed")
 
     def _by_identifier(self, wanted: frozenset[str]) -> Generator[None, None, dict[str, list[SourceKey]]]:
-        """Return the announcements that have the identifiers *wanted*."""
+        """Return the announcements with the identifiers *wanted*."""
         found: dict[str, list[SourceKey]] = {}
         for key, source in tuple(self._table.sources.items()):
             yield
@@ -174,7 +173,7 @@ class PlacesExchange:
         return found
 
     def _known_by(self, names: tuple[str, ...], by_identifier: Mapping[str, list[SourceKey]]) -> tuple[Entry, ...]:
-        """Return the device of that id, or those with one of these hardware addresses."""
+        """Return the device with that id, or the devices with one of these hardware addresses."""
         if names[0] in self._table.entries:
             return (self._table.entries[names[0]],)
         owners = self._table.owners
@@ -188,10 +187,10 @@ def _added_to_plan(places: Places, before: HousePlan, now: HousePlan) -> list[st
 
 
 def parse_places(text: str, home: str, now: float, known: Iterable[HouseRoom] = ()) -> Places:
-    """Return the content of a places file, TOML or GeoJSON, the doors of which may lead to the *known* rooms.
+    """Parse a places file, TOML or GeoJSON, whose doors may lead to *known* rooms.
 
     Raises:
-        ConfigError: The first mistake; names the key and the value.
+        ConfigError: Describes the first mistake, with its key and value.
     """
     return read_places(_places_table(text, known), home, SOURCE, "import", now, known)
 
@@ -229,11 +228,11 @@ def _merge(
     *,
     replaces: bool,
 ) -> tuple[OwnerFact, ...]:
-    """Return the statements of commands and imports on a device after an import.
+    """Return the statements of commands and imports about a device after an import.
 
     Args:
-        in_use: All that is stated of it, in the configuration too.
-        kept: Is given the room and position that were kept, as text.
+        in_use: All statements about it, including the configuration.
+        kept: Receives the room and position that were kept, in words.
     """
     known = {(fact.name, fold(fact.value)) for fact in in_use}
     single = {fact.name: fact.value for fact in reversed(in_use) if fact.name in {"area", "position"}}

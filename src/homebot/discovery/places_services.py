@@ -36,7 +36,7 @@ _DEPTH: Final = 1000
 _MOST_ABSENT = 1000
 
 _SHORT = 4000
-"""Characters of a places file that is read at once, in some milliseconds; a long one takes a second, in a thread."""
+"""Most characters of a places file parsed without a thread, in a few milliseconds; long ones take a second."""
 
 
 class PlacesServices:
@@ -47,7 +47,7 @@ class PlacesServices:
         self._index = index
 
     def register(self, node: Node, owner: OwnerRequests) -> None:
-        """Begin to answer, as *node*; requests of the owner pass *owner*."""
+        """Register the services at *node*; requests of the owner go through *owner*."""
         owner.serve(messages.PlaceDevice, names.PLACE_DEVICE, self._place)
         owner.serve(messages.AliasDevice, names.ALIAS_DEVICE, self._add_alias)
         owner.serve(messages.TagDevice, names.TAG_DEVICE, self._add_tag)
@@ -99,7 +99,7 @@ class PlacesServices:
         )
 
     async def _commands(self, node: Node, device: str) -> tuple[str, ...]:
-        """Return the payloads that the gateways of *device* send for commands, or those announced if one is silent."""
+        """Return the payloads that the gateways of *device* send for commands; the announced ones if one is silent."""
         lines: list[str] = []
         for (gateway, key), announced in self._index.places.commands(device).items():
             with closing(
@@ -148,22 +148,22 @@ class PlacesServices:
             parse = partial(exchange.parse, request.text, self._clock.now())
             places = parse() if len(request.text) <= _SHORT else await to_thread.run_sync(parse)
             places = replace(places, rooms=tuple(one._replace(source=request.source) for one in places.rooms))
-            owner.publish(names.IMPORT_PLACES, request)  # no other file, which may hold passwords
+            owner.publish(names.IMPORT_PLACES, request)  # other files may hold passwords
             imported = await TimeSlice(self._clock).do(exchange.apply(places, replaces=request.replaces))
         except ConfigError as exc:
             raise UsageError(f"{exc.key}: {exc.reason}" if exc.key else exc.reason) from exc
         return messages.ImportPlacesResponse(success=True, added=imported.added, kept=imported.kept)
 
     def _check_free(self, alias: str, device_id: str) -> None:
-        """Check that no device but that is called *alias*."""
+        """Check that no other device is called *alias*."""
         name = fold(alias)
         for other in sorted(self._index.find(NameIs(name)) - {device_id}):
             device = self._index.get(other)
-            if device is not None and name in map(fold, (device.id, *device.names)):  # else a part of it is called so
+            if device is not None and name in map(fold, (device.id, *device.names)):  # else the name of a part
                 raise RefusedError(f"the alias {alias!r}", f"{device.id} is called that already")
 
     def _change(self, device: str, fact: Literal["name", "tag"], word: str, *, remove: bool) -> tuple[str, ...]:
-        """Add a word to the statements on a device, or take it back; return all of them."""
+        """Add a word to the statements about a device, or withdraw it; return all of them."""
         places = self._index.places
         if remove:
             return places.withdraw(device, fact, word)
@@ -172,11 +172,11 @@ class PlacesServices:
 
 @final
 class OwnerRequests:
-    """The services of the owner: each request is published if there is a subscriber, and kept before it is answered.
+    """The services of the owner: each request is published to subscribers, and saved before it is answered.
 
     Args:
-        keep: Writes the owner's decisions; returns why it could not, as text.
-        publish_all: Publishes the changes that wait, so that a caller with an answer finds its statement.
+        keep: Writes the owner's decisions; returns the reason of a failure, in words.
+        publish_all: Publishes waiting changes, so that a caller sees its statement once it has the answer.
     """
 
     def __init__(self, node: Node, keep: Callable[[], Awaitable[str]], publish_all: Callable[[], None]) -> None:
@@ -200,9 +200,9 @@ class OwnerRequests:
         self._node.create_service(service, name, answer)
 
     async def carry_out(self, response: type[AnswerT], handle: Callable[[], AnswerT | Awaitable[AnswerT]]) -> AnswerT:
-        """Return the answer of *handle*, or a *response* with the reason of its refusal.
+        """Return the answer of *handle*, or a *response* with the reason for its refusal.
 
-        If what it did is in memory alone, the message of the answer says so.
+        The message of the answer says so if the result could not be saved.
         """
         try:
             found = handle()

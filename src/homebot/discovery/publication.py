@@ -1,4 +1,4 @@
-"""Publication of the changes in an index: of devices in portions, of states with them, of settings twice a second."""
+"""The publisher of changes in an index: devices in portions, states with them, settings twice a second."""
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sized
@@ -21,38 +21,38 @@ from homebot.support.isolation import isolated
 __all__ = ["Burst", "ChangePublisher"]
 
 BURST = 50
-"""Lines of each kind of change in ten seconds; a flood of devices is counted rather than logged."""
+"""Most log lines per kind of change in ten seconds; the rest of a flood is counted."""
 
 FEW = 25
-"""Changes published, and devices made findable, between two turns of all others: some 1 ms of work, as many as the MQTT
-gateway announces in one of its own."""
+"""Changes published, or postings updated, per turn: about 1 ms of work, and as many as the MQTT gateway announces per
+turn."""
 
 _STATES_PER_CHANGE = 10
-"""States that are published in the time of one change, about."""
+"""States that are published in about the time of one change."""
 
 _GROWTH_PAUSE = 0.1
-"""Seconds without an announcement after which devices have grown: programs announce a device in up to a hundred
-messages, and a broker sends those of all devices mixed."""
+"""Seconds without an announcement after which devices count as complete: programs announce a device in up to a hundred
+messages, and a broker interleaves those of all devices."""
 
 _QUIET_TURNS = 10
-"""Turns of the loop without an announcement after which a burst of them is over: a gateway that reads one announces
-something in every third."""
+"""Turns of the loop without an announcement that end a burst: a gateway that reads one makes an announcement in every
+third turn."""
 
 _MANY_STATES = 1000
-"""States that wait behind the changes of a burst at most."""
+"""Most states that wait behind the changes of a burst."""
 
 _SETTINGS_PAUSE = 0.5
-"""Seconds in which changed settings are gathered: to look at them together costs a busy house next to nothing."""
+"""Seconds for which changed settings are collected; together they cost a busy house next to nothing."""
 
 _LONGEST: Final = 10.0
-"""Seconds for which the end of a burst is waited for at first: 4,000 devices announce themselves in about as many."""
+"""First limit, in seconds, of the wait for the end of a burst: 4,000 devices take about that long to announce."""
 
 _LONGEST_AGAIN: Final = 60.0
-"""The same in a burst that goes on: the wait doubles up to this, as on a slow computer each description is dear."""
+"""Limit up to which the wait doubles in a long burst, as describing devices is expensive on slow computers."""
 
 _WAITING_PER_SECOND: Final = 50
-"""Devices that wait for each second in which the end of a burst is waited for, up to that: to describe a large house in
-the midst of it takes seconds, and each device is described again at the end."""
+"""Waiting devices per second of waiting, up to that limit: describing a large house during a burst takes seconds, and
+has to be repeated at its end."""
 
 _STATES_QOS = QoSProfile(depth=1)
 
@@ -68,7 +68,7 @@ class AnnouncementCounter(Protocol):
 
 @final
 class Burst:
-    """Wait for the end of a burst of announcements: a house that comes at once is described once, not per message.
+    """The wait for the end of a burst of announcements, so that a house is described once, not per message.
 
     Args:
         pause: Waits for the time without an announcement after which a burst is over.
@@ -89,7 +89,7 @@ class Burst:
         self._longest = _LONGEST
 
     async def wait(self, is_urgent: Callable[[], bool] = lambda: False) -> None:
-        """Wait while announcements keep coming, unless that *is_urgent*; return at once if none came since."""
+        """Wait while announcements keep coming, unless *is_urgent*; return at once if there were none."""
         began = self._clock.monotonic()
         while (announced := self._counter.announced) != self._seen:
             if is_urgent():
@@ -105,7 +105,7 @@ class Burst:
 
 @final
 class ChangePublisher:
-    """Publisher of an index: changes soon after a burst of announcements, each device once; states at once."""
+    """Publishes an index: states at once; changes of devices after a burst of announcements, each device once."""
 
     def __init__(self, node: Node, index: DeviceIndex) -> None:
         clock = node.graph.clock
@@ -116,7 +116,7 @@ class ChangePublisher:
         self._states = node.create_publisher(StateChange, DEVICE_STATES, _STATES_QOS)
         self._settings = node.create_publisher(ChangedSettings, DEVICE_SETTINGS, 10)
         self._is_idle = True
-        self._happened = asyncio.Event()  # cleared again and again, where anyio's would be made anew
+        self._happened = asyncio.Event()  # can be cleared, unlike anyio's
         self._growing = asyncio.Event()
         self._settings_changed = asyncio.Event()
         self._burst = Burst(clock, self._queue, _quiet_turns, lambda: self._queue.pending)
@@ -124,12 +124,12 @@ class ChangePublisher:
         self._limit = LogLimit(clock, burst=BURST)
 
     def collect(self) -> None:
-        """Collect changed states and settings from now on if there are subscribers."""
+        """Collect changed states and settings if there are subscribers."""
         self._queue.collects_states = self._states.subscription_count > 0
         self._queue.collects_settings = self._settings.subscription_count > 0
 
     def wake(self) -> None:
-        """Publish the states of a few reports, as after nearly all; wake the tasks that have more to do now."""
+        """Publish the states of a few reports, which is nearly always all; wake the tasks with more to do."""
         queue = self._queue
         if queue.states and not queue.pending:
             self._publish_states(FEW)
@@ -142,7 +142,7 @@ class ChangePublisher:
             self._settings_changed.set()
 
     async def publish_changes(self) -> None:
-        """Publish changes, and sort them in for queries, while nothing else is to be done."""
+        """Publish changes, and update postings while there is nothing else to do."""
         with isolated(self._node.full_name):
             while True:
                 await self._happened.wait()
@@ -154,7 +154,7 @@ class ChangePublisher:
                     is_busy = await self._publish_waiting()
 
     async def publish_growth(self) -> None:
-        """Publish devices that were announced further once no more announcements come: each of them once."""
+        """Publish each device with further announcements once when no more arrive."""
         while True:
             await self._growing.wait()
             await self._growth.wait()
@@ -163,7 +163,7 @@ class ChangePublisher:
             self.wake()
 
     async def publish_settings(self) -> None:
-        """Publish the settings that changed, twice a second: there is no hurry."""
+        """Publish changed settings twice a second."""
         while True:
             await self._settings_changed.wait()
             await anyio.sleep(_SETTINGS_PAUSE)
@@ -174,12 +174,12 @@ class ChangePublisher:
                 await anyio.lowlevel.checkpoint()
 
     def publish_some(self, at_most: int) -> bool:
-        """Publish so many changes and, after the last one, new states; return whether more may wait."""
+        """Publish up to *at_most* changes and, after the last one, new states; return whether more may wait."""
         queue = self._queue
         changes = queue.pop(at_most)
         for change in changes:
             self._changes.publish(change)
-            if change.sequence not in queue.of_links:  # one line tells of all devices of a link
+            if change.sequence not in queue.of_links:  # one log line covers all devices of a link
                 self._log(change)
         if len(changes) >= at_most:
             return True
@@ -189,7 +189,7 @@ class ChangePublisher:
         return bool(queue.states)
 
     async def _publish_waiting(self) -> bool:
-        """Publish the changes that wait now, or sort a few devices in; return whether more may be left."""
+        """Publish the waiting changes, or update a few postings; return whether more may be left."""
         for _ in range(len(self._queue.pending) // FEW + 1):
             if not (self.publish_some(FEW) or await self._sort_some()):
                 return False
@@ -197,13 +197,13 @@ class ChangePublisher:
         return True
 
     async def _sort_some(self) -> bool:
-        """Make a few devices findable, unless more was heard, perhaps of them; return whether some are left.
+        """Update the postings of a few devices, unless there is new input; return whether some are left.
 
-        A query meanwhile makes all findable first; see :meth:`DeviceIndex.find`.
+        A query in the meantime updates all postings first; see :meth:`DeviceIndex.find`.
         """
-        if not self._index.table.outdated:  # as after most reports: a new value is found where the one before was
+        if not self._index.table.outdated:  # usual for reports: a new value keeps its posting
             return False
-        await anyio.lowlevel.checkpoint()  # messages that the gateway is handling now come first
+        await anyio.lowlevel.checkpoint()  # messages that the gateway is handling come first
         return not self._happened.is_set() and self._index.sort(FEW)
 
     def _publish_states(self, at_most: int) -> None:

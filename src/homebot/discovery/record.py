@@ -1,4 +1,4 @@
-"""Devices and tombstones as lines of the index file, and back. Pure."""
+"""Devices and tombstones as rows of the index file, and back. Pure."""
 
 import json
 import math
@@ -20,7 +20,7 @@ from homebot.names import validate_node_name
 __all__ = ["MAX_RECORD", "Records", "entry_record", "read_entry", "read_tombstone", "tombstone_record"]
 
 MAX_RECORD = 4_000_000
-"""Characters of one record; a longer one is not read."""
+"""Most characters of one record; longer ones are not read."""
 
 
 class Records(NamedTuple):
@@ -62,10 +62,10 @@ _RecordT = TypeVar("_RecordT", bound=BaseModel)
 
 
 def entry_record(entry: Entry) -> str:
-    """Return the record of a device; the values of its parts are not in it, for they would be old.
+    """Return the record of a device, without values, which would be outdated.
 
     Raises:
-        WireError: A text in it is half a surrogate pair, which no file can hold.
+        WireError: A text in it has a lone surrogate, which cannot be stored.
     """
     ids: dict[SourceKey, dict[str, str]] = {}
     for (gateway, key, part), part_id in entry.part_ids().items():
@@ -95,7 +95,7 @@ def read_entry(device_id: str, text: str) -> Entry:
     """Return the device of a record, not confirmed.
 
     Raises:
-        WireError: It is no record of a device.
+        WireError: It is invalid.
     """
     record = _read(_EntryRecord, text)
     gaps = [gap for gap in record.gaps if math.isfinite(gap) and gap > 0]
@@ -131,7 +131,7 @@ def read_entry(device_id: str, text: str) -> Entry:
 
 
 def tombstone_record(tombstone: Tombstone) -> str:
-    """Return the record of a device that went."""
+    """Return the record of a removed device."""
     return json.dumps(
         {
             "keys": tombstone.keys,
@@ -144,10 +144,10 @@ def tombstone_record(tombstone: Tombstone) -> str:
 
 
 def read_tombstone(device_id: str, text: str) -> Tombstone:
-    """Return the device that went.
+    """Return the removed device of a record.
 
     Raises:
-        WireError: It is no such record.
+        WireError: It is invalid.
     """
     record = _read(_TombstoneRecord, text)
     if not math.isfinite(record.at):
@@ -156,7 +156,7 @@ def read_tombstone(device_id: str, text: str) -> Tombstone:
 
 
 def _as_last_seen(source: SourceRecord) -> Sighting:
-    """Return the sighting as last seen: as the clock may have been set since, the silence allowed is the stored one."""
+    """Return the sighting with its stored allowance of silence, as the clock may have been set since."""
     expires_at = Time.from_seconds(source.seen_at.to_seconds() + source.lasts)
     return source.sighting.model_copy(update={"seen_at": source.seen_at, "expires_at": expires_at, "confirmed": False})
 

@@ -1,4 +1,4 @@
-"""Intervals between the reports of a device, and the silence that is usual for it. Pure."""
+"""The intervals between the reports of a device, and its usual silence. Pure."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ __all__ = ["ReportInterval"]
 _KEPT = 8
 
 _BURST = 1.0
-"""Seconds within which messages belong together: a device often says several things at once."""
+"""Seconds within which messages belong together, as devices often send several at once."""
 
 _MIN_GAPS = 3
 
 _SILENCE_FACTOR = 3.0
-"""How many usual gaps may pass: two reports may be lost on the way."""
+"""Usual gaps that silence may last: two reports may be lost on the way."""
 
 _LONGEST_OF_FEW = 86_400.0
 
@@ -24,13 +24,13 @@ _LONGEST = 7 * 86_400.0
 
 @final
 class ReportInterval:
-    """The gaps between the last few times that a device reported: at most eight, so that old habits are forgotten.
+    """The gaps between the last reports of a device: at most eight, so that old habits are forgotten.
 
-    The longest gap does not count once there are three: it may have been a power cut.
+    From three gaps on the longest one is ignored, as it may have been a power cut.
 
     Attributes:
         gaps: The gaps in seconds, oldest first.
-        expected_silence: Seconds for which silence after its last report is usual; 0 if nothing is known yet.
+        expected_silence: Seconds of silence that are usual after a report; 0 if unknown.
     """
 
     __slots__ = ("_last", "expected_silence", "gaps")
@@ -43,7 +43,7 @@ class ReportInterval:
             self._learn(tuple(gaps)[-_KEPT:])
 
     def record(self, now: float) -> float:
-        """Note a report at *now*, in seconds; return the silence that is expected then."""
+        """Record a report at *now*, in seconds; return the expected silence after it."""
         last = self._last
         if last is None:
             self._last = now
@@ -53,7 +53,7 @@ class ReportInterval:
         return self.expected_silence
 
     def join(self, other: ReportInterval) -> None:
-        """Take over the interval that *other* learnt of the same device, if it is longer."""
+        """Copy the interval that *other* has learnt about the same device, if it is longer."""
         if len(other.gaps) > len(self.gaps):
             self._learn(other.gaps)
         if other._last is not None:

@@ -1,4 +1,4 @@
-"""Services of the directory."""
+"""The services of the directory."""
 
 from __future__ import annotations
 
@@ -33,18 +33,18 @@ __all__ = ["DirectoryServices"]
 _KIND = attrgetter("kind")
 
 _FEW = 10
-"""Changes published, and devices made findable, before others get their turn."""
+"""Changes published, or postings updated, before other tasks run."""
 
 _MOST_TURNS = 1000
-"""Turns that others get before an answer, so that none waits for a flood to end."""
+"""Most turns that other tasks get before an answer, so that it does not wait for the end of a flood."""
 
 
 class DirectoryServices:
     """The services of the directory.
 
     Args:
-        publish: Publishes so many of the changes that wait, so that an answer holds nothing that is published after
-            it; says whether there may be more.
+        publish: Publishes up to so many waiting changes, so that no answer is ahead of them; returns whether there
+            may be more.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class DirectoryServices:
         self._near: Nearness | None = None
 
     def register(self) -> None:
-        """Begin to answer."""
+        """Register the services."""
         node, owner = self._node, OwnerRequests(self._node, self._persistence.keep, self._publish_all)
         node.create_service(messages.GetIndexData, GET_INDEX_DATA, self._get_index_data)
         node.create_service(messages.FindDevices, FIND_DEVICES, self._find_devices)
@@ -97,7 +97,7 @@ class DirectoryServices:
         return self._found(request, await self._near_robot(request))
 
     async def _near_robot(self, request: messages.FindDevicesRequest) -> list[str] | None:
-        """Return the ids of those that *request* finds near a robot, best first; None where it asks for no such."""
+        """Return the ids of the devices near a robot for *request*, best first; None if it does not ask for that."""
         near, rest = homebot.devices.query.split_near(read_terms(request.query))
         if near is None:
             return None
@@ -110,12 +110,12 @@ class DirectoryServices:
         devices = []
         for device_id in sorted(set(request.ids)) if is_by_id else self._matching(request, near):
             device = self._index.get(device_id)
-            if device is not None:  # else it is named, but unknown
+            if device is not None:  # otherwise the robot is named, but unknown
                 devices.append(device)
         return messages.FindDevicesResponse(devices=tuple(devices), sequence=self._index.changes.sequence)
 
     def _matching(self, request: messages.FindDevicesRequest, near: Sequence[str] | None) -> list[str]:
-        """Return the ids of the devices that match *request*, sorted; in the order of *near* where that is given."""
+        """Return the ids of the devices that match *request*, sorted, or in the order of *near* if given."""
         query = read_terms(request.query)
         if request.service_type:
             query = And((type_is(request.service_type), query))
@@ -171,7 +171,7 @@ class DirectoryServices:
         )
 
     async def _nearness(self) -> Nearness:
-        """Return what finds devices near a robot; loaded in a thread, as that takes longer than a turn may."""
+        """Return the finder of devices near a robot; its modules load in a thread, as that is too long for one turn."""
         if self._near is None:
             make = await to_thread.run_sync(_load_nearness)
             if self._near is None:
@@ -204,9 +204,9 @@ class DirectoryServices:
         )
 
     async def _catch_up(self) -> None:
-        """Publish the changes that wait, and make them findable, in small steps; few come after the last one.
+        """Publish the waiting changes and update the postings, in small steps.
 
-        It works as long as all others did in their last turn, or a flood would bring more than it gets done.
+        Each step lasts as long as the last turn of all other tasks, so that it can keep up with a flood.
         """
         if not self._index.is_behind:
             return
@@ -265,7 +265,7 @@ def _reason(exc: RefusedError | UsageError) -> str:
 
 
 def _listed(device: Device, *, needs_approval: bool) -> messages.ListedDevice:
-    """Return *device* in short, as screens and agents list it, without the values of its settings and diagnostics."""
+    """Return *device* in short form, as screens and agents list it, without the values of settings and diagnostics."""
     position = position_of(device.facts)
     used = {one.id for one in device.parts if not one.part.category}
     return messages.ListedDevice(

@@ -1,4 +1,4 @@
-"""One announcement of a device, and its reports. A device has one or more of them."""
+"""One announcement of a device, and its reports; a device has one or more."""
 
 import math
 from collections.abc import Container, Mapping
@@ -25,20 +25,20 @@ KeyT = TypeVar("KeyT")
 ValueT = TypeVar("ValueT")
 
 SourceKey: TypeAlias = tuple[str, str]
-"""Gateway, and its key for the announcement."""
+"""Gateway, and its key of the announcement."""
 
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
-"""The shared empty mapping: a dict of its own would be 64 bytes of each device, and most announcements need none."""
+"""A shared empty mapping: most announcements need none of their own, and an empty dict takes 64 bytes."""
 
 
 @dataclass(slots=True)
 class Reach:
-    """A report of whether something can be reached.
+    """A report of reachability.
 
     Attributes:
-        value: Whether it can; None for unknown.
-        heard_at: ``since`` on the clock that is never set.
-        live: Whether that was reported live, rather than in a retained message.
+        value: Whether the device or part can be reached; None for unknown.
+        heard_at: ``since`` on the monotonic clock.
+        live: Whether it was reported live, rather than in a retained message.
     """
 
     value: bool | None
@@ -49,7 +49,7 @@ class Reach:
 
 @dataclass(frozen=True, slots=True)
 class LostLink:
-    """The loss of the link of a gateway, which then reaches none of its devices."""
+    """The lost link of a gateway, which cannot reach its devices without it."""
 
     since: Time
     why: str
@@ -61,14 +61,14 @@ class SourceRecord:
 
     Attributes:
         sighting: The newest sighting; the description counts.
-        number: Grows with each new source: the order of arrival.
-        seen_at: When the device was last heard through it, or it was announced.
-        heard_at: The same on the clock that is never set; minus infinity where that was before the start.
-        confirmed: Whether the device itself was heard through it since the start.
-        facts: Each fact with its value, and when it was first announced.
-        reach: Whether it can be reached, as it reports, by part; the whole is ``""``. See :meth:`set_reach`.
-        lost: The loss of its gateway's link; None while it has one.
-        is_online: Whether it sent a message that it is online, so that its last will watches over it.
+        number: The order of arrival.
+        seen_at: When the device last reported through it, or it was announced.
+        heard_at: The same on the monotonic clock; minus infinity if that was before the start.
+        confirmed: Whether the device itself has been heard through it since the start.
+        facts: The facts, with their values and the times of their first announcement.
+        reach: Reported reachability by part; the whole device is ``""``. See :meth:`set_reach`.
+        lost: The lost link of its gateway; None while there is one.
+        is_online: Whether it has reported itself online, so that its last will would report its end.
         is_claimed: Whether its endpoint is not trusted with commands; see :mod:`homebot.discovery.merging.trust`.
     """
 
@@ -98,25 +98,25 @@ class SourceRecord:
 
     @property
     def is_lost(self) -> bool:
-        """True if its gateway has no link, unless it has another one to this device, and reports that it works."""
+        """True if its gateway has lost its link, unless it reports a working link of its own to this device."""
         if self.lost is None:
             return False
-        whole = None if self.sighting.convention else self.reach.get("")  # else it is that of a last will
+        whole = None if self.sighting.convention else self.reach.get("")  # otherwise it comes from a last will
         return whole is None or not whole.value
 
     def reach_of(self, part: str) -> Reach | None:
-        """Return the last reachability of *part*, by itself or with the whole; None if there was none."""
+        """Return the last reachability of *part*, or of the whole device; None if there was none."""
         return self.reach.get(part) or self.reach.get("")
 
     @property
     def lasts(self) -> float:
-        """For how many seconds its gateway thinks that silence is no bad sign."""
+        """Seconds of silence that its gateway considers normal."""
         seen, expires = self.sighting.seen_at, self.sighting.expires_at
         return max(0.0, expires.sec - seen.sec + (expires.nanosec - seen.nanosec) / 1e9)
 
     @property
     def label(self) -> str:
-        """Name for people, for example ``homeassistant:light/0x17_light``."""
+        """A name for people, for example ``homeassistant:light/0x17_light``."""
         sighting = self.sighting
         prefix = f"{sighting.convention}:"
         if not sighting.convention or sighting.key.startswith(prefix):
@@ -125,10 +125,10 @@ class SourceRecord:
 
 
 def preference(source: SourceRecord) -> tuple[bool, bool, bool, int]:
-    """Return the sort key of sources on one device: claimed ones last, own conventions and older ones first.
+    """Return the sort key for sources of one device: claimed ones last, native conventions and older ones first.
 
-    An announcement that is neither the device's own nor of any convention is of a hub that passes its devices on: it
-    comes after all others.
+    An announcement that is neither native nor of any convention comes from a hub that passes its devices on, and is
+    preferred least.
     """
     sighting = source.sighting
     return source.is_claimed, not sighting.native, not (sighting.native or sighting.convention), source.number
@@ -152,14 +152,14 @@ _DESCRIPTION = itemgetter(
 
 
 def is_described_anew(before: Sighting, now: Sighting) -> bool:
-    """Return whether *now* says anything else than *before*, but for when and why."""
+    """Return whether *now* differs from *before* in more than time and reason."""
     return bool(_DESCRIPTION(vars(before)) != _DESCRIPTION(vars(now)))
 
 
 def record_description(source: SourceRecord, before: Sighting) -> None:
-    """Record when *source* first reported each capability; drop the values of those that it no longer has.
+    """Record when *source* first announced each fact; drop the values of capabilities that it no longer has.
 
-    A part that left an address on which it reported has no value either, until it reports on its present ones.
+    A part that left an address on which it reported has no values until it reports on its current ones.
     """
     now = source.sighting
     known, described = _facts_of(before), _facts_of(now)

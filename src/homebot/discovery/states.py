@@ -1,4 +1,4 @@
-"""Reported states of devices: stored with their announcement, made findable and published. Pure."""
+"""The recorder of reported states: stores them by announcement, updates postings, publishes. Pure."""
 
 from __future__ import annotations
 
@@ -29,23 +29,23 @@ _NAME = attrgetter("name")
 _CAPABILITY = attrgetter("capability")
 
 _NewValue: TypeAlias = tuple[tuple[str, str], Reading, StoredValue]
-"""A part and its capability, the new value, and where it is kept."""
+"""A part and its capability, the new value, and its storage."""
 
 _MOST_CHANGED: Final = 10_000
-"""Changed settings that wait to be taken; further ones are dropped and counted as lost states."""
+"""Most changed settings waiting to be popped; further ones are dropped and counted as lost states."""
 
 _Waiting: TypeAlias = tuple[Entry, SourceRecord, Reading, Time, StoredValue]
-"""The device, its announcement, the first new value, since when it has had that, and where the newest one is kept."""
+"""The device, its announcement, the first new value, the time of that, and the storage of the newest one."""
 
 Trust: TypeAlias = Callable[[Entry, frozenset[EndpointKey]], None]
 
 
 @final
 class StateRecorder:
-    """Takes in the reports of known devices.
+    """Records the reports of known devices.
 
     Args:
-        trust: Lets endpoints of a device have its commands, which reported the same changes as the others.
+        trust: Lets endpoints get the commands of a device, because they reported the same changes as the others.
     """
 
     def __init__(self, table: DeviceTable, liveness: Liveness, trust: Trust, settings: SettingChanges) -> None:
@@ -55,7 +55,7 @@ class StateRecorder:
         self._settings = settings
 
     def record(self, entry: Entry, source: SourceRecord, report: Report) -> None:
-        """Record *report*, which came through *source*, an announcement of *entry*."""
+        """Record *report*, received through *source*, an announcement of *entry*."""
         states_reach = REACHABLE in map(_CAPABILITY, report.readings)
         before = self._reach(entry) if states_reach or entry.is_denied else None
         if new := self._record_values(entry, source, report):
@@ -68,7 +68,7 @@ class StateRecorder:
             self._table.record_change("changed", entry, entry.reachability().why)
 
     def record_link(self, gateway: str, lost: LostLink | None) -> Generator[None, None, int]:
-        """Record that *gateway* lost its link, or has it again; return for how many devices that makes a difference.
+        """Record that *gateway* lost or restored its link; return the number of devices for which that matters.
 
         It pauses after each device.
         """
@@ -83,7 +83,7 @@ class StateRecorder:
         return count
 
     def _record_link_of(self, entry: Entry, source: SourceRecord, lost: LostLink | None) -> bool:
-        """Record the link of *source*; return whether *entry* cannot be reached any more, or can again."""
+        """Record the link of *source*; return whether that changed the reachability of *entry*."""
         before = self._reach(entry)
         source.lost = lost
         entry.is_denied = is_denied(entry.sources.values())
@@ -113,7 +113,7 @@ class StateRecorder:
         return new
 
     def _replace(self, entry: Entry, source: SourceRecord, reading: Reading, stored: StoredValue, stamp: Time) -> bool:
-        """Store the value of *reading*; return whether it is another one than before."""
+        """Store the value of *reading*; return whether it has changed."""
         value = reading.value
         plain, known = value.plain(), stored.value
         if known == plain and type(known) is type(plain):
@@ -146,14 +146,14 @@ class StateRecorder:
         return stored
 
     def _compare(self, entry: Entry, source: SourceRecord, reading: Reading) -> None:
-        """Note a change of a device of which an endpoint is only claimed; one that knows its changes is trusted."""
+        """Record a change of a device with claimed endpoints; those that report the same changes become trusted."""
         value = reading.value.plain()
         number = entry.parts(self._table.topics).places.get((*source.key, reading.part))
         if number is None or not isinstance(value, bool | str) or not takes_commands(source.sighting):
             return
         if can_hurt(one.sighting for one in entry.sources.values()):
             return
-        entry.agreement = entry.agreement or Agreement()  # few devices are only claimed
+        entry.agreement = entry.agreement or Agreement()  # few devices have claimed endpoints
         change = number, reading.capability, value
         if agreeing := entry.agreement.record(change, endpoint_of(source), entry.claimed, self._liveness.now):
             self._trust(entry, agreeing)
@@ -168,12 +168,12 @@ class StateRecorder:
             source.set_reach({part: reach for part, reach in source.reach.items() if part != reading.part})
 
     def _reach(self, entry: Entry) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-        """Return whether *entry* can be reached, which of its parts cannot, and at which of its gateways."""
+        """Return whether *entry* can be reached, its unreachable parts, and its reachability at each gateway."""
         offline = entry.offline_parts(entry.parts(self._table.topics)) if entry.is_denied else ()
         return entry.reach_state(), offline, entry.endpoint_reach()
 
     def _post(self, entry: Entry, source: SourceRecord, place: tuple[str, str], stored: StoredValue) -> None:
-        """Make a value findable; that it changes later is seen in *stored* itself, where no other route reports it."""
+        """Add a value to the postings; later changes in *stored* need no update unless another route reports it."""
         table = self._table
         if entry.id in table.outdated:
             return
@@ -206,7 +206,7 @@ class StateRecorder:
             table.changes.add_states((entry, merged, tuple(readings), stream_of(names), report.received_at, live))
 
     def _record_event(self, entry: Entry, source: SourceRecord, reading: Reading, stamp: Time) -> None:
-        """Publish an event once, by however many routes it comes; it is no state, so nothing is found by it."""
+        """Publish an event once, by however many routes it arrives; it is not a state, so queries cannot use it."""
         table, now = self._table, self._liveness.now
         if not has_capability(source, reading.part, reading.capability):
             table.counters.unknown_parts += 1
@@ -254,7 +254,7 @@ def store_reachability(
 
 
 def is_denied(sources: Iterable[SourceRecord]) -> bool:
-    """Return whether something cannot be reached by any of *sources*."""
+    """Return whether any of *sources* reports something as unreachable."""
     for source in sources:
         if source.is_lost:
             return True
@@ -265,18 +265,18 @@ def is_denied(sources: Iterable[SourceRecord]) -> bool:
 
 
 def _denies_life(report: Report) -> bool:
-    """Return whether *report* says that something cannot be reached, as a last will: no device says so."""
+    """Return whether *report* says that something is unreachable, as a last will does and no device."""
     return any(reading.capability == REACHABLE and not reading.value.flag for reading in report.readings)
 
 
 def _shown(merged: MergedParts, source: SourceRecord, reading: Reading) -> Reading | None:
-    """Return *reading* as one of the part of the device that it is of; None if that is not shown."""
+    """Return *reading* with the id that its part has in the device; None if that part is not shown."""
     part = merged.shown_part_of(source, reading.part)
     return None if part is None else _of_part(part.id, reading)
 
 
 def _of_part(part_id: str, reading: Reading) -> Reading:
-    """Return *reading* as one of the part of the device, which an announcement may call otherwise."""
+    """Return *reading* with the device's id of the part, which may differ from the announcement's."""
     if part_id == reading.part:
         return reading
     return Reading(part=part_id, capability=reading.capability, value=reading.value)
@@ -284,10 +284,10 @@ def _of_part(part_id: str, reading: Reading) -> Reading:
 
 @final
 class SettingChanges:
-    """Settings that changed and were not taken yet; to record one that changed already costs nearly nothing.
+    """The changed settings until they are popped; recording another change of one costs next to nothing.
 
     Attributes:
-        waiting: Those that wait, by the identity of the stored value.
+        waiting: The changed settings, by the identity of the stored value.
     """
 
     def __init__(self, table: DeviceTable) -> None:
@@ -295,7 +295,7 @@ class SettingChanges:
         self.waiting: dict[int, _Waiting] = {}
 
     def record(self, entry: Entry, source: SourceRecord, new: Iterable[_NewValue]) -> None:
-        """Record the new live values of *source*, each with its part and capability, and where it is kept."""
+        """Record the new live values of *source*."""
         waiting = self.waiting
         for place, reading, stored in new:
             if place[1] not in SETTABLE or id(stored) in waiting:
@@ -306,7 +306,7 @@ class SettingChanges:
                 self._table.changes.states_lost += 1
 
     def pop(self) -> Iterator[ChangedSetting]:
-        """Yield the changes since the last time, as in `ChangedSettings`, and forget them."""
+        """Remove and yield the changes, as for `ChangedSettings`."""
         table, waiting = self._table, self.waiting
         self.waiting = {}
         for entry, source, first, since, stored in waiting.values():

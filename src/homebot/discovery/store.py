@@ -1,4 +1,4 @@
-"""The index file: an SQLite database with a row for each device. Blocking; called from a worker thread."""
+"""The index file: an SQLite database with a row per device. Blocking; called from a worker thread."""
 
 import os
 import sqlite3
@@ -18,7 +18,7 @@ __all__ = ["INDEX_FILE", "INDEX_SCHEMA", "VERSION", "IndexFile", "data_directory
 INDEX_FILE = "index.sqlite"
 
 VERSION = 3
-"""Of the schema, kept as SQLite's ``user_version``."""
+"""Version of the schema, stored as SQLite's ``user_version``."""
 
 _SCHEMA = (
     "CREATE TABLE devices (id TEXT PRIMARY KEY, record TEXT NOT NULL)",
@@ -27,18 +27,17 @@ _SCHEMA = (
 )
 
 _MIGRATIONS: dict[int, Sequence[str]] = {
-    1: (_SCHEMA[1],),  # version 1 knew no tombstones
-    2: (_SCHEMA[2],),  # version 2 knew nothing that the owner decides
+    1: (_SCHEMA[1],),  # version 1 had no tombstones
+    2: (_SCHEMA[2],),  # version 2 had no decisions of the owner
 }
 """The migration from each version to the next."""
 
 
 def index_path(home: str, network: str) -> Path:
-    """Return where the index of a home is kept: below ``HOMEBOT_DATA``, or the user's directory for data.
+    """Return the path of a home's index: below ``HOMEBOT_DATA``, or in the user's data directory.
 
     Args:
-        network: Where its devices are, for example the broker's ``host:port``: another broker has other devices, and
-            those of the first would be ghosts there.
+        network: The network of its devices, for example the broker's ``host:port``; another has other devices.
     """
     return data_directory() / escape_token(home) / escape_token(network) / INDEX_FILE
 
@@ -65,19 +64,19 @@ class IndexFile(SqliteFile):
     """Reads and writes the index file.
 
     Args:
-        path: Where it is; directories are made.
-        busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
+        path: The file; its directories are created.
+        busy_timeout: Seconds to wait for another homebot that uses the file and may be about to exit.
     """
 
     def __init__(self, path: Path, busy_timeout: float = 5.0) -> None:
         super().__init__(path, INDEX_SCHEMA, busy_timeout)
 
     def read(self) -> Records:
-        """Return all rows, devices in the order of their ids.
+        """Return all rows, devices ordered by id.
 
         Raises:
             LinkError: It is not open.
-            WireError: It cannot be read, which nothing but a new file would mend.
+            WireError: It is damaged.
         """
         connection = self._opened()
         try:
@@ -90,12 +89,12 @@ class IndexFile(SqliteFile):
         return Records(*map(_texts, rows))
 
     def write(self, records: Records, ids: Sequence[str]) -> None:
-        """Write the records of *ids* in one transaction; nothing is kept of those that have none.
+        """Write the records of *ids* in one transaction; the rows of ids without a record are deleted.
 
-        The owner's decisions are on the disk when it returns, even if the power fails then.
+        When it returns, the owner's decisions are on the disk and survive a power failure.
 
         Raises:
-            LinkError: It cannot be written now; nothing of it was.
+            LinkError: It cannot be written now; nothing was written.
             WireError: The file is damaged; nothing was written.
         """
         with self._used("written") as connection:
@@ -108,7 +107,7 @@ class IndexFile(SqliteFile):
                         f"DELETE FROM {table} WHERE id = ?",  # noqa: S608 - of our own texts
                         [(one,) for one in gone if _is_text(one)],
                     )
-                    # A row that is replaced would get another place: it and its index would be written as well.
+                    # A replaced row would move, so that it and its index entry would be written too.
                     connection.executemany(
                         f"INSERT INTO {table} VALUES (?, ?) "  # noqa: S608 - of our own texts
                         "ON CONFLICT (id) DO UPDATE SET record = excluded.record",
@@ -118,7 +117,7 @@ class IndexFile(SqliteFile):
 
 
 def _is_text(device_id: str) -> bool:
-    """Return whether it is no half of a surrogate pair, of which no row can be."""
+    """Return whether *device_id* can be stored: it has no lone surrogate."""
     return not any("\ud800" <= one <= "\udfff" for one in device_id)
 
 

@@ -1,1 +1,1 @@
-"""Decides which announcements are about one device, and which parts are one. Pure."""
+"""Merging of announcements into devices, and of their parts. Pure."""

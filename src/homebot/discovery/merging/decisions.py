@@ -1,4 +1,4 @@
-"""Decisions of the owner on which announcements are one device; they outrank the evidence. Pure."""
+"""The owner's decisions on which announcements are one device; they outrank the evidence. Pure."""
 
 import json
 from collections.abc import Iterable
@@ -12,10 +12,10 @@ from homebot.errors import RefusedError, WireError
 __all__ = ["MAX_DECISIONS", "OWNER", "MergeDecisions"]
 
 OWNER = "owner:"
-"""Prefix of an identifier that the owner gave."""
+"""Prefix of identifiers given by the owner."""
 
 MAX_DECISIONS = 10_000
-"""Identifiers that are no evidence, and announcements that were merged by hand; further ones are refused."""
+"""Most identifiers declared to be no evidence, and announcements merged by hand; further ones are refused."""
 
 
 class _Record(BaseModel):
@@ -27,13 +27,13 @@ class _Record(BaseModel):
 
 @final
 class MergeDecisions:
-    """Keeps which identifiers are no evidence, and which announcements are one device because the owner says so.
+    """The owner's decisions: which identifiers are no evidence, and which announcements are one device.
 
-    Where there are too many decisions, further ones raise RefusedError.
+    Too many decisions raise RefusedError.
 
     Attributes:
         merged: The identifiers that the owner gave to announcements.
-        is_unsaved: Whether something was decided that is not in the index file.
+        is_unsaved: Whether some decisions are not in the index file.
     """
 
     def __init__(self) -> None:
@@ -42,7 +42,7 @@ class MergeDecisions:
         self.merged: dict[SourceKey, str] = {}
 
     def split(self, identifiers: Iterable[str], keys: Iterable[SourceKey]) -> None:
-        """Decide that *identifiers* are no evidence, and that *keys* were not to be merged."""
+        """Decide that *identifiers* are no evidence, and withdraw the merging of *keys*."""
         ignored = {one for one in identifiers if not one.startswith(OWNER)} | self.ignored
         self._check("a split", len(ignored))
         self.ignored = ignored
@@ -51,7 +51,7 @@ class MergeDecisions:
         self.is_unsaved = True
 
     def merge(self, keys: Iterable[SourceKey]) -> None:
-        """Decide that the devices that announcements *keys* are about are one."""
+        """Decide that the announcements *keys* describe one device."""
         announcements = tuple(keys)
         self._check("a merge", len(self.merged) + len(announcements))
         known = {given for key in announcements if (given := self.merged.get(key)) is not None}
@@ -63,12 +63,12 @@ class MergeDecisions:
         self.is_unsaved = True
 
     def merged_with(self, keys: Iterable[SourceKey]) -> tuple[SourceKey, ...]:
-        """Return the announcements that were merged by hand with one of *keys*, those included."""
+        """Return *keys* and the announcements merged with them by hand."""
         given = {self.merged[key] for key in keys if key in self.merged}
         return tuple(key for key, name in self.merged.items() if name in given)
 
     def record(self) -> str:
-        """Return them as text, for the index file."""
+        """Return the decisions as text, for the index file."""
         merged = [[*key, name] for key, name in sorted(self.merged.items())]
         return json.dumps({"ignored": sorted(self.ignored), "merged": merged})
 
@@ -76,7 +76,7 @@ class MergeDecisions:
         """Restore the records that :meth:`record` returned.
 
         Raises:
-            WireError: It is no such text.
+            WireError: It is invalid.
         """
         try:
             read = _Record.model_validate_json(record)

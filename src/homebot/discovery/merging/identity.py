@@ -1,19 +1,17 @@
-"""Grouping of announcements into devices: those that share an identifier which is specific enough. Pure.
+"""The grouping of announcements into devices: those that share a sufficiently specific identifier. Pure.
 
-A radio address (``eui64:``) always is. A hardware address (``mac:``) is, unless it belongs to a host that speaks for
-several devices: announcements that are each of a whole device, or with other identifiers that have nothing in common.
-Any other identifier is, unless it is a word that many devices have, or comes with different hardware addresses.
+- A radio address (``eui64:``) always is specific.
+- A hardware address (``mac:``) is, unless it belongs to a host that represents several devices: announcements that are
+  each of a whole device, or whose other identifiers have nothing in common.
+- Any other identifier is, unless it is a word that many devices share, or comes with different hardware addresses.
+- A topic is, if the device has it to itself, or if all its topics are below one that ends with its identifier: Home
+  Assistant calls it ``BigSlowDog``, Homie ``valetudo/BigSlowDog``.
+- A host on a local network (``id:host nas.local``) is, among the services that one gateway found there, unless several
+  of them offer parts, as a computer may run the programs of many devices. So is a hardware address in its services.
 
-A device that has a topic for itself is also known by that, and so is one that speaks and listens nowhere but below a
-topic that ends with an identifier of its: it is ``BigSlowDog`` to Home Assistant and ``valetudo/BigSlowDog`` to Homie.
+The owner's decisions outrank all of this: they can declare an identifier to be no evidence, or add one.
 
-A host of a local network is (``id:host nas.local``), among the services that one gateway found there, unless several of
-them offer parts: a computer may run the programs of many devices. So is a hardware address that its services name.
-
-The owner's decisions outrank all of this: an identifier may be no evidence, and announcements may have one that the
-owner gave them.
-
-The order of arrival matters as little as possible: the same announcements in any order are the same devices.
+Order of arrival matters as little as possible: the same announcements in any order make the same devices.
 """
 
 import math
@@ -31,13 +29,13 @@ from homebot.discovery.source_record import SourceKey
 __all__ = ["MAX_HOLDERS", "MAX_IDENTIFIERS", "REPEATED", "IdentityGraph", "is_generic"]
 
 REPEATED = "repeated:"
-"""Prefix of the identifiers of announcements that are of one part, under any name of their device."""
+"""Prefix of identifiers for announcements of one part, whatever they call its device."""
 
 MAX_IDENTIFIERS = 16
-"""Identifiers of one announcement that count; the first ones, hardware addresses before others."""
+"""Identifiers of one announcement that count: the first ones, hardware addresses before others."""
 
 MAX_HOLDERS = 64
-"""Different identities that may share an identifier; one that more have identifies none."""
+"""Most identities that may share an identifier; beyond that, it identifies nothing."""
 
 _SHORTEST = 4
 _WORDS = """
@@ -50,16 +48,16 @@ _GENERIC = frozenset(_WORDS.split())
 
 
 def is_generic(word: str) -> bool:
-    """Return whether many devices are called *word*, so that it names none of them."""
+    """Return whether many devices are called *word*, so that it identifies none of them."""
     return word in _GENERIC
 
 
 class Identity(NamedTuple):
-    """An identity; announcements of the same identity are about one device.
+    """An identity; announcements with the same identity describe one device.
 
     Attributes:
-        key: The announcement, if each is a device of its own.
-        offers_parts: Whether it is a service of a host that offers parts; None if it names no host.
+        key: The announcement, if it is a device of its own.
+        offers_parts: Whether it is a service of a host and offers parts; None if it names no host.
     """
 
     gateway: str
@@ -70,12 +68,12 @@ class Identity(NamedTuple):
 
     @property
     def hardware(self) -> frozenset[str]:
-        """The hardware addresses among its identifiers."""
+        """Its identifiers that are hardware addresses."""
         return frozenset(one for one in self.identifiers if one.startswith(_HARDWARE))
 
     @property
     def others(self) -> frozenset[str]:
-        """The other identifiers."""
+        """Its other identifiers."""
         return frozenset(one for one in self.identifiers if one.startswith("id:"))
 
 
@@ -84,7 +82,7 @@ class IdentityGraph:
     """The graph of shared identifiers.
 
     Attributes:
-        cut: Announcements with identifiers that were partly left out.
+        cut: Announcements of which some identifiers were left out.
     """
 
     def __init__(self, decisions: MergeDecisions) -> None:
@@ -97,11 +95,11 @@ class IdentityGraph:
         self._repeated: dict[SourceKey, str] = {}
 
     def put(self, key: SourceKey, sighting: Sighting) -> frozenset[SourceKey]:
-        """Record the identity that *key* gives for its device.
+        """Record the identity that the announcement *key* gives its device.
 
         Returns:
-            At least one announcement of each device with bonds that may have changed; all of those that *key* may bind
-            together, if its identity is new. Empty if nothing changed.
+            At least one announcement of each device whose connections may have changed; if the identity is new, all
+            announcements that it may connect. Empty if nothing changed.
         """
         identity = self._identity_of(key, sighting)
         before = self._identities.get(key)
@@ -125,12 +123,12 @@ class IdentityGraph:
         return affected | {key} if affected else frozenset((key,))
 
     def same_identity(self, key: SourceKey) -> SourceKey | None:
-        """Return an older announcement with the same identity of the device; None if there is none."""
+        """Return an older announcement with the same identity, or None."""
         first = next(iter(self._sources[self._identities[key]]))
         return None if first == key else first
 
     def discard(self, key: SourceKey) -> frozenset[SourceKey]:
-        """Forget *key*; return the announcements with bonds that may have changed."""
+        """Forget *key*; return the announcements whose connections may have changed."""
         identity = self._identities.pop(key, None)
         if identity is None:
             return frozenset()
@@ -148,9 +146,9 @@ class IdentityGraph:
         return self._affected(set(), were_links)
 
     def bind(self, keys: Iterable[SourceKey]) -> bool:
-        """Connect announcements of one part, by an identifier of their own; return whether that is new for any.
+        """Connect announcements of one part by an identifier of their own; return whether that is new for any.
 
-        Those that are connected need :meth:`put` again. The owner may split them, as by any other identifier.
+        Connected announcements need another :meth:`put`. The owner may still split them.
         """
         keys = sorted(keys)
         known = [self._repeated[key] for key in keys if key in self._repeated]
@@ -160,16 +158,16 @@ class IdentityGraph:
         return is_new
 
     def unbind(self, key: SourceKey) -> bool:
-        """Connect *key* no more by :meth:`bind`; return whether it was, so that it needs :meth:`put` again."""
+        """Undo :meth:`bind` for *key*; return whether it was bound, and so needs another :meth:`put`."""
         return bool(self._repeated) and self._repeated.pop(key, None) is not None
 
     def forget_links(self, identifiers: Iterable[str]) -> None:
-        """Forget whether *identifiers* connect those that share them: the owner decided on them."""
+        """Forget whether *identifiers* connect the announcements that share them: the owner has decided."""
         for identifier in identifiers:
             self._links.pop(identifier, None)
 
     def groups(self, keys: Iterable[SourceKey]) -> tuple[frozenset[SourceKey], ...]:
-        """Return the devices that the announcements *keys* are about, each as the set of all its announcements."""
+        """Return the devices that the announcements *keys* describe, each as the set of its announcements."""
         found: list[frozenset[SourceKey]] = []
         done: set[Identity] = set()
         for key in keys:
@@ -182,7 +180,7 @@ class IdentityGraph:
         return tuple(found)
 
     def shared(self, keys: Iterable[SourceKey]) -> Iterator[tuple[str, tuple[SourceKey, ...]]]:
-        """Yield each identifier that connects identities among *keys*, with one announcement of each of these."""
+        """Yield each identifier that connects identities among *keys*, with one announcement of each identity."""
         found = dict.fromkeys(self._identities[key] for key in keys if key in self._identities)
         identities = {identity: number for number, identity in enumerate(found)}
         if len(identities) < _PAIR:
@@ -211,14 +209,14 @@ class IdentityGraph:
         return Identity(key[0], sighting.convention, found, key[1] if is_own else "", offers_parts)
 
     def _affected(self, reached: set[Identity], were_links: Mapping[str, bool]) -> frozenset[SourceKey]:
-        """Return the announcements of *reached*, and of all that these identifiers connect now, or did before."""
+        """Return the announcements of *reached*, and of all that these identifiers connect now or did before."""
         for identifier, was_link in were_links.items():
             if identifier in self._holders and (was_link or self._is_link(identifier)):
                 reached |= self._connected(self._holders[identifier])
         return frozenset(source for one in reached for source in self._sources[one])
 
     def _connected(self, identities: Iterable[Identity]) -> set[Identity]:
-        """Return all that is bound to one of *identities*, directly or by others."""
+        """Return everything connected to one of *identities*, directly or through others."""
         reached = set(identities)
         waiting = list(reached)
         while waiting:
@@ -248,7 +246,7 @@ _Holders: TypeAlias = dict[Identity, None]
 
 
 def _is_specific(identifier: str, holders: _Holders) -> bool:
-    """Return whether *identifier* connects its *holders*, by the first of the rules for its beginning."""
+    """Return whether *identifier* connects its *holders*, by the first rule for its prefix."""
     for prefix, most, connects in _RULES:
         if identifier.startswith(prefix):
             return len(holders) <= most and connects(identifier, holders)
@@ -283,11 +281,11 @@ _RULES: Final[tuple[tuple[str, float, Callable[[str, _Holders], bool]], ...]] = 
     ("mac:", MAX_HOLDERS, _is_of_no_host),
     ("", MAX_HOLDERS, _is_of_one_hardware),
 )
-"""Beginning of an identifier, the most identities that it connects, and its evidence that they are of one device."""
+"""Prefix of an identifier, the most identities that it connects, and the test whether they are one device."""
 
 
 def _share_a_host(one: Identity, other: Identity) -> bool:
-    """Return whether a hardware address that both name is their host's: it speaks of both in the same way."""
+    """Return whether a shared hardware address is that of their host, which describes both in the same way."""
     if (one.gateway, one.convention) != (other.gateway, other.convention):
         return False
     if None not in (both := {one.offers_parts, other.offers_parts}) and False in both:
@@ -298,9 +296,9 @@ def _share_a_host(one: Identity, other: Identity) -> bool:
     return bool(mine) and bool(others) and mine.isdisjoint(others)
 
 
-@lru_cache(maxsize=4096)  # a device is announced in dozens of messages
+@lru_cache(maxsize=4096)  # a device may be announced in dozens of messages
 def _names_in(identifiers: tuple[str, ...]) -> tuple[bool, bool]:
-    """Return whether a host is among *identifiers*, and whether anything else that is specific is."""
+    """Return whether *identifiers* include a host, and whether they include anything else that is specific."""
     host = device = False
     for identifier in identifiers:
         if identifier.startswith(HOST):
@@ -311,7 +309,7 @@ def _names_in(identifiers: tuple[str, ...]) -> tuple[bool, bool]:
 
 
 def _own_topic(sighting: Sighting) -> str:
-    """Return the topic below which all is the device's; empty if none is known."""
+    """Return the topic below which everything belongs to the device; empty if unknown."""
     if sighting.whole_device:
         return sighting.owns[0] if sighting.owns else ""
     topics: tuple[str, ...] = ()
@@ -325,7 +323,7 @@ def _own_topic(sighting: Sighting) -> str:
 
 
 def _common_prefix(topics: tuple[str, ...], name: str) -> str:
-    """Return the topic that ends with *name* and is above all *topics*; empty if there is none."""
+    """Return the topic that ends with *name* and is above all *topics*; empty for none."""
     before, level, _ = topics[0].partition(f"/{name}/") if topics else ("", "", "")
     is_above_all = bool(level) and all(topic.startswith(f"{before}{level}") for topic in topics)
     return f"{before}/{name}" if is_above_all else ""

@@ -1,4 +1,4 @@
-"""Intake of sightings and reports: an announcement is added, described again, heard again or withdrawn. Pure."""
+"""The intake of sightings and reports, which add, update, confirm or withdraw announcements. Pure."""
 
 from typing import final
 
@@ -15,15 +15,15 @@ from homebot.discovery.states import StateRecorder
 __all__ = ["MAX_SOURCES", "SightingIntake"]
 
 MAX_SOURCES = 1000
-"""Announcements of one device; further ones are rejected."""
+"""Most announcements of one device; further ones are rejected."""
 
 _SOURCES_PER_DEVICE = 10
-"""Announcements that the index takes in, for each device that it may hold."""
+"""Most announcements in the index, per device that it may hold."""
 
 
 @final
 class SightingIntake:
-    """Takes in sightings and reports."""
+    """Applies sightings and reports to the index."""
 
     def __init__(
         self,
@@ -44,11 +44,11 @@ class SightingIntake:
         self._restored: set[SourceKey] = set()  # not announced since the start
 
     def observe(self, sighting: Sighting, now: float | None = None) -> None:
-        """Take *sighting* in.
+        """Apply *sighting*.
 
         Args:
-            now: When, in seconds of the clock that :meth:`DeviceIndex.expire` is asked with, one that is never set; by
-                default its stamp is the time, as of something recorded.
+            now: The time on the monotonic clock of :meth:`DeviceIndex.expire`; by default the sighting's stamp, as for
+                a recording.
         """
         self._liveness.now = sighting.seen_at.to_seconds() if now is None else now
         key = (sighting.gateway, sighting.key)
@@ -62,7 +62,7 @@ class SightingIntake:
             self._add(key, sighting)
 
     def report(self, report: Report, now: float | None = None) -> None:
-        """Take in the report of a device; that of an unannounced one waits a moment, and is counted."""
+        """Apply the report of a device; that of an unannounced device waits a moment, and is counted."""
         self._liveness.now = report.received_at.to_seconds() if now is None else now
         key = (report.gateway, report.key)
         source = self._table.sources.get(key)
@@ -75,7 +75,7 @@ class SightingIntake:
             self._states.record(self._table.owners[key], source, report)
 
     def _add(self, key: SourceKey, sighting: Sighting) -> None:
-        """Take in a new announcement, which may be rejected, and the reports that waited for it."""
+        """Add a new announcement, unless it is rejected, and apply the reports that waited for it."""
         table, merger = self._table, self._merger
         if len(table.sources) >= _SOURCES_PER_DEVICE * self._max_devices:
             table.counters.rejected += 1
@@ -89,7 +89,7 @@ class SightingIntake:
             heard_at=self._liveness.now,
             lost=table.lost.get(sighting.gateway),
         )
-        key = source.key  # one object, wherever it is kept
+        key = source.key  # one object everywhere
         affected = merger.identities.put(key, sighting)
         sibling = merger.identities.same_identity(key)
         count = len(table.owners[sibling].sources) + 1 if sibling is not None else len(affected)
@@ -115,7 +115,7 @@ class SightingIntake:
     def _add_to_known(
         self, source: SourceRecord, sibling: SourceKey | None, affected: frozenset[SourceKey], why: str
     ) -> None:
-        """Add *source* to the device of *sibling*, which has the same identity, or to those of *affected*."""
+        """Add *source* to the device of *sibling*, which has the same identity, or else regroup *affected*."""
         if sibling is not None:
             self._merger.join(self._table.owners[sibling], source, sibling)
         else:
@@ -125,13 +125,13 @@ class SightingIntake:
             self._liveness.mark_seen(self._table.owners[source.key], source, source.seen_at, why)
 
     def _report_waiting(self, key: SourceKey) -> None:
-        """Take in the reports that came before the announcement *key*."""
+        """Apply the reports that arrived before the announcement *key*."""
         now = self._liveness.now
         for report in self._pending.pop(key, now):
             self.report(report, now)
 
     def _is_forgotten(self, key: SourceKey, sighting: Sighting) -> bool:
-        """Return whether *sighting* is only retained, of a device that the owner had forgotten, and remember it."""
+        """Return whether *sighting* is only a retained one of a forgotten device; if so, remember it."""
         table = self._table
         tombstone = table.tombstones.find(key, ())
         if tombstone is None or not tombstone.retained_only or sighting.confirmed:
@@ -141,7 +141,7 @@ class SightingIntake:
         return True
 
     def _refresh(self, source: SourceRecord, sighting: Sighting) -> None:
-        """Take in a further sighting of a known announcement."""
+        """Apply a further sighting of a known announcement."""
         table, key = self._table, source.key
         before, source.sighting = source.sighting, sighting
         entry = table.owners[key]
@@ -166,7 +166,7 @@ class SightingIntake:
             self._withdraw_derived(entry, sighting)
 
     def _withdraw(self, key: SourceKey, why: str) -> None:
-        """Forget a known announcement; its device goes with the last one."""
+        """Remove a known announcement, and its device with the last one."""
         self._restored.discard(key)
         entry = self._table.owners[key]
         if len(entry.sources) == 1:
@@ -175,7 +175,7 @@ class SightingIntake:
             self._merger.withdraw(entry, key, why)
 
     def _withdraw_derived(self, entry: Entry, listed: Sighting) -> None:
-        """Forget what the program that lists a device announced of it before the start, and leaves out since."""
+        """Remove announcements of an earlier run by the program that now lists the device instead."""
         origin = next((one for one in listed.metadata if one.key == "origin"), None)
         for key in [key for key in entry.sources if key in self._restored and key[0] == listed.gateway]:
             known = self._table.sources[key].sighting
@@ -184,7 +184,7 @@ class SightingIntake:
                 self._withdraw(key, "the list of its bridge describes it")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
-        """Take in a device of the index file; one that is known already, or too many, is left out."""
+        """Add a device of the index file, unless it is already known or there are too many."""
         table = self._table
         if entry.id in table.entries or len(table.entries) >= self._max_devices or not entry.sources:
             return

@@ -1,15 +1,15 @@
-"""Matching of parts that different sources announce of one device. Pure.
+"""Matching of the parts that different sources announce for one device. Pure.
 
-Two parts are one where they can do the same and one of these says so, the surest first, and says it of no other pair:
+Two parts are one if they can do the same and one of these rules, the surest first, applies to no other pair:
 
-1. the id of the one is the id of the other but for the common beginning and end of all ids of its source;
-2. a command topic that nothing else in both sources has (or, of sensors, a state topic that nothing else has);
-3. one name;
-4. they are the only ones of their type, and that is no setting. This is no evidence for parts that one program calls by
-   different ids, sensors with one state topic and loads with different command topics: each source may know only one.
+1. their ids are equal, apart from a common beginning and end of all ids of a source;
+2. they share a command topic that nothing else in both sources has (for sensors, a state topic);
+3. they have the same name;
+4. each is the only part of its type, and no setting. This does not apply to parts that one program gives different
+   ids, sensors with one state topic, and loads with different command topics: each source may know only one of two.
 
-A part that fits two others equally well fits none: two parts too many are a nuisance, two crossed commands move motors.
-Nothing depends on the order in which parts or sources came.
+A part that matches two others equally well matches none: a duplicate part is a nuisance, a crossed command is worse.
+The order in which parts and sources arrive does not matter.
 """
 
 import re
@@ -25,21 +25,21 @@ from homebot.support.folding import fold
 __all__ = ["SETTING", "Candidate", "candidates", "match"]
 
 MAX_WORDS = 24
-"""Words of an id that count, the first ones."""
+"""Words of an id that count, from the first."""
 
 SETTING = "x_setting"
 """Device type of a setting that is adjusted rather than switched."""
 
 
 class Candidate(NamedTuple):
-    """A part among the others of its source.
+    """A part in the context of its source.
 
     Attributes:
-        words: Its id in words.
-        prefix: How many of them, from the first, all ids of its source begin with.
-        suffix: How many of them, to the last, all ids of its source end with.
-        topics: Command topics that nothing else of its source has; without any, its own state topics.
-        is_alone: Whether it is the only one of its type in its source, settings aside.
+        words: The words of its id.
+        prefix: The number of words with which all ids of its source begin.
+        suffix: The number of words with which all ids of its source end.
+        topics: Command topics unique to it in its source; if there are none, its own state topics.
+        is_alone: Whether it is the only part of its type in its source, apart from settings.
     """
 
     part: Part
@@ -53,10 +53,10 @@ class Candidate(NamedTuple):
 
 
 def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candidate, ...]:
-    """Return the *parts* of one source, each beside the others.
+    """Return the *parts* of one source as candidates.
 
     Args:
-        identifiers: The identifiers of the device in the source: ids of parts are often made of them.
+        identifiers: The source's identifiers of the device, from which ids of parts are often made.
     """
     ids = [_words(part.id)[:MAX_WORDS] for part in parts]
     known = frozenset(chain.from_iterable(_words(one.partition(":")[2]) for one in identifiers))
@@ -84,13 +84,13 @@ def candidates(parts: Sequence[Part], identifiers: Iterable[str]) -> tuple[Candi
 
 
 def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) -> dict[int, int]:
-    """Return which of *groups* each of *others* is, by their numbers.
+    """Return the number of the matching group for *others*, by their numbers.
 
     Args:
-        groups: Parts of the device; each as the sources before describe it, one or more.
+        groups: Parts of the device, each as described by one or more earlier sources.
     """
     found: dict[int, int] = {}
-    for pairs_of in (_by_id, _by_topic, _by_name, _by_type):  # the surest first, weaker ones for what that leaves open
+    for pairs_of in (_by_id, _by_topic, _by_name, _by_type):  # the surest first, weaker ones for the rest
         taken = set(found.values())
         mine = [(number, one) for number, group in enumerate(groups) if number not in taken for one in group]
         theirs = [(number, other) for number, other in enumerate(others) if number not in found]
@@ -105,17 +105,17 @@ def match(groups: Sequence[Sequence[Candidate]], others: Sequence[Candidate]) ->
 
 
 _Pair: TypeAlias = tuple[int, int]
-"""Numbers of a group and of a part of the further source."""
+"""The numbers of a group and of a part of the new source."""
 
 _Pairs: TypeAlias = Iterator[tuple[int, _Pair]]
-"""Pairs that may be one part, each with how many letters say so; 0 where these do not count."""
+"""Pairs that may be one part, each with the number of matching letters; 0 if letters do not count."""
 
 _Numbered: TypeAlias = Sequence[tuple[int, Candidate]]
-"""Candidates, each with the number of its group, or with its own."""
+"""Candidates, each with the number of its group, or its own."""
 
 
 def _unambiguous(pairs: Iterable[_Pair], found: Mapping[int, int]) -> dict[int, int]:
-    """Return those of *pairs* that nothing was *found* for before, and that fit no other of them."""
+    """Return the *pairs* without an earlier match in *found*, and without a competing pair."""
     taken = set(found.values())
     open_pairs = [pair for pair in pairs if pair[0] not in taken and pair[1] not in found]
     groups, others = Counter([group for group, _ in open_pairs]), Counter([other for _, other in open_pairs])
@@ -123,7 +123,7 @@ def _unambiguous(pairs: Iterable[_Pair], found: Mapping[int, int]) -> dict[int, 
 
 
 class _Members(NamedTuple):
-    """Numbered candidates by the words of their ids, and the numbers of words that these have."""
+    """Numbered candidates by the words of their ids, and the numbers of words in those."""
 
     by_words: Mapping[tuple[str, ...], list[tuple[int, Candidate]]]
     lengths: list[int]
@@ -160,7 +160,7 @@ def _inside(members: _Members, words: tuple[str, ...], at_most: int) -> Iterator
 
 
 def _letters_of_id(short: Candidate, long: Candidate, start: int) -> int:
-    """Return how many letters say that the id of *short* is that of *long*, which contains it; 0 if it is not."""
+    """Return the number of matching letters if the id of *short* is that of *long*, which contains it; else 0."""
     if not _can_be_one(short, long):
         return 0
     before, behind = start, len(long.words) - start - len(short.words)
@@ -176,7 +176,7 @@ def _named_by_type(long: Candidate, start: int) -> int:
     return 0
 
 
-@lru_cache(maxsize=512)  # all lamps of a house have the same
+@lru_cache(maxsize=512)  # shared by all lamps of a house
 def _kinds(advertised: str, service_type: str) -> tuple[tuple[str, ...], ...]:
     return _words(advertised), _words(service_type)
 
@@ -186,7 +186,7 @@ _SEPARATORS = str.maketrans(":/", "  ")
 
 
 def _words(text: str) -> tuple[str, ...]:
-    """Return the words of an id; a hardware address is one."""
+    """Return the words of an id; a hardware address is one word."""
     plain = fold(text)
     if ":" in plain:
         plain = _ADDRESS.sub(lambda match: match[0].replace(":", ""), plain)
@@ -225,7 +225,7 @@ def _by_type(mine: _Numbered, theirs: _Numbered) -> _Pairs:
 
 
 def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
-    """Return whether both are one part by their type: loads are; sensors where neither has a name of its own."""
+    """Return whether type is evidence: always for loads; for sensors, if neither has a name of its own."""
     if one.part.service_type.startswith("x_") or not _can_be_one(one, other):
         return False
     if _are_told_apart(one.part, other.part):
@@ -236,21 +236,21 @@ def _is_one_of_its_type(one: Candidate, other: Candidate) -> bool:
 
 
 def _are_told_apart(one: Part, other: Part) -> bool:
-    """Return whether one program speaks of both: of sensors, or of loads that it commands by different topics."""
+    """Return whether one program announces both, as sensors or as loads with different command topics."""
     if one.writes and other.writes:
         return _is_of_one_program(one.reads, other.reads) and set(one.writes).isdisjoint(other.writes)
     return not (one.writes or other.writes) and _is_of_one_program(one.reads, other.reads)
 
 
 def _is_of_one_program(topics: tuple[str, ...], others: tuple[str, ...]) -> bool:
-    """Return whether a topic among *topics* is among *others*, or one is below the other."""
+    """Return whether the two share a topic, or one is below another."""
     return any(
         f"{one}/".startswith(f"{other}/") or f"{other}/".startswith(f"{one}/") for one in topics for other in others
     )
 
 
 def _is_load(one: Candidate) -> bool:
-    """Return whether it can be commanded; a gateway without topics names none for that."""
+    """Return whether it can be commanded; a gateway without topics has no command topics."""
     return bool(one.part.writes) or any(capability.settable for capability in one.part.capabilities)
 
 
@@ -263,7 +263,7 @@ def _is_plain(one: Candidate) -> bool:
 
 
 def _can_be_one(one: Candidate, other: Candidate) -> bool:
-    """Return whether nothing contradicts in the capabilities and functions of the two."""
+    """Return whether the capabilities and functions of the two are compatible."""
     mine, theirs = one.abilities, other.abilities
     shared = mine.keys() & theirs.keys()
     if (mine and theirs and not shared) or not all(_agree(mine[name], theirs[name]) for name in shared):
@@ -284,7 +284,7 @@ def _can_be_one_by_type(one: Candidate, other: Candidate) -> bool:
 
 
 def _agree(one: Capability, other: Capability) -> bool:
-    """Return whether both can have the same values: in one unit, and with options in common where they have any."""
+    """Return whether both can have the same values: in the same unit, and with options in common if any."""
     if one.unit and other.unit and one.unit != other.unit:
         return False
     if not (one.settable and other.settable and one.options and other.options):
@@ -295,15 +295,15 @@ def _agree(one: Capability, other: Capability) -> bool:
 
 
 def _shared_ends(ids: set[tuple[str, ...]]) -> tuple[int, int]:
-    """Count the words that all *ids* begin with, and end with; none if there is one id only."""
+    """Return the numbers of words with which all *ids* begin and end; 0 for a single id."""
     return (_common(ids), _common({one[::-1] for one in ids})) if len(ids) > 1 else (0, 0)
 
 
 def _common(ids: set[tuple[str, ...]]) -> int:
-    """Count the words that all *ids* begin with, before the last word of the shortest."""
+    """Return the number of words with which all *ids* begin, excluding the last word of the shortest."""
     count = 0
     shortest = min(map(len, ids)) - 1
-    for word, other in zip(min(ids), max(ids), strict=False):  # what the first and the last in order share, all do
+    for word, other in zip(min(ids), max(ids), strict=False):  # what the first and last in order share, all share
         if word != other or count >= shortest:
             break
         count += 1

@@ -1,4 +1,4 @@
-"""The devices that announcements are about: they appear, merge, split and go as their announcements do. Pure."""
+"""The devices that announcements describe: they appear, merge, split and go with them. Pure."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -29,7 +29,7 @@ _REACH, _FIRST_SEEN, _TIME = attrgetter("reach"), attrgetter("first_seen"), attr
 
 @final
 class DeviceMerger:
-    """Keeps each device the set of the announcements that are about it."""
+    """Keeps each device in line with its set of announcements."""
 
     def __init__(self, table: DeviceTable, liveness: Liveness, pending: PendingReports) -> None:
         self.decisions = MergeDecisions()
@@ -39,7 +39,7 @@ class DeviceMerger:
         self._pending = pending
 
     def appear(self, sources: dict[SourceKey, SourceRecord], why: str) -> Entry:
-        """Make a device of *sources*; one that went and is back has its old id."""
+        """Create a device from *sources*; one that returns gets its old id."""
         table = self._table
         tombstone = self._pop_tombstone(sources) if table.tombstones.by_id else None
         if tombstone is not None:
@@ -74,7 +74,7 @@ class DeviceMerger:
     def join(self, entry: Entry, source: SourceRecord, sibling: SourceKey) -> None:
         """Add *source*, which has the same identity as *sibling*, another announcement of the device.
 
-        It is the usual case of a device that is announced in many messages, and needs no look at all others.
+        This is the usual case of a device announced in many messages, and needs no regrouping.
         """
         entry.sources[source.key] = source
         self._table.owners[source.key] = entry
@@ -86,7 +86,7 @@ class DeviceMerger:
         self._table.changes.add_growth(entry, "it announces more capabilities")
 
     def restore(self, entry: Entry, now: float, wall: float) -> None:
-        """Make *entry* of the index file a device, unconfirmed."""
+        """Restore a device from the *entry* of an index file, unconfirmed."""
         for key, source in entry.sources.items():
             self._table.owners[key] = entry
             self.identities.put(key, source.sighting)
@@ -101,7 +101,7 @@ class DeviceMerger:
         """Remove *entry* with its announcements.
 
         Args:
-            retained_only: Whether announcements that the broker kept are not to bring it back.
+            retained_only: Whether retained announcements must not bring it back.
             at: When, in seconds since the Unix epoch.
         """
         table = self._table
@@ -137,9 +137,9 @@ class DeviceMerger:
         table.record_change("changed", entry, f"it announces fewer capabilities: {why}")
 
     def join_repetitions(self, key: SourceKey) -> None:
-        """Make one device of announcements of one part, such as one that is left over from a rename.
+        """Merge announcements of one part into one device, such as one left over from a rename.
 
-        They have the same commands on the same topics, so that each command would be obeyed as often.
+        They have the same commands on the same topics, so that each command would be executed twice.
         """
         table = self._table
         found = table.topics.repetitions(key)
@@ -153,7 +153,7 @@ class DeviceMerger:
             self.regroup(affected, "it is announced more than once, with the same commands")
 
     def regroup(self, affected: Iterable[SourceKey], why: str) -> None:
-        """Make the devices those that the announcements *affected* are about now."""
+        """Regroup the announcements *affected* into devices."""
         table = self._table
         for group in regroup(self.identities.groups(affected), table.owners, table.sources):
             if group.keeps is not None:
@@ -162,13 +162,13 @@ class DeviceMerger:
                 self._split(group, why)
 
     def split(self, device_id: str, key: SourceKey | None, now: float) -> tuple[str, ...]:
-        """Make several devices of one, because the owner says so; return their ids, that of the one first.
+        """Split a device, because the owner says so; return the resulting ids, that of the original first.
 
         Args:
-            key: The announcement that is not about it, with those of the same identity; None to split off each.
+            key: The announcement to split off, with those of the same identity; None to split off each.
 
         Raises:
-            RefusedError: There is no such device or announcement, nothing was merged, or decisions are too many.
+            RefusedError: There is no such device or announcement, nothing was merged, or there are too many decisions.
         """
         entry = self._entry(device_id)
         if key is not None and key not in entry.sources:
@@ -186,20 +186,20 @@ class DeviceMerger:
         return tuple(dict.fromkeys((entry.id, *(self._table.owners[one].id for one in keys))))
 
     def _eldest_beside(self, key: SourceKey, keys: Iterable[SourceKey]) -> list[SourceKey]:
-        """Return the eldest announcement of each identity among *keys*, but for the identity of *key*."""
+        """Return the oldest announcement of each identity among *keys*, except that of *key*."""
         eldest = {one: self.identities.same_identity(one) or one for one in keys}
         return sorted(set(eldest.values()) - {eldest[key]})
 
     def merge(self, device_ids: Iterable[str], now: float) -> str:
-        """Make several devices one, because the owner says so; return the id that it has, that of the oldest.
+        """Merge devices, because the owner says so; return the resulting id, that of the oldest.
 
-        All endpoints of it may have its commands from now on.
+        All its endpoints may get its commands from now on.
 
         Args:
-            device_ids: The devices; one alone where an endpoint of it only claims to be it.
+            device_ids: The devices; a single one to trust its claimed endpoints.
 
         Raises:
-            RefusedError: There is no such device, nothing is to be merged, or there are too many decisions.
+            RefusedError: There is no such device, there is nothing to merge, or there are too many decisions.
         """
         entries = tuple(self._entry(device_id) for device_id in dict.fromkeys(device_ids))
         if not entries or (len(entries) == 1 and not entries[0].claimed):
@@ -221,7 +221,7 @@ class DeviceMerger:
         return entry
 
     def trust(self, entry: Entry, endpoints: frozenset[EndpointKey]) -> None:
-        """Let *endpoints* have the commands of *entry*: they reported the same changes as others that have them."""
+        """Let *endpoints* get the commands of *entry*: they reported the same changes as trusted ones."""
         names = ", ".join(sorted(gateway for gateway, _ in endpoints))
         self._set_trusted(entry, endpoints, f"{names} reported the same changes as its other endpoints")
 
@@ -231,7 +231,7 @@ class DeviceMerger:
         self._table.record_change("changed", entry, why)
 
     def _judge(self, entry: Entry, new: SourceRecord | None) -> bool:
-        """Decide which endpoints of *entry* are trusted; return whether that changes the status of others."""
+        """Decide which endpoints of *entry* are trusted; return whether that changes older ones."""
         sources = entry.sources.values()
         if not (entry.trusted or entry.claimed):
             first = next(iter(sources))
@@ -248,7 +248,7 @@ class DeviceMerger:
         return entry.claimed != before
 
     def _decide(self, keys: Iterable[SourceKey], identifiers: Iterable[str], why: str) -> None:
-        """Make the devices those that announcements *keys* are about, after a decision on them and *identifiers*."""
+        """Regroup the announcements *keys* after a decision on them and on *identifiers*."""
         self.identities.forget_links(identifiers)
         affected = set(keys)
         for key in keys:
@@ -256,7 +256,7 @@ class DeviceMerger:
         self.regroup(affected, why)
 
     def describe(self, entry: Entry, new: SourceRecord | None = None) -> None:
-        """Update the results of the announcements of *entry*: all changed, or *new* was added."""
+        """Update the description of *entry*: all its announcements may have changed, or *new* was added."""
         table = self._table
         entry.invalidate_description()
         if self._judge(entry, new):
@@ -283,7 +283,7 @@ class DeviceMerger:
             self._refresh_topic_owner(entry, sources, is_whole=new is None)
 
     def _refresh_topic_owner(self, entry: Entry, sources: Iterable[SourceRecord], *, is_whole: bool) -> None:
-        """Look for a device that keeps a topic from *sources* of *entry*; *is_whole* if these are all of them."""
+        """Look for a device that claims a topic of *sources* of *entry*; *is_whole* if these are all its sources."""
         table, owner = self._table, ""
         if denied := table.topics.denied:
             for source in sources:
@@ -297,7 +297,7 @@ class DeviceMerger:
             table.record_change("conflict", table.entries[owner], why, entry.id)
 
     def _pop_tombstone(self, sources: dict[SourceKey, SourceRecord]) -> Tombstone | None:
-        """Forget the removed device of *sources*; return it if it is back, and no other device has its id."""
+        """Forget the removed device of *sources*; return it if it is back and its id is free."""
         tombstones = self._table.tombstones
         for key, source in sources.items():
             if (tombstone := tombstones.find(key, source.sighting.identifiers)) is not None:
@@ -341,7 +341,7 @@ class DeviceMerger:
             )
 
     def _absorb(self, entry: Entry, other: Entry) -> None:
-        """Remove *other*, which is *entry*; the longer silence and the fresher sign of life count."""
+        """Merge *other* into *entry*, with the longer silence and the newer sign of life."""
         self._table.changes.add_removal(other, f"it is the same device as {entry.id}", entry.id)
         self._drop(other)
         entry.report_interval.join(other.report_interval)
@@ -369,7 +369,7 @@ class DeviceMerger:
                 yield f"{source.label} on {source.key[0]} only claims to be it, and gets no commands yet; {CONFIRM}"
 
     def _refresh_conflicts(self, concerned: Iterable[str]) -> None:
-        """Look again at devices that share a topic with one that came or went."""
+        """Update devices that share a topic with one that was added or removed."""
         table = self._table
         for device_id in concerned:
             entry = table.entries.get(device_id)
@@ -381,7 +381,7 @@ class DeviceMerger:
                 table.record_change("changed", entry, "its disputes changed")
 
     def _topic_owner(self, entry: Entry, source: SourceRecord) -> str:
-        """Return the device that keeps a topic from *source*; empty if none does."""
+        """Return the device that claims a topic of *source*; empty if none does."""
         table = self._table
         for part in source.sighting.parts:
             for topic in part.writes:

@@ -1,4 +1,4 @@
-"""The ids of the parts of a device, which stay the same while announcements come and go. Pure."""
+"""The ids of a device's parts, which stay the same while announcements come and go. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
@@ -10,19 +10,19 @@ PartPlace: TypeAlias = tuple[str, str, str]
 """Gateway, key, and id of the part there."""
 
 PartIds: TypeAlias = Mapping[PartPlace, str]
-"""The id that the part announced at each place had."""
+"""Former ids of parts by their place."""
 
 NO_IDS: PartIds = MappingProxyType({})
 
 MAX_LOST = 1000
-"""Places of a device without a part now, and with ids that are remembered; the oldest are forgotten."""
+"""Most places of a device whose ids are remembered though they have no part now; the oldest are forgotten."""
 
 
 class Named(NamedTuple):
     """A part that needs an id.
 
     Attributes:
-        places: Where it is announced, each with the age of the announcement: the smaller number is the older one.
+        places: Where it is announced, with the number of each announcement: smaller is older.
     """
 
     name: str
@@ -31,10 +31,10 @@ class Named(NamedTuple):
 
 
 def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
-    """Return the ids of *parts*, each another one.
+    """Return the ids of *parts*, all different.
 
-    A part has the id that it had, by its oldest announcement; a new one gets its name in its best announcement. Of two
-    that were one, the one of that name has the id.
+    A part keeps the former id of its oldest announcement; a new one is named by its preferred announcement. Of two that
+    used to be one, the part of that name keeps the id.
     """
     held = _claimed_ids(parts, known) if known else {}
     taken = set(held.values())
@@ -53,7 +53,7 @@ def part_ids(parts: Sequence[Named], known: PartIds) -> tuple[str, ...]:
 
 
 def lost_ids(known: PartIds, places: Iterable[PartPlace]) -> PartIds:
-    """Return the entries of *known* to remember beside *places*: ids that differ from the part's name there."""
+    """Return the entries of *known* to remember in addition to *places*: ids that differ from the name there."""
     there = frozenset(places)
     lost = [(place, part_id) for place, part_id in known.items() if place not in there and part_id != place[2]]
     return dict(lost[-MAX_LOST:]) if lost else NO_IDS

@@ -1,4 +1,4 @@
-"""Parts of a device, merged from all its announcements: each once, with its id, capabilities and routes. Pure."""
+"""The parts of a device, merged from all its announcements, with ids, capabilities and routes. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -28,13 +28,13 @@ __all__ = [
 _part_of, _route_of = DevicePart.of_checked, Route.of_checked
 
 MAX_PARTS = 1000
-"""Parts of one device; further ones are left out."""
+"""Most parts of one device; further ones are left out."""
 
 CONFIRM = "confirm it with `homebot merge` and the name of the device, or undo it with `homebot split`"
 
 _Origin: TypeAlias = tuple[bool, bool, str, str]
-"""True for a claimed one, true for one that is not native, gateway, convention. Claimed ones sort last, so that they
-do not decide which parts of others are one."""
+"""Whether it is claimed, whether it is not native, gateway, convention. Claimed origins sort last, so that they do not
+decide which parts of others are one."""
 
 _Way: TypeAlias = tuple[PartPlace, _Origin, Part]
 """The place of a part, the origin of its announcement, and its description."""
@@ -46,7 +46,7 @@ _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
 @dataclass(slots=True)
 class _SourcePart:
-    """A part as one origin announces it: in one announcement, or in several that agree on its command topics.
+    """A part as announced by one origin: in one announcement, or in several that agree on its command topics.
 
     Parts of different origins with the same *group* are one part.
     """
@@ -62,10 +62,10 @@ _Occurrence: TypeAlias = tuple[SourceRecord, Part, _SourcePart]
 
 @dataclass(slots=True)
 class _Merged:
-    """A part in the making; *number* is its index, and *ways* are the undisputed ones, the preferred ones first.
+    """A part being merged; *number* is its index, *ways* its undisputed descriptions, preferred ones first.
 
-    The order of arrival does not change the part, so the ways decide on it in the order of their origins. The part is
-    only claimed if no other announcement than one of a *claimant* describes it.
+    Ways are applied in the order of their origins, so that order of arrival does not matter. The part is only claimed
+    if all announcements that describe it are those of *claimants*.
     """
 
     part: Part
@@ -77,7 +77,7 @@ class _Merged:
     is_described: bool = False
 
     def add(self, source: SourceRecord, part: Part, origin: _Origin, topics: TopicOwnership) -> str:
-        """Add *part* of *source*; return its conflict over a command topic, empty for none."""
+        """Add *part* of *source*; return its conflict over a command topic in words, empty for none."""
         place = (*source.key, part.id)
         self.places.append((source.number, place))
         if source.is_claimed:
@@ -94,10 +94,10 @@ class MergedParts(NamedTuple):
     """The parts of a device.
 
     Attributes:
-        conflicts: The parts that were left out, and why, in words.
+        conflicts: The omitted parts and the reasons, in words.
         places: The part of the device for each part of a source, by gateway, key and part.
-        claimed: The numbers of those that only claimed announcements describe, beside others.
-        has_own_ids: Whether it has all parts of all announcements, by the ids that they have there.
+        claimed: The numbers of parts that only claimed announcements describe, if there are others.
+        has_own_ids: Whether it has all parts of all announcements under their announced ids.
     """
 
     parts: tuple[DevicePart, ...]
@@ -108,29 +108,29 @@ class MergedParts(NamedTuple):
 
     @property
     def believed(self) -> tuple[DevicePart, ...]:
-        """The parts that decide the type of the device."""
+        """The parts that determine the type of the device."""
         if not self.claimed:
             return self.parts
         return tuple(part for number, part in enumerate(self.parts) if number not in self.claimed)
 
     def shown_part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
-        """Return the part that shows the values of *part* of *source*; None if they are not shown."""
+        """Return the part that shows the values of *part* of *source*, or None."""
         number = self.places.get((*source.key, part))
         if number is None or (source.is_claimed and self.parts[number].routes):
             return None
         return self.parts[number]
 
     def ids(self) -> dict[PartPlace, str]:
-        """Return which id the part has that each part of a source is."""
+        """Return the id for each part of a source."""
         return {place: self.parts[number].id for place, number in self.places.items()}
 
 
 def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: PartIds = NO_IDS) -> MergedParts:
-    """Return the parts of *sources* on one device, in the order of preference; those that are *known* keep their ids.
+    """Return the parts of the *sources* of one device, in order of preference; *known* parts keep their ids.
 
-    Parts of different conventions or gateways are one as :mod:`homebot.discovery.merging.matching` says. In one
-    convention they are one only when they have one id and the same topics, or the same commands on the same topics, or
-    are the same sensor that several bridges receive. Two of one id that do not are in conflict: the older one counts.
+    Parts of different conventions or gateways are matched by :mod:`homebot.discovery.merging.matching`. Within one
+    convention, parts are one only if they have the same id and topics, the same commands on the same topics, or are a
+    sensor that several bridges receive. Otherwise two parts with the same id are in conflict, and the older one counts.
     """
     if len(sources) == 1:
         return _parts_of_one(sources[0], topics, known)
@@ -164,14 +164,14 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
 
 
 def _has_own_ids(sources: Sequence[SourceRecord], parts: Sequence[DevicePart], places: Mapping[PartPlace, int]) -> bool:
-    """Return whether all parts of *sources* are among *parts* by their own ids."""
+    """Return whether all parts of *sources* are among *parts* under their own ids."""
     return len(places) == sum([len(source.sighting.parts) for source in sources]) and (
         [parts[number].id for number in places.values()] == [name for _, _, name in places]
     )
 
 
 def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
-    """Return the part that a device is there for: no setting or diagnosis, and rather a lamp than its thermometer."""
+    """Return the main part of a device: not a setting or diagnostic, and a lamp rather than its thermometer."""
     if len(parts) == 1:
         return parts[0]
     return min(
@@ -180,7 +180,7 @@ def main_part(parts: Sequence[DevicePart]) -> DevicePart | None:
 
 
 def _merge_capabilities(parts: Sequence[Part]) -> Part:
-    """Return the first of *parts* with the capabilities of all of them: they all describe it, best first."""
+    """Return the first of *parts* with the capabilities of all: they describe the same part, best first."""
     best = parts[0]
     if len(parts) == 1 or all(one.capabilities == best.capabilities for one in parts):
         return best
@@ -194,10 +194,10 @@ def _merge_capabilities(parts: Sequence[Part]) -> Part:
 
 
 def _decided(parts: Sequence[Part]) -> Part:
-    """Return :func:`_merge_capabilities` of *parts*, best first; it is a setting where one of them says so.
+    """Return :func:`_merge_capabilities` of *parts*, best first; it is a setting if one of them says so.
 
-    A source that knows the category decides for all, and of a setting for the type as well: Home Assistant has none
-    that is on or off, it calls that a switch.
+    A source that states the category decides it, and for settings also the type, as Home Assistant calls a setting that
+    is on or off a switch.
     """
     whole = _merge_capabilities(parts)
     knows = next((one for one in parts if one.category), whole)
@@ -210,7 +210,7 @@ def _decided(parts: Sequence[Part]) -> Part:
 
 
 def _settable_by(part: Part, whole: Part) -> tuple[str, ...]:
-    """Return the capabilities that can be set by the way described as *part*, if all ways together are *whole*."""
+    """Return the capabilities of *whole* that can be set through the way described as *part*."""
     if part is whole:
         return EVERYTHING
     names = _settable(part)
@@ -221,7 +221,7 @@ _ID = attrgetter("id")
 
 
 def _parts_of_one(source: SourceRecord, topics: TopicOwnership, known: PartIds) -> MergedParts:
-    """Return the parts of the usual device, of one announcement: nothing is to be matched."""
+    """Return the parts of a device with a single announcement, the usual case: nothing has to be matched."""
     conflicts: list[str] = []
     places: dict[PartPlace, int] = {}
     parts = source.sighting.parts[:MAX_PARTS]
@@ -266,7 +266,7 @@ def _left_out(count: int) -> str:
 
 
 def _occurrences(sources: Sequence[SourceRecord], conflicts: list[str]) -> list[_Occurrence]:
-    """Return each part of each source, and which part of its origin it is; another's are in *conflicts*."""
+    """Return each part of each source with the part of its origin; those of other devices are in *conflicts*."""
     found: list[_Occurrence] = []
     origins: dict[_Origin, list[_SourcePart]] = {}
     namesakes: dict[tuple[_Origin, str, str], list[_SourcePart]] = {}
@@ -301,12 +301,12 @@ def _announced_before(part: Part, older: Iterable[_SourcePart], source: SourceRe
 
 
 def _is_relayed(source: SourceRecord, part: Part) -> bool:
-    """Return whether *part* is a sensor of a device that several bridges may receive at once."""
+    """Return whether *part* is a sensor that several bridges may receive at once."""
     return source.sighting.native and not source.sighting.whole_device and not part.writes
 
 
 def _group(origins: Mapping[_Origin, Sequence[_SourcePart]]) -> None:
-    """Give parts of different origins that are one part of the device the same group; its number has no meaning."""
+    """Give parts of different origins that are one part of the device the same group, an arbitrary number."""
     groups: list[list[Candidate]] = []
     for origin in sorted(origins):
         parts = origins[origin]
@@ -354,7 +354,7 @@ def _origin(source: SourceRecord) -> _Origin:
 
 
 def _commands_of(source: SourceRecord, part: Part) -> tuple[object, ...]:
-    """Return the facts that further announcements of *part* share; see :meth:`TopicUse.repeats`. Empty for none."""
+    """Return the facts that repeated announcements of *part* share; see :meth:`TopicUse.repeats`. Empty for none."""
     if not (part.payloads and part.writes) or len(source.sighting.parts) > 1:
         return ()
     return part.service_type, part.payloads, part.writes, part.reads
@@ -376,13 +376,13 @@ def _all_options(best: Capability, other: Capability) -> tuple[str, ...]:
 
 
 def _joined(best: Capability, other: Capability) -> Capability:
-    """Join two capabilities; where only one is settable it decides: its range and options are those of commands."""
+    """Join two capabilities; if only one is settable, its range and options count, as they are those of commands."""
     if best == other:
         return best
     shown = other if other.settable and not best.settable else best
     options = _all_options(best, other) if best.settable == other.settable else shown.options
     readable, settable = best.readable or other.readable, best.settable or other.settable
-    echoed = all(one.echoed for one in (best, other) if one.readable)  # one that is none is there as well
+    echoed = all(one.echoed for one in (best, other) if one.readable)  # the other one is still readable
     return shown.model_copy(
         update={"readable": readable, "settable": settable, "options": options, "echoed": readable and echoed}
     )

@@ -1,4 +1,4 @@
-"""The devices that groups of announcements become, given those that they were thought to be about. Pure."""
+"""The devices that groups of announcements become, given the devices they belonged to. Pure."""
 
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple
@@ -10,13 +10,13 @@ __all__ = ["Regrouped", "regroup"]
 
 
 class Regrouped(NamedTuple):
-    """One device as it is to be.
+    """A device after regrouping.
 
     Attributes:
-        keys: Its announcements, the oldest first.
-        keeps: The device that it was before; None for a new one.
-        gone: Devices that are no more, because they are this one.
-        parents: Devices that some of the announcements were thought to be about, and that live on.
+        keys: Its announcements, oldest first.
+        keeps: Its former device; None for a new one.
+        gone: Devices merged into it.
+        parents: Devices from which some of its announcements were split off.
     """
 
     keys: tuple[SourceKey, ...]
@@ -28,13 +28,13 @@ class Regrouped(NamedTuple):
 def regroup(
     groups: Iterable[frozenset[SourceKey]], owners: Mapping[SourceKey, Entry], sources: Mapping[SourceKey, SourceRecord]
 ) -> tuple[Regrouped, ...]:
-    """Return the devices that *groups* of announcements are about.
+    """Return the devices that *groups* of announcements describe.
 
-    A device goes with its oldest announcement; of several that become one, the one with the oldest lives on.
+    A device stays with its oldest announcement; of merged devices, the one with the oldest announcement remains.
 
     Args:
-        owners: Their devices before; new ones have none.
-        sources: The announcements; the one with the smaller number is older.
+        owners: Their former devices; new announcements have none.
+        sources: The announcements; smaller numbers are older.
     """
 
     def age(key: SourceKey) -> int:

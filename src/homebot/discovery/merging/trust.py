@@ -1,20 +1,20 @@
-"""Trust in the endpoints of a device: which of them may be given its commands. Pure.
+"""Trust in the endpoints of a device: which of them may get its commands. Pure.
 
-A hardware address, a host name or a serial number in an announcement is a claim that any host on a network can make. It
+A hardware address, host name or serial number in an announcement is a claim that any host on a network can make. It
 is enough to list an endpoint with the device, but not to give it the device's commands: a stranger would get them as
-soon as the true endpoint is unreachable. So of several endpoints that take commands, these get them:
+soon as the true endpoint is unreachable. Of several endpoints that take commands, these get them:
 
-- the one that was known first,
+- the first known one,
 - those that proved their identity to their gateway (:attr:`homebot.devices.Sighting.authenticated`),
 - those that reported the same changes as a trusted one (:class:`Agreement`),
 - those that the owner confirmed.
 
-Any other is *claimed*. It gets no commands, and its reports of a part that a trusted endpoint has are not used. When
-no trusted endpoint is left, the oldest claimed one gets the commands, unless the device is of a type that can hurt
+All others are *claimed*. They get no commands, and their reports do not count for parts that trusted endpoints have.
+When no trusted endpoint is left, the oldest claimed one gets the commands, unless the device is of a type that can hurt
 (:data:`homebot.devices.device_types.CAN_HURT`).
 
-An endpoint is a gateway, if the gateway's addresses belong to devices (see :mod:`homebot.discovery.topics`), and
-else one key of a gateway: with the same key it is the same endpoint, at any address in the network.
+An endpoint is a gateway as a whole, if the gateway's addresses belong to devices (see :mod:`homebot.discovery.topics`);
+otherwise it is one key of a gateway, at whatever network address.
 """
 
 from collections import OrderedDict
@@ -46,18 +46,18 @@ EndpointKey: TypeAlias = tuple[str, str]
 """Gateway and key; the key is empty if the endpoint is the gateway as a whole."""
 
 MAX_TRUSTED = 64
-"""Trusted endpoints of a device that are remembered; further ones are not."""
+"""Most trusted endpoints of a device that are remembered."""
 
 NOBODY_TRUSTED: frozenset[EndpointKey] = frozenset()
 
 
 def endpoint_of(source: SourceRecord) -> EndpointKey:
-    """Return the endpoint that an announcement belongs to."""
+    """Return the endpoint of an announcement."""
     sighting = source.sighting
     has_addresses = (
         sighting.announced_on
         or sighting.is_plain_text
-        or any(part.writes or part.reads for part in sighting.parts)  # last, as it is the slowest
+        or any(part.writes or part.reads for part in sighting.parts)  # last, because it is the slowest
     )
     return (source.key[0], "") if has_addresses else source.key
 
@@ -70,16 +70,16 @@ def takes_commands(sighting: Sighting) -> bool:
 
 
 def command_endpoints(sources: Iterable[SourceRecord]) -> tuple[EndpointKey, ...]:
-    """Return the endpoints that take commands, the oldest first."""
+    """Return the endpoints that take commands, oldest first."""
     return tuple(dict.fromkeys(endpoint_of(source) for source in sources if takes_commands(source.sighting)))
 
 
 def judge(sources: Iterable[SourceRecord], known: frozenset[EndpointKey]) -> frozenset[EndpointKey]:
-    """Mark which of the announcements of a device are only claimed; return the endpoints that are trusted now.
+    """Mark the claimed announcements of a device; return the endpoints that are trusted now.
 
     Args:
-        sources: The announcements, the oldest first.
-        known: The endpoints that were trusted before, those that are gone included.
+        sources: The announcements, oldest first.
+        known: The endpoints trusted so far, including those that are gone.
     """
     ordered = tuple(sources)
     endpoints = command_endpoints(ordered)
@@ -104,22 +104,22 @@ def _claimed(
 
 
 def can_hurt(sightings: Iterable[Sighting]) -> bool:
-    """Return whether a device that is announced so is of a type that can hurt."""
+    """Return whether the announced device is of a type that can hurt."""
     return any(part.service_type in CAN_HURT for sighting in sightings for part in sighting.parts)
 
 
 CHANGES_NEEDED = 3
-"""Changes that both have to report."""
+"""Changes that both must report."""
 
 WINDOW = 15.0
-"""Seconds within which both have to report one, as some endpoints are asked only every ten seconds; and those between
-two that count."""
+"""Seconds within which both must report a change, as some endpoints are polled every ten seconds; also the least time
+between changes that count."""
 
 _MOST = 32
-"""Changes that wait for another endpoint; the oldest is then taken for missed."""
+"""Most changes that wait for another endpoint; then the oldest counts as missed."""
 
 Change: TypeAlias = tuple[int, str, PlainValue]
-"""The number of a part, a capability of it, and its new value."""
+"""The number of a part, the capability, and the new value."""
 
 
 @dataclass(slots=True)
@@ -133,19 +133,18 @@ class _Reported:
 
     @property
     def missed(self) -> frozenset[EndpointKey]:
-        """The claimed endpoints that did not report it, or reported it alone."""
+        """The claimed endpoints that missed it, or were alone in reporting it."""
         return self.claimed - self.by_claimed if self.by_trusted else frozenset(self.by_claimed)
 
 
 @final
 class Agreement:
-    """The changes that the endpoints of one device reported lately, and how often claimed ones were right.
+    """The recent changes reported by the endpoints of one device, and how often claimed ones agreed.
 
-    An impostor does not know when the device changes. One equal change may be a coincidence, and an endpoint that
-    changes all the time is right now and then. So three changes have to be reported by both, each some time after the
-    one before, and every change that only one of them reports begins the count anew. Numbers do not count, because two
-    conventions round them differently. Nothing of this counts for a device of a type that can hurt: its state may be
-    seen from the street.
+    An impostor does not know when the device changes. A single match may be a coincidence, and an endpoint that changes
+    all the time is sometimes right. So both must report three changes, some time apart, and any change that only one of
+    them reports restarts the count. Numbers do not count, because conventions round them differently. Devices of a type
+    that can hurt are excluded, because their state may be visible from the street.
     """
 
     __slots__ = ("_counts", "_lately")
@@ -157,10 +156,10 @@ class Agreement:
     def record(
         self, change: Change, endpoint: EndpointKey, claimed: Iterable[EndpointKey], now: float
     ) -> frozenset[EndpointKey]:
-        """Note that *endpoint* reported a change.
+        """Record a change reported by *endpoint*.
 
         Returns:
-            Those of them that are to be trusted from now on.
+            The claimed endpoints to be trusted from now on.
         """
         while self._lately and now - next(iter(self._lately.values())).at > WINDOW:
             self._close(self._lately.popitem(last=False)[1])
@@ -168,7 +167,7 @@ class Agreement:
         is_claimed = endpoint in waiting
         known = self._lately.get(change)
         if known is not None and (endpoint in known.by_claimed if is_claimed else known.by_trusted):
-            self._close(self._lately.pop(change))  # it changed back and forth meanwhile
+            self._close(self._lately.pop(change))  # it changed back in the meantime
             known = None
         known = known or self._begin(change, now, waiting)
         if is_claimed:

@@ -1,1 +1,1 @@
-"""Finds devices in the index: postings, ranks and unknown words. Pure."""
+"""Search in the index: postings, ranking and unknown words. Pure."""

@@ -1,4 +1,4 @@
-"""Columns: the values of one capability of all parts of one type, side by side, to be compared at once. Pure."""
+"""Columns: the values of one capability of all parts of one type, stored for fast comparison. Pure."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class StoredValue:
     """A value that a part reported.
 
     Attributes:
-        value: The reported value in plain Python, by which it is found.
-        heard_at: ``told_at`` on the clock that is never set, which decides on the newer one.
-        live: Whether the device reported it, rather than a retained message.
-        column: Where it is searched, which holds ``value`` again; None if it cannot be found.
-        is_first: Whether no report of another value came before it.
+        value: The reported value as a Python value.
+        heard_at: ``told_at`` on the monotonic clock, which decides which value is newer.
+        live: Whether the device reported it live, rather than a retained message.
+        column: The column with a copy of ``value``; None if it is not searchable.
+        is_first: Whether no other value was reported before it.
     """
 
     reported: Value
@@ -40,10 +40,10 @@ class StoredValue:
 
 @final
 class Column:
-    """Values, and the devices that have them; a value is in one column, in one row.
+    """Values and their devices; a value has one row in one column.
 
     Attributes:
-        values: The values; code that changes `StoredValue.value` changes the one in its row as well.
+        values: The values; code that changes `StoredValue.value` must change its row too.
     """
 
     __slots__ = ("_devices", "_stored", "values")
@@ -54,7 +54,7 @@ class Column:
         self._stored: list[StoredValue] = []
 
     def add(self, device_id: str, stored: StoredValue) -> None:
-        """Add a value of the device; it leaves the row where it is, maybe as one of another device."""
+        """Add a value of the device; if it already has a row, maybe for another device, it moves."""
         if stored.column is not None:
             stored.column.remove(stored)
         stored.column, stored.row = self, len(self.values)
@@ -63,12 +63,12 @@ class Column:
         self._stored.append(stored)
 
     def discard(self, device_id: str, stored: StoredValue) -> None:
-        """Remove a value, unless it is one of another device by now."""
+        """Remove a value, unless it belongs to another device by now."""
         if stored.column is self and self._devices[stored.row] == device_id:
             self.remove(stored)
 
     def remove(self, stored: StoredValue) -> None:
-        """Remove a value that is in it."""
+        """Remove a value."""
         row, stored.column = stored.row, None
         value, device, last = self.values.pop(), self._devices.pop(), self._stored.pop()
         if last is not stored:
@@ -76,7 +76,7 @@ class Column:
             last.row = row
 
     def fitting(self, term: StateIs) -> set[str]:
-        """Return the devices that fit; numbers and flags, most of all, are compared without a call for each."""
+        """Return the devices that match; numbers and flags, the usual values, are compared without function calls."""
         wanted, values = term.value, self.values
         if isinstance(wanted, bool) and term.operator == "=":
             fits = [value is wanted for value in values]

@@ -1,8 +1,8 @@
 """Ranking of the devices near a robot, in metres, with each term explained. Pure.
 
-The cost of a device is the way to it, what the doors on it cost, the error of its position, and what speaks against it
-besides: a point of relevance less than one could have counts a metre. Every term is 0 or more, so the search along the
-ways ends as soon as the way alone costs more than the worst of those that are wanted.
+The cost of a device is the length of the path to it, the cost of the doors on it, the error of its position, and its
+shortcomings: each point of relevance below the maximum counts a metre. No term is negative, so the search along the
+paths ends as soon as the path alone costs more than the worst of the wanted devices.
 """
 
 import math
@@ -17,18 +17,18 @@ __all__ = ["CostTerm", "DoorState", "Doors", "NearDevice", "Terms", "cost_text",
 
 
 class CostTerm(NamedTuple):
-    """Metres that speak against a device, or a door, and the reason."""
+    """A cost of a device or a door in metres, and its reason."""
 
     metres: float
     reason: str
 
 
 class DoorState(NamedTuple):
-    """A door as a way.
+    """A door as part of a path.
 
     Attributes:
-        terms: What going through it costs; an infinite term makes it a wall.
-        note: What is only assumed of it, as text; empty for nothing.
+        terms: The costs of going through it; an infinite one makes it a wall.
+        note: Assumptions about it, in words; empty for none.
     """
 
     terms: tuple[CostTerm, ...] = ()
@@ -36,12 +36,12 @@ class DoorState(NamedTuple):
 
     @property
     def metres(self) -> float:
-        """The sum of the terms."""
+        """The sum of its terms."""
         return _metres(self.terms)
 
 
 Terms: TypeAlias = Callable[[str], Sequence[CostTerm]]
-"""What speaks against a device besides the way to it."""
+"""Returns the costs of a device apart from the path."""
 
 Doors: TypeAlias = Callable[[str], DoorState]
 
@@ -68,10 +68,10 @@ def nearest(
     least: float = 0.0,
     limit: int = 0,
 ) -> tuple[list[NearDevice], int]:
-    """Return the best *limit* of the *wanted* devices, best first, and how many are near enough.
+    """Return the best *limit* of the *wanted* devices, best first, and the number near enough.
 
     Args:
-        within: The most metres of the shortest way, whether or not its doors are closed; a locked one is a wall.
+        within: Most metres of the shortest path, closed doors included; a locked door is a wall.
     """
     if not math.isinf(within):
         wanted = finder.within(start, lambda door: math.inf if math.isinf(crossing(door)) else 0.0, wanted, within)
@@ -96,7 +96,7 @@ def cost_text(device: NearDevice, doors: Doors, *, is_exact: bool = True) -> str
     """Return the cost of *device* and its terms, such as ``10.1 m = 7.1 path by Front door + 3.0 …``.
 
     Args:
-        is_exact: Whether the places of the robot and the device are known better than by their rooms.
+        is_exact: Whether the positions of robot and device are known, rather than only their rooms.
     """
     route = device.route
     states = [(name, doors(name)) for name in route.doors]

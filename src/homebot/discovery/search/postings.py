@@ -1,4 +1,4 @@
-"""Postings: for each term that may be asked for, the set of devices that match. Pure."""
+"""Postings: the set of matching devices for each possible term. Pure."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ __all__ = ["Found", "PostedValue", "Postings"]
 
 Found: TypeAlias = frozenset[str] | set[str]
 PostedValue: TypeAlias = tuple[str, str, str, StoredValue]
-"""Part, type of the part, capability, and the stored value, which is updated by later ones."""
+"""The part, its type, the capability, and the stored value, which later reports update."""
 
 _Key: TypeAlias = tuple[object, ...]
 _NONE: frozenset[str] = frozenset()
 _DISPUTED = ("disputed", True)
 _UNAPPROVED = ("unapproved", True)
 _FEW = 200
-"""Devices that are sooner looked at one by one than by going through all values of a capability."""
+"""Number of devices below which it is faster to check each than to go through all values of a capability."""
 
 
 @dataclass(slots=True)
@@ -58,17 +58,17 @@ class _Posted:
 
 @final
 class Postings:
-    """Finds the devices that fit a query by sets, without looking at each.
+    """Finds the devices that match a query by sets, without checking each.
 
     Attributes:
-        needs_approval: Whether a device that can hurt waits for the owner's approval; otherwise none is unapproved.
+        needs_approval: Whether devices that can hurt wait for the owner's approval; otherwise none is unapproved.
     """
 
     def __init__(self) -> None:
         self.needs_approval = True
         self._posted: dict[str, _Posted] = {}
-        self._mixed_ids: set[str] = set()  # those with upper case, which few have
-        self._sets: dict[_Key, str | set[str]] = {}  # most keys, such as names, have one device: that alone
+        self._mixed_ids: set[str] = set()  # words with upper case, which are rare
+        self._sets: dict[_Key, str | set[str]] = {}  # most keys, such as names, have a single device
         self._values_of: dict[str, set[_Key]] = {}
         self._columns: dict[tuple[str, str], Column] = {}
         self._types_with: dict[str, set[str]] = {}
@@ -78,7 +78,7 @@ class Postings:
         return len(self._posted)
 
     def put(self, facets: Facets, values: Iterable[PostedValue]) -> None:
-        """Let a device be found by its facets, and by *values*."""
+        """Add a device, to be found by its facets and by *values*."""
         device_id = facets.id
         before = self._posted.get(device_id)
         if before is None:
@@ -105,7 +105,7 @@ class Postings:
             self.put_value(device_id, part, service_type, capability, stored)
 
     def put_value(self, device_id: str, part: str, service_type: str, capability: str, stored: StoredValue) -> None:
-        """Note where a part has a value; of a device that can be found already."""
+        """Add the first value of a part, for a device already added."""
         posted = self._posted.get(device_id)
         if posted is None:
             return
@@ -122,7 +122,7 @@ class Postings:
         column.add(device_id, stored)
 
     def discard(self, device_id: str) -> None:
-        """Let the device be found no longer."""
+        """Remove a device."""
         posted = self._posted.pop(device_id, None)
         self._mixed_ids.discard(device_id)
         if posted is not None:
@@ -131,11 +131,11 @@ class Postings:
             self._discard_values(device_id, posted)
 
     def facets(self, device_id: str) -> Facets:
-        """Return the search facets of the device; its values may be older ones."""
+        """Return the search facets of the device; values in them may be outdated."""
         return self._posted[device_id].facets
 
     def value(self, device_id: str, term: StateIs) -> PlainValue:
-        """Return the value by which the device fits *term*; None if it does not."""
+        """Return the value by which the device matches *term*; None if it does not."""
         for (_, capability), (service_type, stored) in self._posted[device_id].values.items():
             is_meant = capability == term.capability and (not term.types or service_type in term.types)
             if is_meant and compares(term, stored.value):
@@ -143,11 +143,11 @@ class Postings:
         return None
 
     def values_of(self, name: str) -> frozenset[str]:
-        """Return the values of ``area``, ``tag``, ``gateway``, ``convention``, or the type as ``advertised``."""
+        """Return all values of ``area``, ``tag``, ``gateway``, ``convention``, or of the type (``advertised``)."""
         return frozenset(str(one[0]) for one in self._values_of.get(name, ()))
 
     def find(self, query: Query) -> Found:
-        """Return the devices that fit *query*; not to be changed."""
+        """Return the devices that match *query*, as a set not to be modified."""
         return self._FINDERS[type(query)](self, query)
 
     def _of_area(self, query: AreaIs) -> Found:
@@ -170,7 +170,7 @@ class Postings:
         return self._begins(f"fact {name}", value)
 
     def _all(self, query: And) -> Found:
-        """Find the matches of all terms: cheap ones first, those that look at values last, when few devices remain."""
+        """Return the matches of all terms: cheap ones first, comparisons of values last, when few devices remain."""
         terms = query.terms
         cheap = [self.find(term) for term in terms if not isinstance(term, (Not, StateIs))]
         found = reduce(and_, sorted(cheap, key=len)) if cheap else None
@@ -271,7 +271,7 @@ class Postings:
         GatewayIs: lambda self, query: self._devices(("gateway", query.text)),
         ReachableIs: lambda self, query: self._devices(("reachable", query.text)),
     }
-    """Find the devices for each kind of term."""
+    """The function that finds the devices for each kind of term."""
 
 
 def _keys(facets: Facets) -> list[_Key]:
@@ -303,7 +303,7 @@ def _keys(facets: Facets) -> list[_Key]:
 
 @final
 class _Words:
-    """The words of all devices, to be found by their beginning and with a typo in them."""
+    """The words of all devices, to be found by prefix or with a typo."""
 
     def __init__(self) -> None:
         self._sorted: list[str] = []
@@ -323,7 +323,7 @@ class _Words:
                 del self._shortened[short]
 
     def like(self, wanted: str) -> Iterator[str]:
-        """Yield the words that begin with *wanted* or are a typo away, each once."""
+        """Yield the words that begin with *wanted* or differ by a typo, each once."""
         place = bisect_left(self._sorted, wanted)
         while place < len(self._sorted) and self._sorted[place].startswith(wanted):
             yield self._sorted[place]
@@ -335,7 +335,7 @@ class _Words:
 
 
 def _shortened(word: str) -> set[str]:
-    """Return the word, and the word without each of its letters: words that are a typo apart have one in common."""
+    """Return the word, and each variant with one letter less: words that differ by a typo share one of them."""
     if not may_be_typo(word):
         return set()
     return {word, *(word[:place] + word[place + 1 :] for place in range(len(word)))}

@@ -1,4 +1,4 @@
-"""Ranking of the devices that match a query, with reasons. Pure."""
+"""The ranking of devices that match a query, with reasons. Pure."""
 
 from collections.abc import Iterable, Iterator
 from collections.abc import Set as AbstractSet
@@ -38,7 +38,7 @@ _GUESSED = (-1.0, "its type was guessed")
 
 
 def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]:
-    """Return the devices *found* by *query*, best first, equally good ones by id."""
+    """Return the devices *found* by *query*, best first, equals sorted by id."""
     terms = tuple(_terms(query))
     scored = []
     for one in found:
@@ -50,14 +50,14 @@ def rank(query: Query, found: Iterable[str], postings: Postings) -> list[Ranked]
 
 
 def shortcomings(query: Query, facets: Facets) -> list[tuple[float, str]]:
-    """Return by how many points a device that fits *query* is worse than one could be, for each reason."""
+    """Return for each reason by how many points a match of *query* is below the maximum."""
     (freshness, why), *others = _status_scores(facets)
     worse = [(_FRESHNESS["fresh"][0] - freshness, why), *((-score, why) for score, why in others)]
     return [one for one in (*worse, *_unfitness(query, facets)) if one[0] > 0]
 
 
 def least_shortcoming(found: AbstractSet[str], postings: Postings) -> float:
-    """Return the points by which each of the devices *found* is worse than one could be, by its freshness."""
+    """Return for each device in *found* by how many points its freshness alone puts it below the maximum."""
     known = [freshness for freshness in _FRESHNESS if not found.isdisjoint(postings.find(FreshnessIs(freshness)))]
     best = max((_FRESHNESS[one][0] for one in known), default=_STALE[0])
     return _FRESHNESS["fresh"][0] - best
@@ -76,7 +76,7 @@ def _unfitness(query: Query, facets: Facets) -> list[tuple[float, str]]:
 
 
 def reasons(query: Query, device_id: str, postings: Postings) -> tuple[str, ...]:
-    """Return in words why the device fits *query* and stands where it stands, the weightiest first."""
+    """Return the reasons why the device matches *query* and has its rank, most important first."""
     facets = postings.facets(device_id)
     found: list[tuple[float, str]] = []
     for term in _terms(query):
@@ -105,7 +105,7 @@ _BEST = 3.0
 _CALLED = 6.0
 _IN_AREA = 2.0
 _FULL: dict[type[Query], float] = {TypeIs: _BEST, InArea: _IN_AREA, CanDo: 1.0, HasText: 4.0, FactIs: 1.0}
-"""The scores of terms that fit in full; to be called by a word alone is no more."""
+"""The scores of terms that match completely; a name that contains the word does not score more."""
 
 
 def _weigh(term: Query, facets: Facets) -> tuple[float, str]:
@@ -156,7 +156,7 @@ def _weigh_text(word: str, facets: Facets) -> tuple[float, str]:
 
 
 _is_near = lru_cache(maxsize=4096)(is_typo)
-"""The words of a house are few, and many devices share them."""
+"""Size of the cache: a house has few words, and many devices share them."""
 
 
 def _status_scores(facets: Facets) -> Iterator[tuple[float, str]]:

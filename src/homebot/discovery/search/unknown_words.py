@@ -1,6 +1,6 @@
-"""The words of a query that are about nothing in this house. Pure.
+"""Words of a query that match nothing in this house. Pure.
 
-A query is understood without knowing the house, so a misspelt room or type is only seen here.
+Queries are parsed without knowing the house, so a misspelt room or type is only noticed here.
 """
 
 from collections.abc import Callable, Collection, Iterable
@@ -34,9 +34,9 @@ def check_words(
         devices: Returns the devices, for the names of their parts.
 
     Raises:
-        UsageError: It has a room that no device announced and the plan does not have, where it has others; or a type, a
-            room, a name or a word that no device has, where another is one typo away. It says what was probably meant.
-        RefusedError: It has a type that is none, and that no device calls itself as yet.
+        UsageError: A room is neither announced nor on the plan, which has others; or a type, room, name or word matches
+            no device, but another is one typo away. The message says what was probably meant.
+        RefusedError: A type does not exist, and no device has announced it.
     """
     for term in filter(_is_name, leaves(query)):
         if not postings.find(term) and (problem := _problem(term, postings, plan, devices)):
@@ -86,7 +86,7 @@ def _unknown_name(name: str, postings: Postings, devices: Callable[[], Iterable[
 
 
 def area_problem(area: str, postings: Postings, plan: HousePlan | None) -> str:
-    """Return why *area*, a folded name, is no place of the house; empty if it is one, or may become one."""
+    """Return why *area*, a folded name, is not a place in the house; empty if it is or may become one."""
     rooms, others = ([], ()) if plan is None else ([room.name for room in plan.rooms], (*plan.floors, plan.home))
     stated = {fold(one): one for one in (*rooms, *others)}
     known = {**{one: one for one in postings.values_of("area")}, **stated, fold(OUTSIDE): OUTSIDE}
@@ -95,7 +95,7 @@ def area_problem(area: str, postings: Postings, plan: HousePlan | None) -> str:
     if meant := sorted(known[one] for one in known if is_room_typo(area, one)):
         return f"no device is in {area!r}; did you mean {' or '.join(meant)}?"
     if not rooms:
-        return ""  # the first device in it may yet be announced
+        return ""  # its first device may still be announced
     hint = did_you_mean(area, known.values(), f"rooms are {', '.join(sorted(rooms)[:_SHOWN])}")
     return f"no device is in {area!r}, and [places] has no such room; {hint}"
 

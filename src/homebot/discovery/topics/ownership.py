@@ -1,15 +1,15 @@
-"""Ownership of command topics: a topic that belongs to one device is not another one's to use. Pure.
+"""Ownership of command topics: a device may not use a topic that belongs to another. Pure.
 
-Any client may announce anything, also a lamp with the command topic of a lock. So the first one never counts more:
+Any client may announce anything, such as a lamp with the command topic of a lock. Being first does not count:
 
-- A topic below one that is a device's own, by its bridge, is that device's alone. Another
-  announcement may name such a topic if it is about the same device and was made at a place that names it.
-- Any other topic belongs to the device that was announced at the place that names it best; see
-  :mod:`homebot.discovery.topics.use`. The same goes for topics that a device publishes on, and for those below its
-  command topics.
-- In a tie, the topic belongs to none, unless it is evidently there for several: they are behind one bridge, or
-  do not identify themselves, and they are three or more, or their places have a name in common. Then it belongs to
-  those of them that always ask, if there are any.
+- A topic below one that a bridge gives to a device belongs to that device alone. Another announcement may use it if it
+  describes the same device and was made at a place that names the device.
+- Any other topic belongs to the device announced at the place that names it best; see
+  :mod:`homebot.discovery.topics.use`. This includes topics on which a device publishes, and those below its command
+  topics.
+- In a tie, the topic belongs to none, unless it is evidently shared: the devices are behind one bridge or do not
+  identify themselves, and there are at least three, or their places have a name in common. Then it belongs to those of
+  them that always ask, if there are any.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ from homebot.discovery.topics.use import TopicUse, aliases_of, is_called
 __all__ = ["MAX_BELOW", "MAX_LEVELS", "MAX_TOPICS", "MAX_USERS", "NOBODY", "TopicOwnership"]
 
 MAX_TOPICS = 1000
-"""Topics that one announcement is watched on; a further one that it names is not its to use."""
+"""Most topics of one announcement; it may not use further ones."""
 
 MAX_USERS = 256
-"""Announcements that may name one topic; a further one may not use it."""
+"""Most announcements with one topic; further ones may not use it."""
 
 MAX_BELOW = 1000
-"""Topics below a command topic that are looked at anew when that comes or goes."""
+"""Most topics below a command topic that are judged again when that is added or removed."""
 
 MAX_LEVELS = 20
-"""Levels of a topic that are distinguished; the rest is one."""
+"""Levels of a topic that are distinguished; the rest counts as one."""
 
 NOBODY = "*"
-"""Stands for the owner of a topic that too many want; no device is called so."""
+"""The owner of a topic with too many users; not a valid device id."""
 
 
 _NO_DEVICES: frozenset[str] = frozenset()
@@ -48,10 +48,10 @@ _NO_DEVICES: frozenset[str] = frozenset()
 class TopicOwnership:
     """Ownership of command topics.
 
-    Its answers follow from the announcements that are known, in any order of arrival.
+    Its answers depend on the known announcements, not on their order of arrival.
 
     Attributes:
-        denied: Announcements that name topics which others have, each with the number of those.
+        denied: Announcements with topics that belong to others, and the number of such topics.
     """
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ class TopicOwnership:
         self._over_limit: set[SourceKey] = set()
 
     def put(self, use: TopicUse) -> frozenset[str]:
-        """Update the topics of an announcement. Return the devices with changed ownership."""
+        """Update the topics of an announcement; return the devices whose ownership has changed."""
         before = self._uses.get(use.key)
         if before == use:
             return frozenset()
@@ -74,7 +74,7 @@ class TopicOwnership:
         return self._judge(touched, use.device)
 
     def discard(self, key: SourceKey) -> frozenset[str]:
-        """Forget an announcement; return the devices concerned."""
+        """Remove an announcement; return the devices concerned."""
         use = self._uses.get(key)
         if use is None:
             return frozenset()
@@ -83,9 +83,9 @@ class TopicOwnership:
         return self._judge(touched, use.device)
 
     def owner(self, key: SourceKey, topic: str) -> str:
-        """Return the owner of *topic*, if that is not for the announcement *key* to use; else empty.
+        """Return the owner of *topic* if the announcement *key* may not use it; otherwise empty.
 
-        It is the announcement's own device if another announcement of it has the topic, and :data:`NOBODY` if
+        It is the announcement's own device if another of its announcements has the topic, and :data:`NOBODY` if
         too many want it.
         """
         use = self._uses.get(key)
@@ -99,7 +99,7 @@ class TopicOwnership:
         return "" if use.has(topic) else NOBODY
 
     def repetitions(self, key: SourceKey) -> tuple[SourceKey, ...]:
-        """Return the other announcements of the part that *key* announces; mostly there are none."""
+        """Return the other announcements of the same part; usually there are none."""
         use = self._uses.get(key)
         if use is None or not use.commands:
             return ()
@@ -109,7 +109,7 @@ class TopicOwnership:
         return tuple([one.key for one in node.users if one.key != key and use.repeats(one)])
 
     def conflict(self, source: SourceRecord, part: Part) -> str:
-        """Return in words the other announcement that has a topic that *part* of *source* would use; empty for none."""
+        """Return in words which other announcement has a topic of *part* of *source*; empty for none."""
         key = source.key
         if key not in self.denied and key not in self._over_limit and key in self._uses:
             return ""
@@ -171,7 +171,7 @@ class TopicOwnership:
                 touched.update(dict.fromkeys(_used_below(node, None if is_owner else MAX_BELOW)))
 
     def _judge(self, touched: Iterable[TopicNode], device: str) -> frozenset[str]:
-        """Decide again on the topics *touched*; return the devices but *device* for which that makes a difference."""
+        """Judge the topics *touched* again; return the devices, except *device*, for which that matters."""
         concerned: set[str] = set()
         for node in touched:
             before, node.verdicts = node.verdicts, None if _is_undisputed(node) else _verdicts_of(node) or None
@@ -227,10 +227,10 @@ _IS_NATIVE, _ASKS = attrgetter("is_native"), attrgetter("asks")
 
 @dataclass(slots=True, eq=False)
 class TopicNode:
-    """One topic: the topics below, the announcements with commands or states there, and the device that owns it.
+    """One topic: the topics below, the announcements with commands or states there, and its owner.
 
     Attributes:
-        verdicts: The owner, for each announcement that may not use it.
+        verdicts: The owner, by announcement that may not use the topic.
     """
 
     parent: TopicNode | None = None
@@ -253,7 +253,7 @@ class TopicNode:
 
     @property
     def is_unused(self) -> bool:
-        """True when nothing is known of the topic and those below it."""
+        """True if nothing is known of the topic and of those below it."""
         return not (self.children or self.users or self.speakers or self.owners)
 
 
@@ -262,7 +262,7 @@ def _without(uses: tuple[TopicUse, ...], use: TopicUse) -> tuple[TopicUse, ...]:
 
 
 def _used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]:
-    """Yield the topic and all below it that are command topics, at most *most* topics being looked at."""
+    """Yield the command topics at and below *node*, after looking at no more than *most* topics."""
     waiting = [node]
     count = 0
     while waiting and (most is None or count < most):
@@ -275,7 +275,7 @@ def _used_below(node: TopicNode, most: int | None = None) -> Iterator[TopicNode]
 
 
 def _is_undisputed(node: TopicNode) -> bool:
-    """Return whether one device alone names the topic or one above it; most topics are such."""
+    """Return whether a single device uses the topic or those above it, as is usual."""
     users, speakers = node.users, node.speakers
     if not users:
         return True
@@ -290,7 +290,7 @@ def _is_undisputed(node: TopicNode) -> bool:
 
 
 def _verdicts_of(node: TopicNode) -> dict[SourceKey, str]:
-    """Return which announcements may not use a topic, each with the device that has it."""
+    """Return the announcements that may not use a topic, each with the owner."""
     users = node.users
     if not users:
         return {}
@@ -321,18 +321,18 @@ def _by_place(topic: str, users: tuple[TopicUse, ...], holders: list[tuple[Topic
 
 
 def _other_device(use: TopicUse, others: Iterable[TopicUse]) -> str:
-    """Return the device of the first of *others* that is not of the same device; empty if there is none."""
+    """Return the device of the first of *others* with another device; empty for none."""
     return next((one.device for one in others if one.device != use.device), "")
 
 
 def _goes_with_own(use: TopicUse, best: list[TopicUse]) -> bool:
-    """Return whether *use* goes with one of the *best* that is of its device: by its place, or as a repetition."""
+    """Return whether *use* belongs with one of *best* of the same device: by its place, or as a repetition."""
     own = [one for one in best if one.device == use.device]
     return _has_a_name_of(use, own) or any(map(use.repeats, own))
 
 
 def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
-    """Return the owners of the topic; of those that are above each other the nearest."""
+    """Return the owners of the topic; the nearest, if one is above another."""
     while node is not None:
         if node.owners:
             return node.owners
@@ -341,7 +341,7 @@ def _owners(node: TopicNode | None) -> tuple[TopicUse, ...]:
 
 
 def _holders(node: TopicNode) -> list[tuple[TopicUse, str]]:
-    """Return those that publish on the topic, and those that take commands on one above it, with that topic."""
+    """Return the uses that publish on the topic, and those with commands on a topic above, with that topic."""
     found = [(one, node.topic) for one in node.speakers]
     above = node.parent
     while above is not None:
@@ -352,7 +352,7 @@ def _holders(node: TopicNode) -> list[tuple[TopicUse, str]]:
 
 
 def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[SourceKey, str]:
-    """Return those of *users* that are not the owners' device, or were announced at a place that does not name it."""
+    """Return the *users* that are not the owners' device, or were announced at a place that does not name it."""
     found: dict[SourceKey, str] = {}
     for use in users:
         own = [one for one in owners if one.device == use.device]
@@ -362,9 +362,9 @@ def _not_of(owners: tuple[TopicUse, ...], users: Iterable[TopicUse]) -> dict[Sou
 
 
 def _winners(best: list[TopicUse]) -> list[TopicUse]:
-    """Return which of those named equally well may use the topic: all, or none, or the device's own.
+    """Return which of the equally well named uses may have the topic: all, none, or those of one device.
 
-    Beside a device that always asks none that does not: a lamp on the topic of a lock may unlock it.
+    Devices that always ask exclude others: a lamp on the topic of a lock could unlock it.
     """
     if len(best) == 1:
         return best
@@ -379,7 +379,7 @@ def _winners(best: list[TopicUse]) -> list[TopicUse]:
 
 
 def _is_shared(best: list[TopicUse]) -> bool:
-    """Return whether a topic is for several devices: they are behind one bridge, or do not identify themselves."""
+    """Return whether a topic is shared by several devices behind one bridge, or without identification."""
     bridges = {one.bridge for one in best}
     return (len(bridges) == 1 and "" not in bridges) or all(one.is_anonymous for one in best)
 

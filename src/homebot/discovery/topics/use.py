@@ -1,7 +1,7 @@
-"""Use of topics by an announcement, and the names in the place where it was made. Pure.
+"""The topics that an announcement uses, and the names in the place where it was made. Pure.
 
-The broker decides on the right to publish, and the place of an announcement is the one thing in it that its sender
-cannot choose freely: ``…/kitchen_lamp/config`` stands for ``kitchen_lamp/set`` rather than ``…/intruder/config`` does.
+The broker grants the right to publish, so the place of an announcement is the one thing that its sender cannot choose
+freely: ``…/kitchen_lamp/config`` has a better claim to ``kitchen_lamp/set`` than ``…/intruder/config``.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ heater humidifier light lights bulb plug plugs socket outlet dimmer thing things
 in out on off to all main
 """
 _COMMON = frozenset(_MORE_WORDS.split()) | {word for name in DEVICE_TYPES for word in name.split("_")}
-_WORD = re.compile(r"[^\x00-/:-`{-\x7f]+")  # lower case, digits and all beyond ASCII; compiles 30 times faster so
+_WORD = re.compile(r"[^\x00-/:-`{-\x7f]+")  # lower case, digits and non-ASCII; this form compiles 30 times faster
 _HEX = re.compile(r"(?:0x)?([0-9a-f]{12,16})")
 
 
 class Place(NamedTuple):
-    """The place of an announcement, which hints at its sender.
+    """The place of an announcement, as a hint at its sender.
 
     Attributes:
         levels: Whole levels of the topic that name a device.
         words: All words in it that name a device.
-        leads: For each level the first of them, which devices name their announcements by.
-        numbers: Those of the words that are a number of the device, such as a hardware address.
+        leads: The first word of each level, by which devices name their announcements.
+        numbers: The words that are numbers of the device, such as a hardware address.
     """
 
     levels: frozenset[str] = frozenset()
@@ -55,7 +55,7 @@ _NOWHERE = Place()
 
 @lru_cache(maxsize=4096)
 def place_of(topic: str) -> Place:
-    """Return the names in the place *topic*; none if it names no device."""
+    """Return the names in the place *topic*; no names if it names no device."""
     if not topic:
         return _NOWHERE
     levels: set[str] = set()
@@ -74,14 +74,14 @@ def place_of(topic: str) -> Place:
 
 
 def is_called(topic: str, aliases: frozenset[str]) -> bool:
-    """Return whether the place *topic* has one of these names of a device; see :func:`aliases_of`."""
+    """Return whether the place *topic* contains one of the names of a device from :func:`aliases_of`."""
     is_level = any(level in aliases and _is_name(level) for level in topic.casefold().split("/"))
     return is_level or not aliases.isdisjoint(place_of(topic).numbers)
 
 
 @lru_cache(maxsize=4096)
 def aliases_of(owns: tuple[str, ...], identifiers: tuple[str, ...]) -> frozenset[str]:
-    """Return the names of a device with all topics below *owns*: their last levels, and its hardware addresses."""
+    """Return the names of a device with the topics *owns*: their last levels, and its hardware addresses."""
     found = {prefix.rpartition("/")[2].casefold() for prefix in owns}
     for identifier in identifiers:
         kind, _, address = identifier.partition(":")
@@ -127,12 +127,12 @@ class TopicUse(NamedTuple):
     """The topics that one announcement uses.
 
     Attributes:
-        owns: Topics that the device has for itself, with all that is below them.
-        identifiers: The identifiers of the device, if it has such topics.
+        owns: Topics that belong to the device, with everything below.
+        identifiers: The identifiers of the device, if it owns topics.
         is_anonymous: Whether it does not identify the device.
-        is_native: Whether it is in a convention of devices themselves.
-        commands: The type and the payloads of its one part; empty for several, or if they follow from the topics.
-        asks: Whether a part is of a type that always asks: its topics are not shared with devices of other types.
+        is_native: Whether its convention is one of devices themselves.
+        commands: The type and payloads of its only part; empty for several parts, or if the topics imply them.
+        asks: Whether a part is of a type that always asks, so that other types may not share its topics.
     """
 
     key: SourceKey
@@ -149,11 +149,11 @@ class TopicUse(NamedTuple):
     asks: bool = False
 
     def has(self, topic: str) -> bool:
-        """Return whether *topic* is the device's own."""
+        """Return whether *topic* belongs to the device."""
         return any(topic == prefix or topic.startswith(f"{prefix}/") for prefix in self.owns)
 
     def rank(self, topic: str) -> int:
-        """Return how many words and levels of *topic* its place names: the more, the more the topic is its own."""
+        """Return how many words and levels of *topic* occur in its place: the more, the better its claim."""
         place = place_of(self.announced_on)
         if not place.words and not place.levels:
             return 0
@@ -161,7 +161,7 @@ class TopicUse(NamedTuple):
         return len(place.words & words) + len(place.levels & levels)
 
     def repeats(self, other: TopicUse) -> bool:
-        """Return whether it announces the part of *other* once more: the same commands on the same topics."""
+        """Return whether it repeats the announcement of *other*: the same commands on the same topics."""
         return (
             bool(self.commands)
             and self.commands == other.commands
@@ -169,7 +169,7 @@ class TopicUse(NamedTuple):
         )
 
     def names(self) -> frozenset[str]:
-        """Return the names by which announcements at other places may be the same device's."""
+        """Return the names under which other places may announce the same device."""
         place = place_of(self.announced_on)
         return place.levels | place.leads
 
@@ -179,7 +179,7 @@ def topic_use(source: SourceRecord, device: str) -> TopicUse:
     sighting = source.sighting
     parts = sighting.parts
     if len(parts) == 1:
-        writes, reads = parts[0].writes, parts[0].reads  # the same objects take no memory
+        writes, reads = parts[0].writes, parts[0].reads  # the same objects, to save memory
     else:
         writes = tuple(chain.from_iterable(map(_WRITES, parts)))
         reads = tuple(chain.from_iterable(map(_READS, parts)))
