@@ -496,6 +496,32 @@ def test_a_gas_valve_is_a_valve_and_no_setting() -> None:
     assert told(valve, "valve", "closed") == {"gas_valve_state": "CLOSE"}
 
 
+@pytest.mark.parametrize(
+    ("description", "exposes"),
+    [
+        (
+            "Zigbee smart water valve",
+            (numeric("flow", "m³/h"), {"type": "switch", "features": [onoff()]}),
+        ),  # Sonoff SWV
+        ("Water irrigation valve", (onoff(),)),  # Giex QT06_1
+    ],
+)
+def test_a_switch_of_a_valve_is_a_valve(description: str, exposes: tuple[dict[str, Any], ...]) -> None:
+    """An app that turns on all switches must not flood a garden, and a valve asks first."""
+    valve = built(*exposes, description=description)[0]
+    assert valve.part.service_type == "water_valve"
+    assert said(valve, state="ON") == {"valve": "open"}
+    assert told(valve, "valve", "closed") == {"state": "OFF"}
+
+
+@pytest.mark.parametrize("description", ["Smart water heater controller", "Radiator valve with thermostat"])
+def test_a_heater_is_no_water_valve(description: str) -> None:
+    relay = {"type": "switch", "features": [{**onoff(), "property": "window_detection"}]}
+    climate = {"type": "climate", "features": [feature("numeric", "local_temperature", 1)]}
+    types = {one.part.service_type for one in built(relay, climate, description=description)}
+    assert "water_valve" not in types
+
+
 def test_presses_of_a_remote_are_events() -> None:
     remote = only(feature("enum", "action", 1, category="diagnostic", values=["single", "double"]))
     assert (remote.part.service_type, remote.part.category) == ("generic_switch", "")

@@ -3,6 +3,7 @@
 Source: zigbee2mqtt.io, Usage > Exposes.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
@@ -47,8 +48,11 @@ _MAIN = frozenset({"climate", "cover", "fan", "lock"})
 _THERMOMETERS = ("temperature", "local_temperature")
 _KEY_LOCKS = ("child_lock", "keypad_lockout")
 _DOOR = "garage_door_contact"
-_VALVE = ("binary", "gas_valve_state")
-"""Type and name of a valve that is no switch: SiHAS GCM-300Z."""
+_VALVE = "gas_valve_state"
+"""Name of the binary of a valve that is no switch: SiHAS GCM-300Z."""
+
+_VALVES = re.compile(r"\b(valves?|walve|irrigation|sprinkler|water(ing)? timer)\b", re.IGNORECASE)
+"""Words of models whose switch is a valve, which is on while it is open: Sonoff SWV, Giex QT06, Parkside PSBZS A1."""
 
 _ROLES: Mapping[tuple[str, str], str] = {
     **dict.fromkeys((("binary", "trigger"), ("binary", "state")), "opener"),
@@ -74,6 +78,7 @@ class _PartsBuilder:
         self._topics = topics
         self._exposes = exposes
         self._names = {expose.name for expose in exposes}
+        self._valves = _binaries_of_valves(device, exposes)
         self._door = next((expose for expose in exposes if expose.name == _DOOR and expose.type == "binary"), None)
         self._possible_roles = self._find_possible_roles()
         self._auxiliary: dict[str, Expose] = {}
@@ -86,7 +91,8 @@ class _PartsBuilder:
 
     def parts(self) -> Iterable[DescribedPart]:
         exposes = map(_key_lock_as_setting, self._exposes)
-        for expose in sorted(exposes, key=lambda one: one.type not in _MAIN):
+        mains = _MAIN | {"switch"} if "state" in self._valves else _MAIN
+        for expose in sorted(exposes, key=lambda one: one.type not in mains):
             yield from self._parts_of(self._topics.of(expose), expose)
         if self._device.has_updates and self._exposes:
             yield _update(self._topics)
@@ -114,7 +120,7 @@ class _PartsBuilder:
     def _parts_of(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         """Describe *expose*, with a digest of all that its commands follow from."""
         digest = ""
-        for part in self._built(topics, expose):
+        for part in self._valve(topics, expose) or self._built(topics, expose):
             if not part.part.writes:
                 yield part
                 continue
@@ -122,6 +128,15 @@ class _PartsBuilder:
                 around = [one.of_commands() for one in self._auxiliary.values()]
                 digest = payload_digest((expose.of_commands(), tuple(around)))
             yield part._replace(part=part.part.model_copy(update={"payloads": digest}))
+
+    def _valve(self, topics: Zigbee2MqttTopics, expose: Expose) -> tuple[DescribedPart, ...]:
+        """Describe a valve by its own binary, or by the switch of a model that is one; empty for any other expose."""
+        state = expose.feature("state") or expose
+        if state.name not in self._valves or not state.is_settable:
+            return ()
+        name = clean_text(expose.endpoint)
+        part = Zigbee2MqttPart(topics, clean_text(state.key), "water_valve", name=name, advertised=expose.type)
+        return (build_valve(part, state),)
 
     def _built(self, topics: Zigbee2MqttTopics, expose: Expose) -> Iterable[DescribedPart]:
         if expose.type not in SPECIFIC_TYPES:
@@ -139,9 +154,7 @@ class _PartsBuilder:
         return filter(None, found)
 
     def _whole(self, topics: Zigbee2MqttTopics, expose: Expose) -> DescribedPart | None:
-        """Describe a generic expose that is a whole siren, valve or opener; None for any other."""
-        if (expose.type, expose.name) == _VALVE and expose.is_settable:
-            return build_valve(Zigbee2MqttPart.of(topics, expose, "water_valve"), expose)
+        """Describe a generic expose that is a whole siren or opener; None for any other."""
         if expose.type == "composite" and expose.name == "warning" and expose.is_settable:
             return build_siren(Zigbee2MqttPart(topics, "siren" + expose.suffix, "siren", advertised="warning"), expose)
         if expose is self._auxiliary.get("opener"):
@@ -177,6 +190,12 @@ class _PartsBuilder:
                 return build_fan(part, expose, self._device.model)
             case _:
                 return build_climate(part, expose, self._auxiliary.get("program"))
+
+
+def _binaries_of_valves(device: BridgeDevice, exposes: tuple[Expose, ...]) -> frozenset[str]:
+    types = {expose.type for expose in exposes} & SPECIFIC_TYPES.keys()
+    is_valve = types <= {"switch"} and _VALVES.search(device.facts.get("model", ""))
+    return frozenset({_VALVE, "state"} if is_valve else {_VALVE})
 
 
 def _key_lock_as_setting(expose: Expose) -> Expose:
