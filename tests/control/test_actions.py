@@ -206,7 +206,7 @@ async def test_a_hold_that_is_refused_is_an_aborted_goal(open_home: OpenHome) ->
         with pytest.raises(GoalAbortedError) as caught:
             await hold_client(home.app).perform(hold_goal("stopped"))
         assert isinstance(caught.value.result, HoldDeviceResult)
-        assert "nothing that lasts" in caught.value.result.message
+        assert "it does not last" in caught.value.result.message
 
 
 async def test_a_hold_ends_with_the_node_of_its_client(open_home: OpenHome) -> None:

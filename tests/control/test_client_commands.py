@@ -32,7 +32,7 @@ async def test_a_client_without_the_right_does_not_unlock(home: Home, scope: tup
     result = await unlock(home, "client:robot", *scope)
     assert (result.outcome, result.policy, home.commands) == ("refused", "rights", [])
     assert result.reason.startswith("client:robot may not command ")
-    assert "such a device takes a right that names it" in result.reason
+    assert "such a device needs a right that names it" in result.reason
 
 
 @pytest.mark.parametrize(

@@ -198,9 +198,9 @@ async def test_a_number_with_another_unit_is_refused(home: Home, word: str) -> N
         ("brightness", {}, "brightness without a value: it takes 0 to 100 %"),
         ("on_off", {}, "on_off without a value: it takes on or off"),
         ("set", {}, "set without values: give one, such as level 40"),
-        ("off", {"level": "50"}, "off with level 50: these cannot be so together; give one of them"),
-        ("on", {"level": "0"}, "on with level 0: these cannot be so together"),
-        ("off", {"color_temperature": "2700"}, "off with color_temperature 2700: these cannot be so together"),
+        ("off", {"level": "50"}, "off with level 50: these contradict each other; give one of them"),
+        ("on", {"level": "0"}, "on with level 0: these contradict each other"),
+        ("off", {"color_temperature": "2700"}, "off with color_temperature 2700: these contradict each other"),
     ],
 )
 async def test_what_makes_no_sense_is_refused_and_not_sent(
@@ -474,12 +474,15 @@ async def test_alternatives_are_commanded_if_they_mean_one_thing(home: Home, tar
         ),
         (
             "lights not in kitchen or kitchen",
-            "'kitchen' in 'lights not in kitchen or kitchen' is the name of no device; give names, or "
+            "'kitchen' in 'lights not in kitchen or kitchen' is not the name of a device; give names, or "
             "'(lights not in kitchen) or (kitchen)', which commands Fan, Hall lamp, Kettle, Kitchen lamp, Worktop lamp",
         ),
         ("hall lamp or kettel", "no device fits 'kettel'; did you mean Kettle?"),
-        ("hall lamp or sprinkler", "'sprinkler' in 'hall lamp or sprinkler' is the name of no device"),
-        ("either hall lamp or kettle", "'either hall lamp' in 'either hall lamp or kettle' is the name of no device"),
+        ("hall lamp or sprinkler", "'sprinkler' in 'hall lamp or sprinkler' is not the name of"),
+        (
+            "either hall lamp or kettle",
+            "'either hall lamp' in 'either hall lamp or kettle' is not the name of a device",
+        ),
         ("sink or sprinkler", "no device fits 'sink or sprinkler'; `homebot find` shows what does"),
         (
             "hall lamp and kettle",
@@ -489,9 +492,9 @@ async def test_alternatives_are_commanded_if_they_mean_one_thing(home: Home, tar
         (
             "lights, worktop",
             "'lights, worktop' can mean 'lights or worktop', which commands Hall lamp, Kitchen lamp, Worktop lamp, "
-            "or what fits all of it, Worktop lamp; name what you mean",
+            "or what fits all of it, Worktop lamp; name the one you mean",
         ),
-        ("a light in kitchen", "'a light in kitchen' is one of Kitchen lamp, Worktop lamp; give the name of one"),
+        ("a light in kitchen", "'a light in kitchen' could be Kitchen lamp, Worktop lamp; give the name of one"),
         ("that light", "no device fits 'that light'"),
     ],
 )

@@ -169,7 +169,7 @@ async def test_a_state_of_the_vocabulary_is_possible(wanted: str) -> None:
     ("device", "wanted", "sentence"),
     [
         (BLIND, "sunny", "It has no state 'sunny'. It takes movement open, closed, stopped; position 0 to 100 %."),
-        (blind(readable=("occupancy",)), "on", "It takes no commands, it only reports."),
+        (blind(readable=("occupancy",)), "on", "It takes no commands; it only reports."),
         (BLIND.model_copy(update={"parts": ()}), "on", ""),
         (blind("x_fizz"), "lit", ""),
     ],

@@ -59,7 +59,7 @@ async def test_a_code_is_not_held(home: Home) -> None:
     home.put("keypad", "x_setting", "text", name="Pin Code", is_silent=True)
     device = (await home.handle(Handle, "pin code")).device
     answer = await home.hold(hold_request(device.id, "text", CODE, "client:kitchen"))
-    assert (answer.held, answer.result.reason) == (False, "a code is given once, and nothing to hold")
+    assert (answer.held, answer.result.reason) == (False, "a code is given once and cannot be held")
     (denied,) = (await home.read()).entries
     assert (denied.kind, CODE in str(denied)) == ("denied", False)
     assert home.commands == []

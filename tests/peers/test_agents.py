@@ -124,7 +124,7 @@ async def test_raw_json_rpc_is_refused_what_its_token_has_no_right_to_and_hears_
             (answer,) = (await received())["result"]["content"]
             refused = json.loads(answer["text"])
             assert refused["outcome"] == "refused"
-            assert "such a device takes a right that names it" in refused["reason"]
+            assert "such a device needs a right that names it" in refused["reason"]
             await sent.aclose()
             with anyio.fail_after(PATIENCE):
                 assert await process.wait() == 0

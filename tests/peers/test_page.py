@@ -192,8 +192,8 @@ async def test_a_failed_command_is_red_in_the_journal(page: OpenPage) -> None:
     async with page(tables=tables) as own:
         await own.open("#/device/lights%2Fphilips165", shows="Commands")
         await own.click("div[aria-label='on/off'] button")
-        await own.open("#/journal", shows="such a device takes a right")
-        await own.shows("such a device takes a right", "ol .bad")
+        await own.open("#/journal", shows="such a device needs a right")
+        await own.shows("such a device needs a right", "ol .bad")
 
 
 async def test_a_large_house_is_searched_by_words(page: OpenPage) -> None:

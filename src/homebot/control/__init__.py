@@ -1,4 +1,4 @@
-"""Control: the one way of commands from applications to devices, with a proven outcome for each."""
+"""Control: the only path for commands from applications to devices, with a verified outcome for each."""
 
 from homebot.support.lazy_names import lazy_names
 
@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Control", "ControlSettings"]
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__, {"homebot.control.control": "Control", "homebot.control.settings": "ControlSettings"}
     )

@@ -31,7 +31,7 @@ _FEEDBACK: Final = 1.0
 """Seconds between two feedback messages of a hold."""
 
 _TTL: Final = 10.0
-"""Seconds after which a lease ends that is not renewed."""
+"""Seconds after which a lease ends unless it is renewed."""
 
 CommandGoal: TypeAlias = ServerGoal[CommandDevicesGoal, CommandDevicesResult, CommandDevicesFeedback]
 HoldGoal: TypeAlias = ServerGoal[HoldDeviceGoal, HoldDeviceResult, HoldDeviceFeedback]
@@ -95,7 +95,7 @@ class ControlActions:
     async def _hold_until_over(
         self, goal: HoldGoal, leases: LeaseService, wanted: HoldRequest, holder: HolderRequest
     ) -> LeaseState:
-        """Hold a value and publish its state until its time is over or the lease ends; return its last state."""
+        """Hold a value and publish its state until its time is up or the lease ends; return its last state."""
         async with anyio.create_task_group() as tasks:
             tasks.start_soon(_renew, leases, holder)
             answer = await self._follow(goal, leases, holder, await leases.hold(wanted))
@@ -121,7 +121,7 @@ class ControlActions:
 
 
 async def _renew(leases: LeaseService, holder: HolderRequest) -> None:
-    """Renew a lease until cancelled, also while its first command is on its way."""
+    """Renew a lease until cancelled, even while its first command is pending."""
     while True:
         await anyio.sleep(_TTL / 3)
         leases.renew(holder)

@@ -1,4 +1,4 @@
-"""A command on its way through the control layer, with its part and the certain values of that."""
+"""A command in the control layer, with its part and the values that are certain for it."""
 
 from __future__ import annotations
 
@@ -43,14 +43,14 @@ _MOTIONS: Final = frozenset({"movement", "position", "tilt"})
 """Capabilities of motors."""
 
 _LEVELS: Final = ("level", "fan_speed")
-"""Of these 0 is off."""
+"""Capabilities whose value 0 is off."""
 
 _NO_ECHO: Final[frozenset[str]] = frozenset()
 
 
 @dataclass(slots=True, eq=False)
 class IssuedCommand:
-    """Command to one part of a device, with the knowledge before it is sent; immutable.
+    """Command to one part of a device, with the state known before it is sent; immutable.
 
     Attributes:
         id: The id of the command, unique in the home.
@@ -60,9 +60,9 @@ class IssuedCommand:
         issued_at: Seconds since the Unix epoch.
         transition: Seconds that the change takes.
         scope: The rights of a client of the door, by its token.
-        is_momentary: Whether a second sending would act twice: a press.
+        is_momentary: Whether sending it twice would act twice, as for a press.
         states: The states of the part at the time of the command, by capability.
-        why_it_asks: Why the part is of those that always ask; empty if it is not.
+        why_it_asks: Why the part is one that always asks; empty if it is not.
         moves: Whether it starts a motor.
     """
 
@@ -100,7 +100,7 @@ class IssuedCommand:
 
     @property
     def is_by_person(self) -> bool:
-        """True if a client gave it, or an app answers a press, a scan or a client's call of the last minute."""
+        """True if a client gave it, or an app in response to a press, a scan or a client's call in the last minute."""
         return self.is_client or is_by_hand(self.trigger, self.issued_at)
 
     @property
@@ -110,13 +110,13 @@ class IssuedCommand:
 
     @property
     def is_always_sent(self) -> bool:
-        """True for a stop, the latch of an unlocked door, a press: no report shows that it is unnecessary."""
+        """True for a stop, a press, or the latch of an unlocked door: no report can show that it is unnecessary."""
         always = (value in CAPABILITIES.get(name, OWN).obedience.always_sent for name, value in self.settings.items())
         return self.is_momentary or any(always)
 
     @property
     def opens_further(self) -> bool:
-        """True if it opens a part that is open, but by its position not all the way."""
+        """True if it opens a part that is already open, but not fully, by its position."""
         if self.settings.get("movement") != "open" or "position" not in self.states:
             return False
         position = self.states["position"].value.plain()
@@ -145,7 +145,7 @@ def is_by_hand(trigger: Trigger, now: float) -> bool:
 
 
 def label_of(device: Device, part_id: str) -> str:
-    """Return a part for people: the id of its device, and of the part if another takes commands, settings aside."""
+    """Return the id of the device for people, plus that of the part if others, except settings, take commands."""
     if len(device.parts) < 2 or not part_id:
         return device.id
     takes = [one for one in device.parts if one.id == part_id or is_commanded(one.part)]
@@ -179,7 +179,7 @@ def order_of(command: IssuedCommand) -> Order:
 
 
 def _expected(settings: Mapping[str, PlainValue], readable: set[str]) -> dict[str, PlainValue]:
-    """Return the lasting values that the part is to report; its position if it reports no movement."""
+    """Return the lasting values that the part should report; its position if it reports no movement."""
     found = {name: value for name, value in settings.items() if name in readable and name not in MOMENTARY}
     movement = settings.get("movement")
     if movement in END_POSITIONS and "position" in readable and found.keys().isdisjoint({"movement", "position"}):
@@ -190,20 +190,20 @@ def _expected(settings: Mapping[str, PlainValue], readable: set[str]) -> dict[st
 def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, PlainValue]:
     """Return *settings* with ``on_off`` false in place of a level or a speed of 0, if *part* has a switch.
 
-    Most lamps that are off report their next brightness, and never a level of 0.
+    Most lamps that are off report the brightness that they will have when turned on, and never a level of 0.
     """
     if settings.get("level") != 0.0 and settings.get("fan_speed") != 0.0:
         return settings  # as nearly always
     if not any(one.name == "on_off" and one.settable for one in part.capabilities):
         return settings
     others = {name: value for name, value in settings.items() if name not in _LEVELS or value != 0.0}
-    return {**others, "on_off": False}  # at last, as to set a colour turns most lamps on
+    return {**others, "on_off": False}  # last, because setting a colour turns most lamps on
 
 
 def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setting]) -> DevicePart | None:
     """Return the part with the id *part_id*; without one, the only part that takes all *settings*.
 
-    A part that is a setting is returned only if no other takes the same. None if there is no such part, or several.
+    A part that is a setting is returned only if no other part takes them. None if there is no such part, or several.
     """
     if device is None:
         return None
@@ -228,10 +228,10 @@ def no_such_part(device_id: str, part_id: str, device: Device | None, command_id
 
 
 class KnownState(NamedTuple):
-    """Certain values of a part.
+    """Values of a part that are certain.
 
     Attributes:
-        is_recent: Whether all of them were reported live within a minute, and since the connection was lost.
+        is_recent: Whether all of them were reported live within the last minute, and since the connection was lost.
     """
 
     values: dict[str, PlainValue]
@@ -245,11 +245,11 @@ def known_state(
     unsure_since: Mapping[str, float],
     lost_at: float,
 ) -> KnownState:
-    """Return the certain values of the commanded part, of the capabilities *asked*.
+    """Return the values of the capabilities *asked* that are certain for the commanded part.
 
-    If the device is online by its last will, its retained value is certain, and one from before the connection was
-    lost: many devices report only changes. It is not recent if the device came back since: it may have lost its power.
-    After a failed command older values are not certain, and newer ones are not recent.
+    If the device is online by its last will, retained values are certain, and so are those from before the connection
+    was lost: many devices report only changes. They are not recent if the device has come back since, because it may
+    have lost power. After a failed command older values are not certain, and newer ones are not recent.
 
     Args:
         last: The last value of each capability, certain or not.

@@ -1,4 +1,4 @@
-"""The service ``/devices/command``: commands in words, by id, name or query."""
+"""The service ``/devices/command``: commands in words, with an id, name or query."""
 
 from collections.abc import Callable, Mapping
 from typing import Final, final
@@ -30,7 +30,7 @@ UNNAMED_CLIENT: Final = "client"
 
 @final
 class CommandService:
-    """Finds the devices that a command in words is for, and commands all of them at once."""
+    """Finds the target devices of a command in words, and commands all of them at once."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, executor: CommandExecutor) -> None:
         self._executor = executor
@@ -43,7 +43,7 @@ class CommandService:
         """Carry out *request*; never raises.
 
         Args:
-            on_commanded: Called with each outcome as soon as it is known, and the number of parts without one.
+            on_commanded: Called with each outcome as soon as it is known, and the number of parts that still have none.
         """
         try:
             targets = await self._targets.find(request)
@@ -106,7 +106,7 @@ class CommandService:
         return problem
 
     async def _why_unreachable(self, device: Device) -> str:
-        """Return why *device* is unreachable now, which may differ from the time of the command; empty if it is not."""
+        """Return why *device* is unreachable now, perhaps only since the command; empty if it is reachable."""
         try:
             newest = await self._lookup.device(device.id)
         except ServiceError:

@@ -38,10 +38,10 @@ MOST_DEVICES: Final = 1000
 """Devices that one command may be for."""
 
 _TYPO: Final = 0.8
-"""How alike a name must be to be suggested."""
+"""How similar a name must be to be suggested."""
 
 SpokenSettings: TypeAlias = dict[str, PlainValue] | RefusedError
-"""The values by capability for a part, or the reason why it cannot have them."""
+"""The values by capability for a part, or the reason why it cannot take them."""
 
 _Target: TypeAlias = tuple[Device, tuple[DevicePart, ...]]
 
@@ -69,8 +69,8 @@ class CommandTargets:
         """Return the targets, each a device with its parts.
 
         Raises:
-            NoTargetError: There is none, too many, or several devices have the name.
-            UsageError: It is no query.
+            NoTargetError: There is no target, there are too many, or several devices have the name.
+            UsageError: The target is not a query.
             ServiceError: The directory does not answer.
         """
         target = request.target.strip()
@@ -87,7 +87,7 @@ class CommandTargets:
             hint = did_you_mean(_ARTICLE.sub(r"\1", target), names, joined, _TYPO)
             raise NoTargetError(f"no device fits {target!r}; {hint}")
         if len(_places(found)) > 1 and _ONE.match(target):
-            raise NoTargetError(f"{target!r} is one of {_names(found)}; give the name of one")
+            raise NoTargetError(f"{target!r} could be {_names(found)}; give the name of one")
         return found
 
     async def _named(self, target: str) -> list[_Target]:
@@ -121,11 +121,11 @@ class CommandTargets:
                 f"{target!r} can mean {distributed!r}, which commands {_names(others)}, or {literal}; give one of them"
             )
         if unnamed and found:
-            raise NoTargetError(f"{unnamed[0]!r} in {target!r} is the name of no device; give names, or {literal}")
+            raise NoTargetError(f"{unnamed[0]!r} in {target!r} is not the name of a device; give names, or {literal}")
         return found
 
     async def _listed(self, request: CommandDevicesRequest, target: str, readings: Readings) -> list[_Target]:
-        """Return the targets that fit all of *target*, if it does not list other ones; see :meth:`_any_of`."""
+        """Return the targets that fit all of *target*, unless it can also be read as a list; see :meth:`_any_of`."""
         others, _ = await self._all_of(request, readings.distributed)
         try:
             found = await self._one_query(request, target)
@@ -139,13 +139,13 @@ class CommandTargets:
         if not found:
             raise NoTargetError(f"no device fits {target!r}; join devices with 'or': {listed}")
         raise NoTargetError(
-            f"{target!r} can mean {listed}, or what fits all of it, {_names(found)}; name what you mean"
+            f"{target!r} can mean {listed}, or what fits all of it, {_names(found)}; name the one you mean"
         )
 
     async def _all_of(
         self, request: CommandDevicesRequest, alternatives: Iterable[str], words: Collection[str] = ()
     ) -> tuple[list[_Target], list[str]]:
-        """Return the targets that fit any of *alternatives*, and those with words that are no name or fit no device."""
+        """Return the targets that fit any of *alternatives*, and the alternatives that are no name or fit no device."""
         found: dict[str, tuple[Device, dict[str, DevicePart]]] = {}
         unnamed: list[str] = []
         for text in alternatives:
@@ -159,7 +159,7 @@ class CommandTargets:
     async def _alternative(
         self, request: CommandDevicesRequest, text: str, *, is_words: bool
     ) -> tuple[list[_Target], bool]:
-        """Return the targets that fit one alternative; and False if its words are no name, or fit no device."""
+        """Return the targets that fit one alternative, and False if its words are not a name or fit no device."""
         named = await self._named(text) or (await self._named_part(text) if is_words else [])
         targets = named or await self._one_query(request, text, is_alternative=True)
         if is_words:
@@ -179,7 +179,7 @@ class CommandTargets:
         return await self._named_part(text, request) or found
 
     async def _named_part(self, text: str, taking: CommandDevicesRequest | None = None) -> list[_Target]:
-        """Return the parts of a device that are called *text*, such as one of four relays, one of them for *taking*."""
+        """Return the parts of a device that are called *text*, such as one of four relays; one has to take *taking*."""
         words, name = words_of(text), fold(text)
         devices = await self._lookup.devices(And(tuple(map(HasText, words)))) if words else ()
         named = [(one, tuple(part for part in _controls(one.parts) if fold(part.part.name) == name)) for one in devices]
@@ -233,7 +233,7 @@ _APPLIANCES = frozenset(
     | {"x_alarm_panel", "x_humidifier", "x_lawn_mower"}
 )
 _FUNCTIONS = frozenset({"plug", "switch"})
-"""Types of the parts of an appliance that turn one of its functions on and off: its display, its powerful mode."""
+"""Types of the parts that turn a function of an appliance on and off, such as its display or its powerful mode."""
 _SETTINGS = frozenset({"x_setting"})
 _JOINED = re.compile(r"\band\b|,", re.IGNORECASE)
 _ARTICLE = re.compile(r"(?:the|an?|my)\s+(.+)", re.IGNORECASE | re.DOTALL)
@@ -242,7 +242,7 @@ _ONE = re.compile(r"an?\s", re.IGNORECASE)
 _MOST_NAMES = 8
 
 _MOST_NEAR = 10
-"""The nearest devices of which one may be commanded."""
+"""The number of nearest devices that are tried."""
 
 
 def _places(targets: list[_Target]) -> frozenset[tuple[str, str]]:
@@ -260,9 +260,9 @@ def settings_by_part(
 ) -> list[tuple[DevicePart, SpokenSettings]]:
     """Return the settings of *request* for each of *parts*, or the reason why there are none.
 
-    Only the most suitable parts are returned. A part of a type without such a setting is left out if another type has
-    one: a speed is for the fan, and not for its lamp. So are the switches of a suitable appliance, such as the powerful
-    mode of an air conditioner, and settings, such as the sound of a television, if another part is suitable.
+    Only the most suitable parts are returned. A part whose type lacks the setting is left out if another type has it: a
+    speed is for the fan, and not for its lamp. Switches of a suitable appliance, such as the powerful mode of an air
+    conditioner, are left out too, and so are settings, such as the sound of a television, if another part is suitable.
     """
     found: list[tuple[DevicePart, SpokenSettings]] = []
     for part in parts:
@@ -288,7 +288,7 @@ def _takes(request: CommandDevicesRequest, target: _Target) -> bool:
 def part_name(device: Device, part: DevicePart) -> str:
     """Return the name of *part* for people, with its id if it has no name and several parts take commands.
 
-    Its own name is left out if all others are settings and diagnoses, or none takes commands.
+    The part's own name is left out if all other parts are settings or diagnostics, or none takes commands.
     """
     if part.part.name:
         is_lone = len(device.parts) == 1 or not _controls(device.parts)
@@ -313,7 +313,7 @@ def _is_spelled(query: Query, words: tuple[str, ...]) -> bool:
 
 
 def _spelled(text: str, query: Query, devices: tuple[Device, ...]) -> list[Device]:
-    """Return those of *devices* that fit the query *text* without a typo; an error names similar ones if none does."""
+    """Return the *devices* that fit the query *text* without a typo; if none does, the error names similar ones."""
     meant = [device for device in devices if _is_spelled(query, facets_of(device).words)]
     if devices and not meant:
         similar = " or ".join(device.name or device.id for device in devices[:3])
@@ -322,7 +322,7 @@ def _spelled(text: str, query: Query, devices: tuple[Device, ...]) -> list[Devic
 
 
 def _numbered(query: Query, devices: list[Device]) -> list[Device]:
-    """Return those of *devices* with the numbers of *query* in their names, or all: a room may have a number too."""
+    """Return the *devices* with the numbers of *query* in their names, or all: a room may have a number too."""
     numbers = {word for word in _texts(query) if word.isdecimal()}
     return [one for one in devices if numbers <= _called(one)] or devices
 
@@ -340,7 +340,7 @@ def _part(device: Device, part_id: str) -> tuple[DevicePart, ...]:
 
 
 def _main_parts(device: Device) -> tuple[DevicePart, ...]:
-    """Return the main parts that take commands; else one, which refuses."""
+    """Return the main parts that take commands; if there are none, any one part, which refuses the command."""
     if not device.parts:
         raise NoTargetError(f"{device.id} takes no commands that homebot knows")
     return _controls(device.parts) or device.parts[:1]
@@ -349,7 +349,7 @@ def _main_parts(device: Device) -> tuple[DevicePart, ...]:
 def _parts(device: Device, query: Query) -> tuple[DevicePart, ...]:
     """Return the main parts that fit the query by themselves, or all if none does.
 
-    A word that is in the names of parts, but not in the names of the device, selects these.
+    A word that occurs in the names of parts, but not in those of the device, selects these parts.
     """
     main = _main_parts(device)
     meant = [part for part in main if fits(query, PartFacets(device, part))] or list(main)

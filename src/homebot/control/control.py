@@ -49,16 +49,16 @@ _REFUSALS: Final = 1000
 
 @final
 class Control:
-    """The one way of commands from applications to devices.
+    """The only path for commands from applications to devices.
 
-    Most homes start without a command, so that its parts are built when the first is needed.
+    Most homes start without a command, so its parts are built when they are first needed.
 
     Args:
         settings: The table ``[control]``.
         grants: The scope of each node that may not command everything, by its full name; see `CommandRequest`.
         trusts_apps: Whether nodes without a scope may command devices that always ask, as in a simulated house.
-        approves_all: Whether no device needs an approval, regardless of the settings, as there.
-        journal_file: The file of the journal and of the device profiles; None to store neither.
+        approves_all: Whether no device needs an approval, regardless of the settings, as in a simulated house.
+        journal_file: The file of the journal and the device profiles; None to store neither.
         store: Their store, in place of a file.
         rehearsal: Answers commands in place of the devices; None if they are sent.
         detected: Motion sensors that detected a person before; see :meth:`detected`.
@@ -111,7 +111,7 @@ class Control:
         self._begun, self._has_names = anyio.Event(), anyio.Event()
         self._begin_check()
         if settings is not None and settings.needs_house:
-            _ = self._layer  # it follows the house from the start
+            _ = self._layer  # the layer follows the house from the start
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
         """Serve until cancelled."""
@@ -167,14 +167,14 @@ class Control:
         return self._layer.executor.perform(request)
 
     async def command_devices(self, request: CommandDevicesRequest) -> CommandDevicesResponse:
-        """Carry out a command in words, to one device or to all that fit a query."""
+        """Carry out a command in words, to one device or all devices that fit a query."""
         return await self._layer.words.serve(request)
 
     def update_policies(self, settings: ControlSettings | None) -> bool:
-        """Use the policies of *settings*; its other keys wait for a restart.
+        """Use the policies of *settings*; changes of its other keys wait for a restart.
 
         Returns:
-            Whether devices that can hurt wait for an approval.
+            Whether dangerous devices wait for an approval.
         """
         self._given_settings = settings
         self._begin_check()
@@ -188,7 +188,7 @@ class Control:
         return await self._layer.policies.detected() if settings is not None and settings.needs_house else ()
 
     async def health(self, _: HealthRequest) -> HealthResponse:
-        """Return the health of the journal, with notes for the owner, and names in the settings that fit nothing."""
+        """Return the health of the journal, notes for the owner, and names in the settings that fit nothing."""
         health = await self._layer.health()
         problems = await self._names.problems() if self._has_names.is_set() else ()
         return health.model_copy(update={"troubles": health.troubles + problems}) if problems else health
@@ -208,7 +208,7 @@ class Control:
         return self._layer.timelines.cause((change.device, change.part), change.capability, change.value.plain(), stamp)
 
     def _begin_check(self) -> None:
-        """Begin the check of names if there are any: few homes have one."""
+        """Start the check of names if the settings have any: few homes do."""
         if self._given_settings is not None and any(self._given_settings.stated_names):
             self._has_names.set()
 
@@ -218,7 +218,7 @@ class Control:
 
     @cached_property
     def _names(self) -> ConfiguredNames:
-        """The check of the rooms and devices that the settings name, those of a reload as well."""
+        """The check of the rooms and devices that the settings name, after a reload too."""
         from homebot.devices.misspelt_names import ConfiguredNames, StatedNames  # noqa: PLC0415 - few homes name any
 
         return ConfiguredNames(

@@ -37,7 +37,7 @@ MOST_IN_MEMORY: Final = 10_000
 
 @final
 class ControlLayer:
-    """The parts of the control layer, each with those that it calls.
+    """The parts of the control layer, each given the parts that it calls.
 
     The arguments are those of :class:`homebot.control.Control`.
     """
@@ -102,7 +102,7 @@ class ControlLayer:
             await self.leases.run()
 
     async def close(self) -> None:
-        """Write the last entries of the journal, cancelled or not."""
+        """Write the last entries of the journal, even when cancelled."""
         self.denied.record_counts()
         await self.journal.close()
 
@@ -115,7 +115,7 @@ class ControlLayer:
 
 
 def _with_approvals(settings: ControlSettings | None, *, approves_all: bool) -> ControlSettings:
-    """Return *settings*, by default those of a home, without approvals if all devices have one."""
+    """Return *settings*, by default those of a home, without approvals if *approves_all*."""
     settings = settings or ControlSettings()
     return settings.model_copy(update={"approvals": False}) if approves_all else settings
 

@@ -15,7 +15,7 @@ from homebot.support.folding import fold
 __all__ = ["DeviceLookup"]
 
 _READ_AGAIN_AFTER: Final = 1.0
-"""Seconds after which all devices are read again for an unknown address."""
+"""Seconds after which an unknown address causes all devices to be read again."""
 
 _Address: TypeAlias = tuple[str, str]
 
@@ -38,7 +38,7 @@ class DeviceLookup:
     async def called(self, name: str, device_id: str = "") -> tuple[Device, ...]:
         """Return the device with the id *device_id*, or *name* if it is empty; else all devices with that name or id.
 
-        Of the latter, capitals in the id make no difference.
+        In that case the id is matched regardless of case.
         """
         device_id = device_id or name
         found = await self.devices(Or((FactIs("id", device_id.casefold()), NameIs(fold(name)))))

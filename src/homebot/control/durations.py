@@ -1,54 +1,54 @@
 """Durations of the control layer, in seconds, each with its reason. Pure.
 
-The devices that need them are those of public reports: REPOSITORY#NUMBER is an issue on GitHub.
+The devices behind them are in public reports: REPOSITORY#NUMBER is an issue on GitHub.
 """
 
 from typing import Final
 
 SAME_MESSAGE: Final = 0.01
-"""Reports within it belong to one message, by one or by several routes."""
+"""Reports within this time belong to one message, by one or several routes."""
 
 SENT_AT_ONCE: Final = 0.01
-"""A gateway with a connection needs no longer to send."""
+"""A connected gateway sends within this time."""
 
 FAST: Final = 0.1
-"""A report this soon after sending may be a bridge's echo: radios take longer.
+"""A report this soon after a sending may be a bridge's echo: radios take longer.
 
 Zigbee2MQTT publishes the wanted brightness at once, then the lamp's own (Koenkk/zigbee2mqtt#3949).
 """
 
 LEVEL_FOLLOWS: Final = 1.0
-"""A lamp that reports "on" reports its level within it, in a second message at most."""
+"""A lamp that reports "on" reports its level within this time, in the next message at the latest."""
 
 LAST_STEPS: Final = 2.0
 """The last steps of a transition may be reported this long after its end.
 
-Philips Hue reports steps also without one (Koenkk/zigbee2mqtt#32050).
+Philips Hue reports steps even without a transition (Koenkk/zigbee2mqtt#32050).
 """
 
 CAME_ALONG: Final = 3.0
 """Other values of the part that change this soon after a sign of a command belong to it."""
 
 TAKEN_BACK: Final = 3.0
-"""A bridge that was refused, or reads the device back, takes its echo back within it.
+"""A bridge retracts its echo within this time if the device refused or another value is read back.
 
-deCONZ shows 255 for an Elko RF dimmer that ignored it, until it asks (dresden-elektronik/deconz-rest-plugin#1594).
+deCONZ shows 255 for an Elko RF dimmer that ignored it, until it polls (dresden-elektronik/deconz-rest-plugin#1594).
 """
 
 REGULAR: Final = 0.5
-"""Returns that differ by no more come from a timer in the device or bridge, rather than from persons.
+"""Returns that differ by no more than this come from a timer in the device or bridge, rather than from people.
 
 Shelly relays have one: ``auto_off_delay`` (Shelly API, Gen2+, Switch).
 """
 
 ECHO_PATIENCE: Final = 2.0
-"""The first echoes of a device are followed by its own report within it, or never."""
+"""A device's own report follows its first echoes within this time, or never."""
 
 FADE_SILENCE: Final = 6.0
-"""A dimmer that is silent for so long on its ramp is stuck: most report at least each second."""
+"""A dimmer that is silent for this long on its ramp is stuck: most report at least each second."""
 
 STOPPED: Final = 10.0
-"""A motor that stopped on its way goes on, or reports its position, within it."""
+"""A motor that stopped on its way moves on, or reports its position, within this time."""
 
 SUPERSEDED: Final = 10.0
 """A command may still have an effect this long after a newer one replaced it."""
@@ -63,33 +63,33 @@ LATE: Final = 60.0
 """A device may answer this long after its command failed; later a person is likelier."""
 
 FRESH: Final = 60.0
-"""A live report is the present state for so long, so that a command for the same value is not sent."""
+"""For this long a live report counts as the present state: a command for the same value is not sent."""
 
 WISH: Final = 60.0
-"""An app answers a press, a scan or a call within it; a later command is its own decision."""
+"""An app responds to a press, a scan or a call within this time; a later command is its own decision."""
 
 LONGEST_MOVE: Final = 300.0
-"""No motor is waited for any longer: gates take up to two minutes."""
+"""The longest wait for a motor: gates take up to two minutes."""
 
 REMEMBERED: Final = 900.0
-"""Facts of a part are stored for so long; for the presence guard one older change is stored as well."""
+"""The facts of a part are stored for this long, plus one older change for the presence guard."""
 
 FIRST_REPORTS: Final = 600.0
-"""A device that begins to report has reported each of its values within it."""
+"""A device has reported each of its values this long after it began to report."""
 
 REHEARSED: Final = 0.1
-"""A device answers a rehearsed command after it, so that an app that repeats commands does not block."""
+"""The response time of a device in a rehearsal, so that an app that repeats commands does not block."""
 
 SHORTEST_ANSWER: Final = 2.0
 LONGEST_ANSWER: Final = 120.0
-"""Bounds of the time that a device gets for its answer."""
+"""Bounds of the time that a device has to answer."""
 
 ANSWER_SPARE: Final = 1.0
 ANSWER_FACTOR: Final = 3.0
-"""A device gets three times its longest known answer, and a second more."""
+"""A device has three times its longest known response time, plus a second."""
 
 UNKNOWN_ANSWER: Final = 1.0
-"""Of a device with fewer than three known answers, the longest counts as this at least."""
+"""The longest response time counts as at least this if fewer than three are known."""
 
 BETWEEN_SENDINGS: Final = 1.5
-"""Networks count whole seconds until they forget a command, so that the next sending waits so much longer."""
+"""Networks expire commands after whole seconds, so the next sending waits this much longer."""

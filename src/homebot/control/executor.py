@@ -1,4 +1,4 @@
-"""The road of a command: resolve, rights, leases, policies, send, wait for evidence, journal."""
+"""The steps of a command: resolve, rights, leases, policies, send, wait for evidence, journal."""
 
 import asyncio
 from collections.abc import Mapping
@@ -56,19 +56,19 @@ WOULD_SEND = "control.would_send"
 REVERTED = "control.reverted"
 
 MOST_PENDING: Final = 10_000
-"""Commands without an outcome at once; further ones are refused."""
+"""The limit of commands without an outcome; further ones are refused."""
 
 _MOST_RECORDED: Final = 20
-"""Reports of one command in the journal."""
+"""The limit of reports of one command in the journal."""
 
 _ON_THE_WAY: Final = frozenset({ReportRole.STEP, ReportRole.ASTRAY})
 
 
 class Rehearsal(Protocol):
-    """Answers commands that are not to be sent.
+    """Answers commands instead of sending them.
 
     Attributes:
-        is_live: Whether the devices are real, so that a raw command has no effect; a replay has its recorded effect.
+        is_live: Whether the devices are real, so a raw command has no effect; in a replay it has its recorded effect.
     """
 
     is_live: ClassVar[bool]
@@ -80,7 +80,7 @@ class Rehearsal(Protocol):
 
 @final
 class CommandExecutor:
-    """Carries commands out, any number at once."""
+    """Carries out commands concurrently."""
 
     def __init__(
         self,
@@ -115,7 +115,7 @@ class CommandExecutor:
         self.witnesses = Witnesses(node, settings, feed, lookup)
 
     async def perform(self, request: CommandRequest) -> Outcome:
-        """Carry a command out, and return its outcome."""
+        """Carry out a command, and return its outcome."""
         asked_at, device, problem = self._clock.now(), None, ""
         try:
             device = await self._lookup.device(request.device)
@@ -135,14 +135,14 @@ class CommandExecutor:
         return outcome
 
     def preview(self, request: CommandRequest, device: Device, part: DevicePart) -> Refused | None:
-        """Return the refusal of *request* by rights or policies at this moment; nothing is recorded."""
+        """Return the refusal of *request* by the current rights and policies; nothing is recorded."""
         return self.check(self._issued("", request, device, part, self._clock.now()), is_preview=True)
 
     def check(self, command: IssuedCommand, *, is_preview: bool = False) -> Refused | None:
         """Return the refusal of *command* by rights, leases or policies; None if it may be sent now.
 
         Args:
-            is_preview: Whether leases do not matter, and the journal does not record the verdicts.
+            is_preview: Whether to ignore leases and not to record the verdicts in the journal.
         """
         if command.is_client and (problem := self._policies.client_refusal(command)):
             return Refused(CLIENT_RIGHTS, problem, command_id=command.id)
@@ -153,7 +153,7 @@ class CommandExecutor:
         return self._policies.check(command, is_recorded=not is_preview)
 
     def record_text(self, command: IssuedCommand) -> None:
-        """Record that *command* is sent as a text: no outcome is awaited, and older commands for the same are over."""
+        """Record that *command* is sent as a text: it has no outcome, and supersedes older commands for the same."""
         now = self._clock.monotonic()
         if command.place in self.leases.parts:
             self.leases.record_stop(command, now)
@@ -161,7 +161,7 @@ class CommandExecutor:
         self.timelines.of(command.device, command.part).command(order_of(command), now, is_raw=True)
 
     def rehearse(self, command: IssuedCommand) -> Outcome | None:
-        """Record and return the outcome that a rehearsal assumes of *command*; None if it is to be sent."""
+        """Record and return the outcome that a rehearsal assumes for *command*; None to send the command."""
         outcome = None if self.rehearsal is None else self.rehearsal.outcome(command)
         if outcome is not None:
             now = self._clock.monotonic()
@@ -190,7 +190,7 @@ class CommandExecutor:
         )
 
     async def _carry_out(self, command: IssuedCommand) -> Outcome:
-        """Check a command, send it unless it is done already, and return its outcome by the reports and witnesses."""
+        """Check a command, send it unless the part is already so, and return its outcome by reports and witnesses."""
         if len(self._open) >= MOST_PENDING:
             reason = f"{MOST_PENDING:,} commands wait for their outcome"
             return Refused("control", reason, command_id=command.id)
@@ -221,7 +221,7 @@ class CommandExecutor:
             del self._open[command.id]
 
     def _on_cancelled(self, opened: OpenCommand) -> None:
-        """Record the outcome of a command that is cancelled by its issuer: it is not sent again."""
+        """Record the outcome of a command that its issuer cancelled: it is not sent again."""
         command, progress = opened.command, opened.progress
         waited = self._clock.monotonic() - progress.first_sent_at
         reason = "" if progress.sendings else "it was cancelled"
@@ -229,7 +229,7 @@ class CommandExecutor:
         self._journal.decided(command.issuer, command.place, outcome)
 
     def _begin(self, command: IssuedCommand) -> tuple[OpenCommand, bool]:
-        """Append a command to its timeline; return it, and whether the part is known to be as commanded."""
+        """Append a command to its timeline; return it, and whether the part is already known to be as commanded."""
         timeline, order = self.timelines.of(command.device, command.part), order_of(command)
         is_at_rest, is_sure = True, command.place not in self.witnesses.contradicted
         for older in timeline.open_commands():
@@ -256,10 +256,10 @@ class CommandExecutor:
         return replace(assumed, reported=_shown(command, wanted))
 
     async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
-        """Return whether no answer came because the device or its part was removed meanwhile."""
+        """Return whether the answer is missing because the device or its part was removed meanwhile."""
         if not (isinstance(outcome, NoAnswer) or (isinstance(outcome, Refused) and outcome.policy == "gateway")):
             return False
-        await asyncio.sleep(0)  # the directory takes in what the gateway published before it answered
+        await asyncio.sleep(0)  # the directory handles the messages that the gateway published before its answer
         try:
             device = await self._lookup.device(command.device.id)
         except ServiceError:
@@ -332,7 +332,7 @@ def _contradicts(older: Mapping[str, PlainValue], command: IssuedCommand) -> boo
 
 
 def _is_news(opened: OpenCommand, fact: Reported) -> bool:
-    """Return whether a report differs from the last recorded one, and remember it: steps on the way are one."""
+    """Return whether a report differs from the last recorded one, and remember it; all steps on the way are one."""
     role = opened.progress.roles[fact.number]
     news = (ReportRole.STEP, None) if role in _ON_THE_WAY else (role is ReportRole.ECHO, fact.value)
     if opened.recorded.get(fact.capability) == news or len(opened.recorded) >= _MOST_RECORDED:
@@ -342,7 +342,7 @@ def _is_news(opened: OpenCommand, fact: Reported) -> bool:
 
 
 def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
-    """Return whether a report shows that the device obeyed a command after its outcome; no raw text."""
+    """Return whether a report shows that the device obeyed a command after its outcome; False for a raw text."""
     outcome = progress.outcome
     if outcome is None or not outcome.may_obey_later or (isinstance(outcome, Contradicted) and outcome.witness):
         return False
@@ -351,6 +351,6 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
 
 
 def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> dict[str, PlainValue]:
-    """Return *values* of the commanded part without codes."""
+    """Return *values* of the commanded part, without codes."""
     shown = without_codes(tuple(map(Setting.of, values, values.values())), command.device, command.part)
     return {one.capability: one.value.plain() for one in shown}

@@ -1,4 +1,4 @@
-"""Services that explain a device from the journal: why it is as it is, and why it is not in another state."""
+"""Services that explain from the journal why a device is in its state, and why it is not in another one."""
 
 from collections.abc import Awaitable, Callable, Iterable, Iterator, Sequence
 from typing import Final, TypeAlias, final
@@ -31,16 +31,16 @@ _WORDS: Final = {state: word for word, state in _COMMANDED_STATES.items()}
 _FLAGS: Final = ("on", "off", "true", "false", "yes", "no")
 
 _DEEPEST: Final = 5
-"""Commands of one chain: a report that led to a command may have been the effect of another."""
+"""The limit of commands in a chain: the report that led to a command may be the effect of another one."""
 
 _SAME_TIME: Final = 2.0
-"""Seconds between a report in the journal and the same one as the trigger of a command."""
+"""Seconds by which a report in the journal and the same report as a trigger may differ."""
 
 _LATE: Final = 3.0
 """Seconds after an entry within which the directory knows the change."""
 
 _FIRST_REPORTS: Final = 5.0
-"""Seconds after its discovery within which a device reports its state."""
+"""Seconds after its discovery within which a device reports its state for the first time."""
 
 _MOST_CHOICES: Final = 6
 _REQUESTS: Final = frozenset({"requested", "published", "denied"})
@@ -74,7 +74,7 @@ class _JournalReader:
         return found
 
     async def chain(self, entry: JournalEntry, deepest: int) -> _Entries:
-        """Return the entries of the command of *entry*, after those of the commands that led to it."""
+        """Return the entries of the command of *entry*, preceded by those of the commands that led to it."""
         if not entry.command:
             return (entry,)
         entries = (await self.read(command=entry.command)).entries or (entry,)
@@ -124,7 +124,7 @@ class Explanations:
             return ExplainDeviceResponse(success=False, message=str(exc))
 
     async def explain_missing(self, request: ExplainMissingStateRequest) -> ExplainMissingStateResponse:
-        """Return the commands and the denied requests for a state of a device."""
+        """Return the commands and the denied requests for *state* of a device."""
         try:
             return await self._explain_missing(await self._device(request.device), request.state)
         except (PeerError, ServiceError) as exc:
@@ -184,7 +184,7 @@ def _last_change(device: Device, entries: Sequence[JournalEntry]) -> JournalEntr
 def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
     if entry.kind in {"changed", "reverted"}:
         return True
-    if entry.kind == "outcome":  # of a device that reports nothing, the acknowledgement is all there is
+    if entry.kind == "outcome":  # the acknowledgement is the only sign of a device that reports nothing
         return entry.results[0].outcome == Confirmed.kind
     if entry.kind != "reported":
         return False
@@ -194,7 +194,7 @@ def _is_change(entry: JournalEntry, entries: Iterable[JournalEntry]) -> bool:
 
 
 def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: JournalEntry) -> bool:
-    """Return whether *entries*, with the change *last*, have the values of *states*, and no others."""
+    """Return whether *entries*, with the change *last*, contain the values of *states* and no others."""
     known = {
         (entry.part, one.capability): one.value.plain()
         for entry in entries
@@ -203,7 +203,7 @@ def _knows(entries: Iterable[JournalEntry], states: Iterable[State], last: Journ
     }
     current = {(one.part, one.capability): one.value.plain() for one in states}
     shared = known.keys() & current.keys()
-    if last.kind == "reverted":  # to the state before, which is not known
+    if last.kind == "reverted":  # to the previous state, which is unknown
         return all(known[one] != current[one] for one in shared)
     return bool(shared) and all(known[one] == current[one] for one in shared)
 
@@ -232,7 +232,7 @@ def _settable_states(device: Device) -> list[State]:
 
 
 def _is_trigger(entry: JournalEntry, trigger: Trigger) -> bool:
-    """Return whether a report has a value of *trigger*; the values in a structured text are not known."""
+    """Return whether a report has a value of *trigger*; the values in a structured text are unknown."""
     if trigger.kind == "message":
         text = trigger.text.strip().casefold()
         return text.startswith("{") or any(_means(one.capability, one.value.plain(), text) for one in entry.settings)
@@ -241,7 +241,7 @@ def _is_trigger(entry: JournalEntry, trigger: Trigger) -> bool:
 
 
 def _as_state(text: str) -> str:
-    """Return *text* as a state, folded: ``closed`` also for the command ``close``."""
+    """Return *text* as a state, case-folded: ``close`` becomes ``closed``."""
     folded = text.strip().casefold()
     return _COMMANDED_STATES.get(folded, folded)
 
@@ -288,12 +288,12 @@ def _is_so(device: Device, wanted: str) -> bool:
 
 
 def _unknown_state(device: Device, state: str) -> str:
-    """Return in a sentence why no command can bring *device* to *state*; empty if one may."""
+    """Return a sentence that explains why no command can bring *device* to *state*; empty if one may."""
     settable = [(part.part, one.name) for part in device.parts for one in part.part.capabilities if one.settable]
     if not device.parts:
         return ""
     if not settable:
-        return "It takes no commands, it only reports."
+        return "It takes no commands; it only reports."
     if any(_may_be(one, _as_state(state)) for one in _capabilities(device)):
         return ""
     known = "; ".join(f"{name} {accepted_values(part, name)}" for part, name in settable[:_MOST_CHOICES])
@@ -302,7 +302,7 @@ def _unknown_state(device: Device, state: str) -> str:
 
 
 def _command_for(device: Device, wanted: str) -> str:
-    """Return the word that commands *wanted*; empty if the command takes more than a word."""
+    """Return the word that commands *wanted*; empty if the command needs more than one word."""
     if wanted in _WORDS:
         return _WORDS[wanted]
     options = {option.casefold() for one in _capabilities(device) if one.settable for option in one.options}

@@ -22,7 +22,7 @@ _Place: TypeAlias = tuple[str, str, str]
 """A gateway, and its names of a device and of a part."""
 
 _QOS: Final = QoSProfile(depth=1000)
-"""The newest report of each stream survives a flood, older ones may be lost: the newest decides."""
+"""In a flood older reports of a stream may be lost, but never the newest, which decides."""
 
 _STATE_QOS: Final = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 _MOST_ANSWERING: Final = 10_000
@@ -44,7 +44,7 @@ class GatewayFeed:
 
     Attributes:
         on_gateway: Called with the name of each gateway.
-        on_answer: Called with the id of a command, a capability, and the problem or an empty text.
+        on_answer: Called with the id of a command, a capability, and the problem, empty for none.
     """
 
     def __init__(self, node: Node) -> None:
@@ -59,7 +59,7 @@ class GatewayFeed:
         self.on_answer: Callable[[str, str, str], None] = lambda *_: None
 
     async def run(self) -> None:
-        """Follow the states of all gateways, also of those to come, until cancelled."""
+        """Follow the states of all present and future gateways until cancelled."""
         async for service in self._node.graph.watch_services():
             names = self._node.graph.get_node_names() if service is None else (service.rpartition("/")[0],)
             for gateway in filter(None, map(gateway_of, names)):
@@ -68,7 +68,7 @@ class GatewayFeed:
                     self.on_gateway(gateway)
 
     def watch(self, routes: Iterable[Route], on_report: OnReport) -> Callable[[], None]:
-        """Call *on_report* with each live report by one of *routes*; return the function that ends it, once."""
+        """Call *on_report* with each live report by one of *routes*; return the function that stops it, once."""
         places = [(one.gateway, one.key, one.part) for one in routes]
         for place in places:
             self._watches.setdefault(place, []).append(on_report)
@@ -89,7 +89,7 @@ class GatewayFeed:
         return max([self._lost.get(route.gateway, _NEVER) for route in routes], default=_NEVER)
 
     def is_answering(self, routes: Iterable[Route]) -> bool:
-        """Return whether a device ever answered a command by one of *routes*; the last 10,000 are known."""
+        """Return whether a device ever answered a command by one of *routes*; the last 10,000 routes are remembered."""
         return bool(self._answering) and any((one.gateway, one.key, one.part) in self._answering for one in routes)
 
     def _follow_state(self, gateway: str) -> None:
@@ -106,7 +106,7 @@ class GatewayFeed:
             create(Report, names.readings, self._on_report, _QOS, from_node=names.node)
             create(CommandAnswer, names.answers, partial(self._on_answer, gateway), _QOS, from_node=names.node)
         except InvalidNameError:
-            return  # no node publishes under such a name
+            return  # no node can have such a name
         if gateway not in self._states:
             self._follow_state(gateway)
 

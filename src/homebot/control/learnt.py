@@ -1,4 +1,4 @@
-"""Knowledge about devices, saved over a restart in the store of the journal: records, and the profile of each part."""
+"""Knowledge about devices that survives a restart, in the journal's store: records, and the profile of each part."""
 
 from collections import OrderedDict, deque
 from collections.abc import Callable
@@ -17,10 +17,10 @@ from homebot.graph import Node
 __all__ = ["PROFILE", "LearntPersistence", "Profiles"]
 
 SaveRecord: TypeAlias = Callable[[str, str], None]
-"""Saves a record over a restart: its name, and the record, empty to remove it."""
+"""Saves a record across restarts: its name, and the record, empty to remove it."""
 
 RestoreRecord: TypeAlias = Callable[[str, str], None]
-"""Restores a record of an earlier run; a `WireError` is raised for one that is unreadable, or of another version."""
+"""Restores a record of an earlier run; raises `WireError` if it is unreadable or of another version."""
 
 PROFILE: Final = "profile"
 """The kind of the profiles."""
@@ -43,11 +43,11 @@ _PATIENCE: Final = 1.0
 class LearntPersistence:
     """Saves records when they change, and restores them before the first command.
 
-    A record that does not change for as long as the journal stores its entries is dropped with them. An unreadable one
-    is dropped and logged.
+    A record that has not changed for as long as the journal stores entries is dropped. An unreadable record is dropped
+    and logged.
 
     Attributes:
-        is_awaited: Whether a command has to wait for the records, which takes a second at most.
+        is_awaited: Whether a command has to wait for the records, for at most a second.
     """
 
     def __init__(self, node: Node, store: JournalStore) -> None:
@@ -66,7 +66,7 @@ class LearntPersistence:
         self._restorers[kind] = restore
 
     async def load(self) -> None:
-        """Restore all records; once. After a second they are restored later, and that is logged."""
+        """Restore all records; call once. If it takes over a second, it returns, logs that, and restores them later."""
         if self._loaded is None:
             self._loaded = anyio.Event()
             self._node.create_task(partial(self._load, self._loaded))
@@ -85,11 +85,11 @@ class LearntPersistence:
         loaded.set()
         if rows:
             kept = len(rows) - len(problems)
-            text = f"records of what earlier commands taught that are used: {kept}"
+            text = f"records learnt from earlier commands that are used: {kept}"
             self._node.log.info(LOADED, message=text, count=kept)
         if problems:
-            text = f"records of what earlier commands taught that were dropped: {len(problems)}, such as {problems[0]}"
-            self._node.log.warning(DROPPED, message=f"{text}; it is learnt anew", count=len(problems))
+            text = f"records learnt from earlier commands that were dropped: {len(problems)}, such as {problems[0]}"
+            self._node.log.warning(DROPPED, message=f"{text}; they are learnt anew", count=len(problems))
 
     def _restore(self, row: LearntRow) -> str:
         """Restore one row; return its problem, or an empty text."""
@@ -133,7 +133,7 @@ class _SavedProfile(BaseModel):
 
 @final
 class Profiles:
-    """The profiles of the last 10,000 commanded parts; the longest unused is forgotten."""
+    """The profiles of the last 10,000 commanded parts; the least recently used is forgotten."""
 
     def __init__(self, save: SaveRecord) -> None:
         self._save = save
@@ -152,7 +152,7 @@ class Profiles:
         return profile
 
     def save(self, target: str, profile: DeviceProfile) -> None:
-        """Save a profile if it was changed."""
+        """Save a profile if it has changed."""
         if not profile.is_changed:
             return
         profile.is_changed = False
@@ -191,7 +191,7 @@ def _read(name: str, record: str) -> _SavedProfile:
     try:
         saved = _SavedProfile.model_validate_json(record)
     except ValidationError as exc:
-        raise WireError(f"it is no profile of a device: {exc.errors()[0]['msg']}", record.encode()) from exc
+        raise WireError(f"it is not the profile of a device: {exc.errors()[0]['msg']}", record.encode()) from exc
     if name != saved.target:
-        raise WireError("its name is that of another", record.encode())
+        raise WireError("its name is that of another device", record.encode())
     return saved

@@ -1,4 +1,4 @@
-"""Services for leases: each held value is commanded, watched, and commanded again."""
+"""Services for leases: each held value is commanded, watched, and commanded again if it changes."""
 
 import math
 from functools import partial
@@ -41,7 +41,7 @@ from homebot.messages import Time
 __all__ = ["LeaseService"]
 
 _AGAIN: Final = 30.0
-"""Seconds after a command without success in which the value is commanded again."""
+"""Seconds after which the value is commanded again if a command had no success."""
 
 _LONGEST: Final = 200
 
@@ -50,7 +50,7 @@ _NOT_HELD: Final = "there is no such lease: it is over or was released"
 
 @final
 class LeaseService:
-    """Commands the held values, watches them, and commands them again."""
+    """Commands the held values, watches them, and commands them again if they change."""
 
     def __init__(self, node: Node, lookup: DeviceLookup, executor: CommandExecutor, journal: CommandJournal) -> None:
         self._node = node
@@ -63,7 +63,7 @@ class LeaseService:
         self._changed = anyio.Event()
 
     async def run(self) -> None:
-        """End leases in their time, and command values again, until cancelled."""
+        """End leases when they are due, and command values again, until cancelled."""
         async with anyio.create_task_group() as tasks:
             while True:
                 self._changed = anyio.Event()
@@ -74,7 +74,7 @@ class LeaseService:
                     await self._changed.wait()
 
     async def hold(self, request: HoldRequest) -> LeaseState:
-        """Command a value and hold it; return when the outcome of the command is known."""
+        """Command a value and hold it; return once the outcome of the command is known."""
         try:
             called = await self._lookup.called(request.device)
         except ServiceError as exc:
@@ -99,7 +99,7 @@ class LeaseService:
         self._log("control.held", lease, f"is {lease.text(self._clock.monotonic())}")
         self._record("held", lease, request.issuer, request.by, request.trigger)
         outcome = await self._command(lease, key, holder)
-        if outcome is None:  # it ended, or a hand came, before its turn
+        if outcome is None:  # the lease ended, or a hand outranked it, before its turn
             self._release(key)
             return self._refused(request, "a hand outranks it now, or its time is over")
         if outcome.is_final and key in lease.holders:
@@ -140,7 +140,7 @@ class LeaseService:
     def _refusal(
         self, request: HoldRequest, holder: LeaseHolder, device: Device, part: DevicePart
     ) -> LeaseState | None:
-        """Return the refusal of a value that the part does not take, of a code, or by rights or policies."""
+        """Return the refusal of a code, of a value that the part does not take, or by rights or policies."""
         held = request.setting
         try:
             check_setting(device.id, part.part, held.capability, held.value.plain())
@@ -148,7 +148,7 @@ class LeaseService:
             return self._refused(request, f"{exc.what}: {exc.reason}", "device")
         if (shown := without_codes((held,), device, part)) != (held,):
             return self._refused(
-                request.model_copy(update={"setting": shown[0]}), "a code is given once, and nothing to hold"
+                request.model_copy(update={"setting": shown[0]}), "a code is given once and cannot be held"
             )
         first = _command_of((device.id, part.id), held, request.issuer, holder)
         refused = self._executor.preview(first, device, part)
@@ -160,7 +160,7 @@ class LeaseService:
         if not request.by.strip():
             return "a holder needs a name"
         if capability in MOMENTARY or value in {STOPPED, None}:
-            return f"{capability} {value_text(value)} is nothing that lasts"
+            return f"{capability} {value_text(value)} cannot be held, because it does not last"
         self._expire()
         now = self._clock.monotonic()
         lease = self._leases.hold((request.device, request.part), capability, value, _key(request), holder, now)
@@ -182,7 +182,7 @@ class LeaseService:
     def _on_outcome(self, lease: Lease, outcome: Outcome) -> None:
         now = self._clock.monotonic()
         if now < lease.hand_until:
-            return  # a stop came meanwhile
+            return  # stopped meanwhile
         if isinstance(outcome, Contradicted):
             self._leases.outrank(lease, outcome.saw, now)
         elif not outcome.succeeded:
@@ -196,7 +196,7 @@ class LeaseService:
                 self._compare(lease, lease.seen)
 
     def _on_value(self, lease: Lease, capability: str, value: PlainValue, finding: Attribution | None) -> None:
-        """Compare a live report of the part with the held value, unless it is a step on the way."""
+        """Compare a live report of the part with the held value, unless it is an intermediate step."""
         if finding is not None and finding.cause is Cause.TRANSITION:
             return
         if not lease.holders or capability != lease.capability:
@@ -214,7 +214,7 @@ class LeaseService:
             self._changed.set()
 
     def _outcome(self, lease: Lease, now: float) -> Outcome:
-        """Return the outcome of the newest command, or the change by a hand since."""
+        """Return the outcome of the newest command, or the change made by a hand since."""
         if now < lease.hand_until:
             left = math.ceil(lease.hand_until - now)
             return Contradicted(f"{lease.saw}; it is commanded again in {left} s")
@@ -269,10 +269,10 @@ class LeaseService:
 
 
 def _resolved(request: HoldRequest, device: Device, part: DevicePart) -> HoldRequest:
-    """Return *request* with the ids, and with off in place of a level of 0, as it is commanded."""
+    """Return *request* with ids, and with off in place of a level of 0, as it will be commanded."""
     wanted = request.setting
     ((capability, value),) = zero_as_off({wanted.capability: wanted.value.plain()}, part.part).items()
-    trigger = NO_TRIGGER if is_client(request.issuer) else request.trigger  # a client might name another one
+    trigger = NO_TRIGGER if is_client(request.issuer) else request.trigger  # a client could forge one
     held = Setting.of(capability, value)
     return request.model_copy(update={"device": device.id, "part": part.id, "setting": held, "trigger": trigger})
 
@@ -290,7 +290,7 @@ def _key(request: HoldRequest | HolderRequest) -> HolderKey:
 
 
 def _held_part(lease: Lease, monotonic: float, now: float) -> HeldPart:
-    """Return *lease* at *monotonic* seconds, which are *now* seconds since the Unix epoch."""
+    """Return *lease* at *monotonic* seconds, which is *now* in seconds since the Unix epoch."""
 
     def time(at: float) -> Time:
         return Time.from_seconds(now + at - monotonic)

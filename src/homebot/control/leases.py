@@ -31,10 +31,10 @@ LEASE_POLICY: Final = "lease"
 """The policy that a refusal names."""
 
 MOST_HOLDERS: Final = 1000
-"""Holders in all; further ones are refused and counted."""
+"""The limit of holders in all; further ones are refused and counted."""
 
 MOST_OF_ISSUER: Final = 50
-"""Holders of one issuer; further ones are refused and counted, so that there is room for others."""
+"""The limit of holders of one issuer; further ones are refused and counted, so that there is room for others."""
 
 _MOST_NAMED: Final = 3
 _COMMANDING: Final = NoAnswer(0.0, "it is being commanded")
@@ -61,7 +61,7 @@ class LeaseHolder:
 
     @property
     def text(self) -> str:
-        """Its name, with the client whose call is the cause."""
+        """Its name, with the client that called it."""
         return f"{self.by} ({trigger_text(self.trigger, {})})" if self.trigger.kind == "client" else self.by
 
 
@@ -70,10 +70,10 @@ class Lease:
     """A held value of a part.
 
     Attributes:
-        rounded: The value to which the device rounds; None if that is not known.
+        rounded: The value that the device rounds to; None if it is unknown.
         is_so: Whether the device is known to have the held value.
         again_at: The time at which the value is commanded again, on the monotonic clock; inf for never.
-        hand_until: The time until which a hand, or a stop command, outranks the lease.
+        hand_until: When a hand, or a stop command, no longer outranks the lease.
         stop_watch: Ends the watch of the part; None before it begins.
     """
 
@@ -109,11 +109,11 @@ class Lease:
         self.is_so, self.again_at, self.hand_until, self.saw = True, math.inf, -math.inf, ""
 
     def outrank(self, saw: str, until: float) -> None:
-        """Record that a hand changed it: nothing is commanded before *until*."""
+        """Record that a hand changed the value: nothing is commanded before *until*."""
         self.is_so, self.again_at, self.hand_until, self.saw = False, until, until, saw
 
     def hand_back(self) -> bool:
-        """Record that no hand outranks it any more; return whether one did."""
+        """Record that no hand outranks the lease any more; return whether one did."""
         was_outranked = self.hand_until > -math.inf
         self.hand_until, self.saw = -math.inf, ""
         return was_outranked
@@ -123,11 +123,11 @@ class Lease:
         return any(fits(self.capability, one, value) for one in self._held)
 
     def departs(self, value: PlainValue) -> bool:
-        """Return whether *value* is neither the held value nor on the way to it."""
+        """Return whether *value* is neither the held value nor a step on the way to it."""
         return all(departs(self.capability, one, value) for one in self._held)
 
     def record_answer(self, value: PlainValue) -> None:
-        """Record that the device reported *value* for the held value."""
+        """Record that the device reports the held value as *value*."""
         self.rounded = None if fits(self.capability, self.value, value) else value
 
     @property
@@ -188,7 +188,7 @@ class Leases:
         return lease
 
     def release(self, key: HolderKey) -> Lease | None:
-        """Remove a holder; return the lease that it had, which ends with its last one."""
+        """Remove a holder; return its lease, which ends with its last holder."""
         lease = self._of.pop(key, None)
         if lease is None:
             return None
@@ -205,7 +205,7 @@ class Leases:
     def end(self, device: str, by: str, now: float) -> list[tuple[Lease, HolderKey, LeaseHolder]]:
         """Release all holders of *device* for *by*; return them with their leases.
 
-        A holder would request its lease again: under the same name that is refused for the time of its lease.
+        A holder may request its lease again: under the same name that is refused for the duration of the lease.
         """
         found = [
             (lease, key, holder) for lease in self if lease.part[0] == device for key, holder in lease.holders.items()
@@ -230,7 +230,7 @@ class Leases:
             return ""
         for lease in leases.values():
             if all(one.deadline <= now for one in lease.holders.values()):
-                continue  # over, and not removed yet
+                continue  # ended, but not removed yet
             for capability, value in settings.items():
                 if value != STOPPED and changes(lease.capability, lease.value, capability, value):
                     return lease.text(now)
@@ -242,7 +242,7 @@ class Leases:
         return Refused(LEASE_POLICY, reason, command_id=command.id) if reason else None
 
     def record_stop(self, command: IssuedCommand, now: float) -> None:
-        """Record that a stop command outranks the leases of its part, as a hand does."""
+        """Record that a stop command outranks the leases of its part, just as a hand does."""
         leases = self.parts.get(command.place)
         if leases is not None and STOPPED in command.settings.values():
             for lease in leases.values():

@@ -1,4 +1,4 @@
-"""Policy engine: checks commands against the policies, with the facts of the house."""
+"""Policy engine: checks commands against the policies and the facts of the house."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -30,7 +30,7 @@ __all__ = ["Policies", "Policy", "PolicyEngine"]
 
 _MOST_NAMED: Final = 5
 _CLOCK_SET: Final = 5.0
-"""Seconds by which the computer's clock differs from the monotonic one if it was set, or has slept."""
+"""Seconds by which the computer's clock and the monotonic one must drift apart to show that it was set, or slept."""
 
 Policy: TypeAlias = Callable[[IssuedCommand, Facts], Verdict]
 
@@ -44,8 +44,8 @@ class PolicyEngine(HouseWatcher):
         trusts_apps: Whether nodes without a scope may command devices that always ask.
 
     Attributes:
-        rights: Returns the rights of an issuer by the configuration; those of a client of the door are checked by
-            :meth:`client_refusal`.
+        rights: Returns the rights of an issuer according to the configuration; :meth:`client_refusal` checks those of a
+            client of the door.
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class PolicyEngine(HouseWatcher):
         self.update(settings)
 
     def update(self, settings: PolicySettings) -> None:
-        """Use the policies of *settings*, and the scopes in the mapping of grants as they are now."""
+        """Use the policies of *settings*, and the current scopes in the mapping of grants."""
         self._settings, self._policies = settings, Policies(settings)
         self._zone = ZoneInfo(settings.time_zone) if settings.time_zone else None
         self.rights.cache_clear()
@@ -95,7 +95,7 @@ class PolicyEngine(HouseWatcher):
         """Return the refusal of *command*; None if it may be sent now.
 
         Args:
-            is_recorded: Whether the journal records the verdicts; not for a preview.
+            is_recorded: Whether the journal records the verdicts; False for a preview.
         """
         now, monotonic = self._clock.now(), self._clock.monotonic()
         if abs(now - monotonic - self._ahead) > _CLOCK_SET:
@@ -110,7 +110,7 @@ class PolicyEngine(HouseWatcher):
         return None if last.allowed else Refused(last.policy, last.reason, command_id=command.id)
 
     def client_refusal(self, command: IssuedCommand) -> str:
-        """Return why the client that gave *command* has no right to the part, with the remedy; empty if it has."""
+        """Return why the client that gave *command* has no right to the part, and the remedy; empty if it has one."""
         return client_refusal(command, needs_approval=self._settings.approvals)
 
     @property
@@ -151,10 +151,10 @@ class PolicyEngine(HouseWatcher):
         if not names:
             return ()
         count = "1 motion sensor has" if len(names) == 1 else f"{len(names)} motion sensors have"
-        return (f"{count} never detected anybody, so apps turn off nothing there; walk past: {_first_of(names)}",)
+        return (f"{count} never detected anybody, so apps turn nothing off there; walk past: {_first_of(names)}",)
 
     async def detected(self) -> tuple[str, ...]:
-        """Return the motion sensors that have ever detected a person, as far as a policy needs them."""
+        """Return the motion sensors that have ever detected a person; none if no policy needs them."""
         if self._settings.presence_guard is None:
             return ()
         await self._learnt.load()
@@ -195,7 +195,7 @@ class Policies:
     """The policies of the settings: first rights, then dangers, then times.
 
     Attributes:
-        needs: The query for the devices with values that some policy needs.
+        needs: The query for the devices whose values some policy needs.
     """
 
     def __init__(self, settings: PolicySettings) -> None:
@@ -206,7 +206,7 @@ class Policies:
         self.needs = Or(tuple(one.needs for one in tables if one.needs is not None))
 
     def check(self, command: IssuedCommand, facts: Facts) -> tuple[Verdict, ...]:
-        """Return the verdicts up to the first refusal, which is the last of them then."""
+        """Return the verdicts up to and including the first refusal."""
         verdicts: list[Verdict] = []
         for policy in self._policies:
             verdicts.append(policy(command, facts))

@@ -29,10 +29,10 @@ __all__ = ["OpenCommand", "Sending"]
 class OpenCommand:
     """A command without an outcome.
 
-    Its one task waits with a future and a shared timer: an event within a time limit would cost several times as much.
+    Its only task waits with a future and a shared timer: an event with a timeout would cost several times as much.
 
     Attributes:
-        recorded: The last report of each capability in the journal, which does not get the same one again.
+        recorded: The last report of each capability in the journal, which does not record it twice.
     """
 
     command: IssuedCommand
@@ -43,12 +43,12 @@ class OpenCommand:
     _waiter: asyncio.Future[None] | None = None
 
     def wake(self) -> None:
-        """Wake the task, if it waits; a task that looks before it waits misses nothing."""
+        """Wake the task if it is waiting; a task that checks before it waits misses nothing."""
         if self._waiter is not None and not self._waiter.done():
             self._waiter.set_result(None)
 
     async def wait(self, seconds: float) -> None:
-        """Wait for news, for so many seconds at most."""
+        """Wait up to *seconds* for news."""
         self._waiter = asyncio.get_running_loop().create_future()
         limit = self.limits.set(seconds, self.wake)
         try:
@@ -61,8 +61,8 @@ class OpenCommand:
 class Sending:
     """Sends commands, and waits until the outcome of each is known.
 
-    A command is sent again only if the last sending cannot have an effect any more: the network has dropped its copy
-    for an unreachable device, and after a lost connection the device has to report another value first.
+    A command is sent again only if the last sending can have no effect any more: the network has dropped the copy that
+        it stored for an unreachable device, and after a lost connection the device has to report another value first.
     """
 
     def __init__(
@@ -123,16 +123,16 @@ class Sending:
         profile = sent.timeline.profile
         ineffective = profile.ineffective if profile.failures else ()
         began = clock.monotonic()
-        if is_repeated:  # one that got stuck on its way is told again later than any other
+        if is_repeated:  # a dimmer that is stuck on its way is sent its command later than any other
             plan.lasts = max(plan.lasts, began + plan.interval - plan.began)
         self._journal.record("sent", command, "again" if is_repeated else "")
         sent.progress.send(began)
         if command.place in self._leases.parts:
             self._leases.record_stop(command, began)
-        self._policies.turns.record(command, began)  # before it waits: a check meanwhile needs it
+        self._policies.turns.record(command, began)  # before any wait: a check in between needs it
         try:
             for capability, value in command.settings.items():
-                if command.place in self._leases.parts:  # since the check, or the setting before
+                if command.place in self._leases.parts:  # a lease that began since the check or the previous setting
                     refused = self._leases.refuse(command, clock.monotonic())
                     if refused is not None:
                         return refused
@@ -159,5 +159,5 @@ class Sending:
         except RefusedError as exc:
             return Refused("gateway", exc.reason, command_id=command.id)
         if clock.monotonic() - began > durations.SENT_AT_ONCE:
-            self._policies.turns.record(command, clock.monotonic())  # it may not have reached the device before
+            self._policies.turns.record(command, clock.monotonic())  # it may have reached the device only now
         return None

@@ -29,12 +29,12 @@ _LONGEST_REASON = 200
 
 
 def _zone(name: str) -> str:
-    """Return *name* if it is a time zone, or empty for that of the computer."""
+    """Return *name* if it is a time zone, or empty for the computer's."""
     if name:
         try:
             ZoneInfo(name)
         except (ZoneInfoNotFoundError, ValueError) as exc:
-            raise ValueError(f"{name!r} is no time zone of this computer; write one like 'Europe/Vienna'") from exc
+            raise ValueError(f"{name!r} is not a time zone of this computer; write one like 'Europe/Vienna'") from exc
     return name
 
 
@@ -60,19 +60,19 @@ _Installed: TypeAlias = Annotated[dict[_Name, dict[str, object]], Field(max_leng
 
 
 class PolicySettings(BaseModel):
-    """The keys of the table ``[control]`` for policies, in the order in which they check a command.
+    """The keys of the table ``[control]`` for policies, in the order in which these check a command.
 
-    A new policy of homebot is a :class:`PolicyTable` in its own file, and its key here.
+    A new policy of homebot is a :class:`PolicyTable` in its own file, plus its key here.
 
     Attributes:
         interlocks: Commands that are refused while a condition holds.
         quiet_hours: Times at which apps may not give some commands.
         presence_guard: Whether apps may not turn things off or close them in an occupied room: ``true``, or a table.
         policies: The tables of the policies of other packages, by the names of their entry points.
-        rate_limit: The limit for switching to and fro; ``false`` for none.
-        always_ask: Whether locks, garage doors, ovens and the like take a right that names them.
-        approvals: Whether these take no command until the owner approves each device.
-        time_zone: The time zone, such as ``Europe/Vienna``; empty for that of ``[home]``, or else of the computer.
+        rate_limit: The limit for switching back and forth; ``false`` for none.
+        always_ask: Whether locks, garage doors, ovens and the like need a right that names them.
+        approvals: Whether these devices take no command until the owner approves them.
+        time_zone: The time zone, such as ``Europe/Vienna``; empty for that of ``[home]``, or else the computer's.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -87,7 +87,7 @@ class PolicySettings(BaseModel):
     time_zone: Annotated[str, AfterValidator(_zone)] = ""
 
     def tables(self) -> Iterator[PolicyTable | NamedPolicy]:
-        """Yield the policies but those of rights, in their order."""
+        """Yield all policies except those of rights, in their order."""
         for key in PolicySettings.model_fields:
             value: object = getattr(self, key)
             if key == "policies":
@@ -103,17 +103,17 @@ class PolicySettings(BaseModel):
 
 
 class ControlSettings(PolicySettings):
-    """The table ``[control]``, with that of the policies.
+    """The table ``[control]``, including the keys of the policies.
 
     Attributes:
-        timeout: Seconds that a device has for its answer; longer if it usually takes longer, and a minute at least for
+        timeout: Seconds that a device has to answer; longer if it usually takes longer, and at least a minute for
             blinds and other motors.
         retries: The number of repetitions of a command without an answer; a press is never repeated.
-        witnesses: The sensor, by its id or name, that observes the devices that fit a query; an empty one is none.
-        settle: Seconds after a confirmed command in which a device that goes back is reported as reverted.
+        witnesses: For each query, the id or name of the sensor that observes the devices that fit it; empty for none.
+        settle: Seconds after a confirmed command during which a device that goes back is reported as reverted.
         hand_time: Seconds for which a person's hand outranks a lease.
         journal_days: Days for which the journal stores entries.
-        journal_megabytes: Size of the journal's file at most; the oldest entries are dropped first.
+        journal_megabytes: The largest size of the journal's file; the oldest entries are dropped first.
     """
 
     timeout: Seconds = 10.0
@@ -126,12 +126,12 @@ class ControlSettings(PolicySettings):
 
     @property
     def named_witnesses(self) -> tuple[tuple[Query, str], ...]:
-        """The named sensors, folded, each with its query."""
+        """The named sensors, case-folded, each with its query."""
         return tuple((parse_lasting_query(query), fold(name)) for query, name in self.witnesses.items())
 
     @property
     def stated_names(self) -> StatedNames:
-        """The sensors, contacts, rooms, queries and commands in it, which may be misspelt."""
+        """The sensors, contacts, rooms, queries and commands in the table, any of which may be misspelt."""
         doors = self.presence_guard.doors if self.presence_guard is not None else {}
         contacts = [(f"{_DOORS}.{room}", contact) for room, named in doors.items() for contact in named]
         sensors = [(f"{_WITNESSES}.{query!r}", sensor) for query, sensor in self.witnesses.items() if sensor.strip()]

@@ -19,16 +19,16 @@ from homebot.support.numbers import to_number
 __all__ = ["SET", "spoken_settings"]
 
 SET: Final = "set"
-"""The command that sets values and nothing else."""
+"""The command that only sets values."""
 
 _ALIASES: Final[Mapping[str, str]] = MappingProxyType(
     {"kelvin": "color_temperature", "brightness": "level", "speed": "fan_speed"}
 )
 _MODES: Final = ("thermostat_mode", "fan_mode", "humidifier_mode", "water_heater_mode")
-"""Meanings of ``mode``; the first that the part takes."""
+"""Meanings of ``mode``; the first that the part takes is used."""
 
 _PRESSED: Final = frozenset({"locate", "push", "scene"})
-"""Capabilities that are made true and nothing else, so that no value need be given."""
+"""Capabilities that can only be set to true, so no value is needed."""
 
 _SAME_WORDS: Final[Mapping[str, str]] = MappingProxyType(
     {"on": "on", "turn_on": "on", "turn on": "on", "turn_off": "off", "turn off": "off", SET: SET}
@@ -37,7 +37,7 @@ _ROBOTS: Final = frozenset({"vacuum", "mower"})
 _ROBOT_STATES: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {"start": ("cleaning", "mowing"), "pause": ("paused",), "stop": ("idle",), "dock": ("returning", "docked")}
 )
-"""States of vacuum cleaners and mowers for a word; each takes one of them."""
+"""States of vacuum cleaners and mowers for a word; each device takes one of them."""
 
 _FLAGS: Final[Mapping[str, bool]] = MappingProxyType(
     {"on": True, "true": True, "yes": True, "1": True, "off": False, "false": False, "no": False, "0": False}
@@ -47,16 +47,16 @@ _KELVIN: Final = re.compile(r"([\d.]+)\s*k")
 
 
 def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target: str) -> dict[str, PlainValue]:
-    """Return the values by capability that a command sets at *part*.
+    """Return the values by capability that a command sets on *part*.
 
     Args:
         command: A word that the part takes, such as ``on``, ``close``, ``0.4``, ``40 %`` or ``2700 K``, or a capability
-            and its value, such as ``level 40``; :data:`SET` for none. Capitals make no difference.
+            and its value, such as ``level 40``; :data:`SET` for none. Case does not matter.
         values: Further values by capability, as text: ``level`` is ``40``.
 
     Raises:
-        RefusedError: It takes no such word, capability or value, or there is none; the message names those that it
-            takes. Or they cannot be so together, such as ``off`` with a level of 50.
+        RefusedError: The part does not take the word, capability or value, or there is none; the message names those
+            that it takes. Or they contradict each other, such as ``off`` with a level of 50.
     """
     word = command.strip()
     word = _SAME_WORDS.get(word.casefold(), word)
@@ -74,12 +74,12 @@ def spoken_settings(command: str, values: Sequence[KeyValue], part: Part, target
         raise RefusedError(f"{SET} without values", "give one, such as level 40")
     if not _agree({"on_off": True, **found} if is_light_on else found, part):
         told = ", ".join(f"{one.key} {one.value}" for one in values)
-        raise RefusedError(f"{word} with {told}", "these cannot be so together; give one of them")
+        raise RefusedError(f"{word} with {told}", "these contradict each other; give one of them")
     return found
 
 
 def _agree(settings: Mapping[str, PlainValue], part: Part) -> bool:
-    """Return whether none of *settings* would undo another; to set a colour turns most lamps on."""
+    """Return whether none of *settings* would undo another; setting a colour turns most lamps on."""
     if part.service_type == "light" and settings.get("on_off") is False and len(settings) > 1:
         return all(name == "level" and value == 0 for name, value in settings.items() if name != "on_off")
     pairs = combinations(settings.items(), 2)
@@ -120,7 +120,7 @@ def _decoded(given: str, part: Part, target: str) -> tuple[str, PlainValue]:
 
 
 def _robot_state(word: str, part: Part) -> tuple[str, PlainValue] | None:
-    """Return the setting of a vacuum cleaner or mower for a word; None if *part* is none, or takes no such word."""
+    """Return the setting of a vacuum cleaner or mower for a word; None if *part* is neither, or does not take it."""
     for state in _ROBOT_STATES.get(word, ()):
         for one in part.capabilities:
             if one.settable and state in one.options and one.name in _ROBOTS:
@@ -138,7 +138,7 @@ def _named_value(text: str, part: Part, target: str) -> tuple[str, PlainValue] |
 
 
 def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
-    """Return the setting for another spelling of a word: in small letters, ``2700k`` or ``40 %``."""
+    """Return the setting for another spelling of a word: in lower case, ``2700k`` or ``40 %``."""
     kelvin = _KELVIN.fullmatch(word)
     percentage = to_number(word.removesuffix("%").strip()) if word.endswith("%") else None
     spelling = f"{kelvin[1]} K" if kelvin else word if percentage is None else f"{percentage / 100:g}"
@@ -151,7 +151,7 @@ def _respelt(word: str, part: Part) -> tuple[str, PlainValue] | None:
 
 
 def _with_unit(word: str, part: Part) -> tuple[str, PlainValue] | None:
-    """Return the setting for a number with its unit, such as ``21 °C``, if a bare number sets that of *part*."""
+    """Return the setting for a number with its unit, such as ``21 °C``, if a bare number sets it on *part*."""
     match = _NUMBER.fullmatch(word)
     if match is None or not match[2]:
         return None
@@ -185,7 +185,7 @@ def _value(name: str, text: str, part: Part, target: str) -> PlainValue:
 
 
 def _color(text: str) -> PlainValue:
-    """Return the hue and the saturation, or *text* if it is none, which :func:`check_setting` refuses."""
+    """Return the hue and the saturation, or *text* if it is not a colour, which :func:`check_setting` refuses."""
     match [to_number(one) for one in re.split(r"[\s,]+", text)]:
         case [float() as hue, float() as saturation]:
             return hue, saturation

@@ -1,4 +1,4 @@
-"""Raw texts to devices: checked as the commands that they mean, sent once, and not verified."""
+"""Raw texts to devices: checked as the commands that they stand for, sent once, and not verified."""
 
 from dataclasses import replace
 from typing import Final, Literal, final
@@ -28,7 +28,7 @@ UNREAD: Final = "raw_text"
 _LONGEST_NOTED: Final = 500
 _MAY_BE_CODE: Final = MAY_BE_CODE | {UNREAD}
 _ALWAYS_ASK: Final = "always_ask"
-_UNREADABLE: Final = "it always asks, and this text cannot be read as a command; command it by its handle"
+_UNREADABLE: Final = "it always asks, and this text cannot be decoded as a command; command it by its handle"
 
 
 @final
@@ -121,7 +121,7 @@ class TextCommands:
 
 
 def _setting(payload: str, part: DevicePart) -> tuple[str, PlainValue]:
-    """Return the setting of *payload* for *part*; a device may take a word in another case, or between spaces."""
+    """Return the setting of *payload* for *part*; the case and surrounding spaces of a word may differ."""
     for text in (payload, payload.strip().casefold()):
         try:
             return decode_command(text, part.part)

@@ -1,4 +1,4 @@
-"""Timelines of all commanded parts, fed with the reports of their gateways."""
+"""Timelines of all commanded parts, fed by the reports of their gateways."""
 
 import math
 from collections import OrderedDict
@@ -71,7 +71,7 @@ class Timelines:
         return entry.timeline
 
     def ineffective_routes(self, device: Device) -> tuple[KeyValue, ...]:
-        """Return the routes of a device that are tried last, as their last commands had no effect, by part."""
+        """Return, by part, the routes of a device that are tried last because their last commands had no effect."""
         return tuple(
             KeyValue(key=part.id, value=route.name)
             for part in device.parts
@@ -81,7 +81,7 @@ class Timelines:
         )
 
     def watch(self, device: Device, part: DevicePart, on_value: OnValue) -> Callable[[], None]:
-        """Call *on_value* with each live report of a part; return the function that ends it."""
+        """Call *on_value* with each live report of a part; return the function that stops it."""
         self.of(device, part)
         listeners = self._entries[device.id, part.id].listeners
         listeners.append(on_value)
@@ -157,7 +157,7 @@ class Timelines:
                 return
 
     def _on_undone(self, progress: CommandProgress) -> None:
-        """Publish the end of a confirmed value, also to listeners that got its last report as a step on the way."""
+        """Publish the end of a confirmed value, even to listeners that got its last report as an intermediate step."""
         entry, settling = self._entries.get(progress.order.place), progress.settling
         if entry is not None and settling is not None and settling.undoing is not None:
             capability = settling.undoing.capability
@@ -170,7 +170,7 @@ class Timelines:
 def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, monotonic: float) -> None:
     """Record the live values of *part* in its *timeline*.
 
-    No command explains an earlier change. The first value of the part is no change.
+    No command explains an earlier change. The first value of the part is not a change.
     """
     settable = {one.name for one in part.part.capabilities if one.settable}
     states = [one for one in device.states if one.part == part.id and one.live]
@@ -186,6 +186,6 @@ def _seed(timeline: PartTimeline, device: Device, part: DevicePart, now: float, 
 
 
 def _is_change(state: State, states: list[State]) -> bool:
-    """Return whether *state* is a change, or a first value of a part that reported others long before."""
+    """Return whether *state* is a change, or the first value of a part that reported others long before."""
     since = state.since.to_seconds()
     return not state.is_first or any(since - one.since.to_seconds() > durations.FIRST_REPORTS for one in states)

@@ -1,4 +1,4 @@
-"""Values of capabilities: comparison of reported and commanded ones, and their text. Pure."""
+"""Values of capabilities: comparison of reported and commanded values, and their text. Pure."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -27,29 +27,29 @@ __all__ = [
 ]
 
 STOPPED: Final = "stopped"
-"""The value of a command that stops; it always passes."""
+"""The value of a stop command, which is always allowed."""
 
 POWERS: Final = frozenset({"on_off", "level", "fan_speed"})
 """The capabilities that turn a part on or off."""
 
 COLORS: Final = frozenset({"color_temperature", "color", "effect"})
-"""The capabilities of lamps that turn most of them on when they are set."""
+"""Capabilities that turn most lamps on when they are set."""
 
 END_POSITIONS: Final[Mapping[PlainValue, float]] = MappingProxyType({"open": 100.0, "closed": 0.0})
-"""The positions of the states."""
+"""The position of each state."""
 
 _HUES: Final = frozenset({"color_temperature", "color"})
-"""A lamp shows one of them: white replaces a colour, and a colour replaces white."""
+"""A lamp shows only one of them: white replaces a colour, and a colour replaces white."""
 
 MODES: Final = frozenset({"fan_mode", "thermostat_mode"})
-"""The capabilities that turn a fan or a thermostat on or off as well."""
+"""Capabilities that also turn a fan or a thermostat on or off."""
 
 _OPENINGS: Final = frozenset({"movement", "valve", "position"})
 _PRESS: Final = "push"
 _NEARLY: Final = 1e-3
 
 _ROUNDING: Final = 0.005
-"""Of a number without a fineness: that of its text."""
+"""For a number without a declared fineness: that of its text."""
 
 _NUMBER: Final = 0.51
 
@@ -62,12 +62,12 @@ _VIVID: Final = 70.0
 
 _VIVID_HUE: Final = 30.0
 _VIVID_SATURATION: Final = (-10.0, 35.0)
-"""By how much the nearest colour that a lamp can show may differ from a vivid one: most are less saturated."""
+"""How far the nearest colour that a lamp can show may be from a vivid one: most lamps are less saturated."""
 
 _FEWEST_SPEEDS: Final = 2
 _MOST_SPEEDS: Final = 10
 _SPEED_ROUNDING: Final = 0.005
-"""Of a speed: 33 % is the first of three, and 34 % the second."""
+"""For speeds: 33 % is the first of three, and 34 % the second."""
 
 _HALF: Final = 0.5
 
@@ -75,7 +75,7 @@ _LONGEST_TEXT: Final = 40
 
 
 def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
-    """Return whether *seen* is the *wanted* value, as devices round."""
+    """Return whether *seen* is the *wanted* value, allowing for the rounding of devices."""
     match wanted, seen:
         case bool(), bool():
             return wanted is seen
@@ -93,8 +93,8 @@ def fits(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
 def is_same(capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
     """Return whether *seen* is *wanted* as closely as a device can report, so that a command would change nothing.
 
-    This is stricter than :func:`fits`: half a degree more is a new setpoint, although a device may round to it. For a
-    motor, which stops a little off, and for the white of a lamp both are the same.
+    This is stricter than :func:`fits`: half a degree more is a new setpoint, although a device may round to it. For the
+    white of a lamp, and for a motor, which stops a little off its goal, both are the same.
     """
     if not fits(capability, wanted, seen):
         return False
@@ -142,18 +142,18 @@ def _hue_between(wanted: tuple[float, ...], seen: tuple[float, ...]) -> float:
 
 
 def _is_next_speed(wanted: float, seen: float) -> bool:
-    """Return whether *seen* is the speed that a fan with few of them takes for *wanted*: the next higher one."""
+    """Return whether *seen* is the speed to which a fan with few speeds rounds *wanted*: the next higher one."""
     if not 0 < wanted <= seen <= 100:
         return False
     for speeds in range(_FEWEST_SPEEDS, _MOST_SPEEDS + 1):
         speed = math.ceil(wanted * speeds / 100 - _SPEED_ROUNDING)
-        if -_HALF <= speed * 100 / speeds - seen < 1:  # of 66.7 %, some report 66 and others 67
+        if -_HALF <= speed * 100 / speeds - seen < 1:  # for 66.7 % some report 66 and others 67
             return True
     return False
 
 
 def is_other_end(capability: str, wanted: float, seen: float) -> bool:
-    """Return whether one of two close levels is 0, which is off, or closed."""
+    """Return whether only one of two close levels is 0, which means off, or closed."""
     return _obedience(capability).zero_is_off and (wanted == 0) != (seen == 0)
 
 
@@ -164,9 +164,9 @@ def _obedience(capability: str) -> Obedience:
 def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -> bool:
     """Return whether setting *capability* to *wanted* would change the capability *held* from *value*.
 
-    Openness is one thing, by word or by position; so is power, by on, off, level, speed, the colour of a lamp or the
-    mode of a fan or thermostat; and so is a lamp's light, by colour or by the temperature of its white. The effect of a
-    press is unknown.
+    Several capabilities can set the same thing: openness by word or position; power by on, off, level, speed, the
+        colour of a lamp or the mode of a fan or thermostat; a lamp's light by colour or white temperature. The effect
+        of a press is unknown.
     """
     if capability == held:
         return not _is_same_setting(held, value, wanted)
@@ -177,12 +177,12 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
 
 
 def related(capability: str) -> tuple[str, ...]:
-    """Return the capabilities, *capability* too, that set the same thing: :func:`changes` compares their values."""
+    """Return all capabilities that set the same thing as *capability*: :func:`changes` compares their values."""
     return _RELATED.get(capability, (capability,))
 
 
 def departs(capability: str, value: PlainValue, seen: PlainValue) -> bool:
-    """Return whether a report of *seen* shows that the device is not at *value*, nor on its way there."""
+    """Return whether a report of *seen* shows that the device is neither at *value* nor on its way there."""
     if fits(capability, value, seen):
         return False
     return not (isinstance(seen, str) and is_intermediate(capability, value, seen))
@@ -204,7 +204,7 @@ def _position(value: PlainValue) -> PlainValue:
 
 
 def is_on(value: PlainValue) -> bool:
-    """Return whether *value* of one of :data:`POWERS` is on: a dimmed lamp is."""
+    """Return whether *value*, of one of :data:`POWERS`, means on: a dimmed lamp is on."""
     return value is not None and value is not False and value != 0.0
 
 
@@ -227,7 +227,7 @@ _RELATED: Final = {
 
 
 def value_text(value: PlainValue) -> str:
-    """Return *value* in words, of 40 characters at most: ``on``, ``21.5``, ``open``."""
+    """Return *value* in words, at most 40 characters: ``on``, ``21.5``, ``open``."""
     match value:
         case bool():
             return "on" if value else "off"
@@ -249,5 +249,5 @@ def settings_text(settings: Mapping[str, PlainValue]) -> str:
 
 
 def _number_text(value: float) -> str:
-    """Return a number with two decimals at most: 89 of 255 steps are 34.9 %, and not 34.902."""
+    """Return a number with at most two decimals: 89 of 255 steps are 34.9 %, not 34.902."""
     return f"{round(value, 2):g}"

@@ -29,7 +29,7 @@ CONTRADICTED = "control.contradicted_by_witness"
 
 _MOST_FOR_ONE: Final = 4
 _METERS: Final = frozenset({"power", "flow"})
-"""Capabilities by which a device measures its own effect."""
+"""Capabilities with which a device measures its own effect."""
 
 
 @dataclass(slots=True, eq=False)
@@ -37,7 +37,7 @@ class Witness:
     """A sensor that observes one command.
 
     Attributes:
-        is_named: Whether the owner named it, so that it is waited for, and contradicts the device.
+        is_named: Whether the owner named it; if so, it is awaited, and may contradict the device.
         seen_at: When it last reported, on the monotonic clock.
     """
 
@@ -51,7 +51,7 @@ class Witness:
     stop_watch: Callable[[], None] = lambda: None
 
     def answer(self, reported_at: float, *, is_rise: bool) -> Observed:
-        """Return its observation of a command that the device reported done at *reported_at*."""
+        """Return its observation of a command that the device reported as done at *reported_at*."""
         is_heard = self.seen_at > reported_at
         return observed(self.capability, self.before, self.newest, is_rise=is_rise, is_heard=is_heard)
 
@@ -61,8 +61,8 @@ class Witnesses:
     """Sensors that observe commands.
 
     Attributes:
-        contradicted: The name of the witness that contradicted each part, until one sees it obey, or the owner trusts
-            it.
+        contradicted: The name of the witness that contradicted each part, until a witness sees the part obey, or the
+            owner trusts it again.
     """
 
     def __init__(self, node: Node, settings: ControlSettings, feed: GatewayFeed, lookup: DeviceLookup) -> None:
@@ -83,12 +83,12 @@ class Witnesses:
         )
 
     def trust(self, request: TrustDeviceRequest) -> TrustDeviceResponse:
-        """Forget that witnesses contradicted a device; return their names."""
+        """Forget that witnesses contradicted a device; return the names of these witnesses."""
         places = [one for one in self.contradicted if one[0] == request.device]
         return TrustDeviceResponse(witnesses=tuple([self.contradicted.pop(one) for one in places]))
 
     async def begin(self, opened: OpenCommand) -> list[Witness]:
-        """Return the witnesses of a command that is about to be sent; each one watches until its ``stop_watch``."""
+        """Return the witnesses of a command about to be sent; each watches until its ``stop_watch`` is called."""
         command = opened.command
         if rises(command.settings) is None or not (wanted := sensed_by(command.settings)):
             return []
@@ -99,7 +99,7 @@ class Witnesses:
         return found
 
     async def verify(self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome) -> Outcome:
-        """Return *outcome*, or a better one by a witness; a named one is awaited."""
+        """Return *outcome*, or a better one from a witness; named witnesses are awaited."""
         now = self._clock.monotonic()
         if isinstance(outcome, Confirmed):
             return await self._verify_report(opened, witnesses, outcome, now)
@@ -110,7 +110,7 @@ class Witnesses:
     async def _verify_report(
         self, opened: OpenCommand, witnesses: list[Witness], outcome: Outcome, reported_at: float
     ) -> Outcome:
-        """Return the outcome of a command that the device reported done at *reported_at*."""
+        """Return the outcome of a command that the device reported as done at *reported_at*."""
         until = now = reported_at
         named = [one for one in witnesses if one.is_named]
         if named:
@@ -123,7 +123,7 @@ class Witnesses:
                 return self._contradict(opened, contradicting[0]) if contradicting else outcome
             await opened.wait(until - now)
             now = self._clock.monotonic()
-        return newest  # a newer command, or the device went back
+        return newest  # a newer command replaced it, or the device went back
 
     async def _sensors_for(self, command: IssuedCommand, wanted: frozenset[str]) -> list[Witness]:
         """Return the named sensor, or the meters of the same device."""
@@ -131,7 +131,7 @@ class Witnesses:
         name = next((name for query, name in self._named if fits(query, part)), None)
         if name is None:
             return _sensors(command.device, wanted & _METERS, is_named=False)
-        if not name:  # the owner wants none
+        if not name:  # the owner wants no witness
             return []
         try:
             devices = await self._lookup.called(name)
@@ -175,7 +175,7 @@ def _with_answer(
 
 
 def _sensors(device: Device, wanted: frozenset[str], *, is_named: bool) -> list[Witness]:
-    """Return the sensors of a device that measure one of *wanted*, without silent and stale ones."""
+    """Return the sensors of a device that measure one of *wanted*, except silent and stale ones."""
     if device.freshness != "fresh" or device.reachable.state == "no":
         return []
     live = {(state.part, state.capability): state.value.plain() for state in device.states if state.live}
@@ -200,8 +200,8 @@ class _Sense(NamedTuple):
     """Signs of an effect in the values of a sensor.
 
     Attributes:
-        least: The smallest change that counts; 0 for a sensor of truths.
-        shows_fall: Whether a value that does not fall shows that nothing happened: daylight hides a lamp.
+        least: The smallest change that counts; 0 for a binary sensor.
+        shows_fall: Whether a value that does not fall proves that nothing happened; daylight may hide a lamp.
     """
 
     least: float = 0.0
@@ -217,7 +217,7 @@ _SENSES: Final[Mapping[str, _Sense]] = MappingProxyType(
         "illuminance": _Sense(2.0, shows_fall=False),
     }
 )
-"""Sensors that show an effect within seconds: people move by themselves, and rooms warm slowly."""
+"""Sensors that show an effect within seconds; motion has other causes, and temperature is slow."""
 
 _SENSED_BY: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
     {
@@ -234,16 +234,16 @@ _RISING: Final[Mapping[PlainValue, bool]] = MappingProxyType(
     {True: True, False: False, "open": True, "closed": False, "unlocked": True, "locked": False}
 )
 _SHARE: Final = 0.1
-"""Of the value before, by which a number changes at least."""
+"""The smallest change of a number, as a fraction of its previous value."""
 
 
 def sensed_by(settings: Iterable[str]) -> frozenset[str]:
-    """Return the capabilities of sensors that may show a change of *settings*."""
+    """Return the sensor capabilities that may show a change of *settings*."""
     return frozenset().union(*filter(None, map(_SENSED_BY.get, settings)))
 
 
 def rises(settings: Mapping[str, PlainValue]) -> bool | None:
-    """Return whether a command makes something stronger or opens it; None if that is not certain: a level may dim."""
+    """Return whether a command makes something stronger or opens it; None if uncertain: a level may dim."""
     for value in settings.values():
         if isinstance(value, float):
             if value == 0.0:
@@ -254,7 +254,7 @@ def rises(settings: Mapping[str, PlainValue]) -> bool | None:
 
 
 def observed(capability: str, before: PlainValue, newest: PlainValue, *, is_rise: bool, is_heard: bool) -> Observed:
-    """Return the observation of a rise or a fall by the values of *capability* before the command, and now.
+    """Return the observation of a rise or fall from the values of *capability* before the command and now.
 
     Args:
         is_heard: Whether the sensor reported after the device.
@@ -262,7 +262,7 @@ def observed(capability: str, before: PlainValue, newest: PlainValue, *, is_rise
     sense = _SENSES[capability]
     if isinstance(before, bool) and isinstance(newest, bool):
         if before is is_rise:
-            return Observed.UNCLEAR  # it was so before
+            return Observed.UNCLEAR  # it was already so
         return Observed.EFFECT if newest is is_rise else Observed.NOTHING
     if not (isinstance(before, float) and isinstance(newest, float)):
         return Observed.UNCLEAR

@@ -53,7 +53,7 @@ async def test_a_session_that_may_not_unlock_cannot_and_hears_why(tmp_path: Path
         refused = await api.command("front_door", "unlock", Authorization=bearer("agent"))
         assert (refused.status, refused.content_type) == (403, "application/problem+json")
         assert refused.values["outcome"] == "refused"
-        assert "such a device takes a right that names it" in refused.values["detail"]
+        assert "such a device needs a right that names it" in refused.values["detail"]
         why = (await api.get("/api/why/front_door?state=unlocked", Authorization=bearer("agent"))).values
         assert not why["is_so"]
         assert "the client agent: refused (rights)" in why["why"]

@@ -73,8 +73,8 @@ async def test_a_refusal_names_the_sensor_without_the_id_of_its_part(home: Home)
     home.gateway.devices.put(GatewayDevice("motion", "Motion", (part,), area="Hall"), "the test says so")
     lamp = await home.handle(Light, "lamp")
     for occupied, reason in (
-        (None, "nothing tells whether somebody is in Hall: no current occupancy of motion"),
-        (False, "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"),
+        (None, "it is unknown whether anybody is in Hall: no current occupancy of motion"),
+        (False, "it is unknown whether anybody is in Hall: motion has never detected anybody; walk past it once"),
         (True, "somebody is in Hall: occupancy of motion is on"),
     ):
         if occupied is not None:
@@ -219,7 +219,7 @@ async def test_a_sensor_that_never_detected_anybody_tells_nothing(home: Home, la
     await home.report("motion", "occupancy", False)
     await anyio.sleep(301)
     assert await refusal(lamp.turn_off()) == (
-        "nothing tells whether somebody is in Hall: motion has never detected anybody; walk past it once"
+        "it is unknown whether anybody is in Hall: motion has never detected anybody; walk past it once"
     )
     await leave(home)
     assert (await lamp.turn_off()).succeeded
@@ -230,7 +230,7 @@ async def test_the_health_of_the_home_names_the_sensors_that_never_detected_anyb
     home.put("elsewhere", "occupancy_sensor", readable=("occupancy",))
     await anyio.sleep(1)
     assert (await home.control.health(HealthRequest())).notes == (
-        "1 motion sensor has never detected anybody, so apps turn off nothing there; walk past: Motion",
+        "1 motion sensor has never detected anybody, so apps turn nothing off there; walk past: Motion",
     )
     await detect(home)
     assert (await home.control.health(HealthRequest())).notes == ()
@@ -265,7 +265,7 @@ async def test_which_sensors_detect_people_is_known_after_a_restart(open_home: O
         lamp = await home.handle(Light, "lamp")
         await anyio.sleep(100)
         reason = await refusal(lamp.turn_off())
-        assert reason == "nothing tells whether somebody is in Hall: motion has been heard for only 100 s"
+        assert reason == "it is unknown whether anybody is in Hall: motion has been heard for only 100 s"
         await anyio.sleep(201)
         assert (await lamp.turn_off()).succeeded
 
@@ -338,7 +338,7 @@ async def test_which_commands_is_up_to_the_owner(open_home: OpenHome) -> None:
 
 def test_a_verb_that_is_none_is_an_error_of_the_configuration() -> None:
     table = {"presence_guard": {"commands": ["switch off lights"]}}
-    with pytest.raises(ConfigError, match="'switch off lights' is no command") as raised:
+    with pytest.raises(ConfigError, match="'switch off lights' is not a command") as raised:
         parse_settings(ControlSettings, table, "homebot.toml", "control")
     assert raised.value.key == "control.presence_guard.commands"
 

@@ -55,14 +55,14 @@ def test_hours_go_over_midnight(now: str, *, is_quiet: bool) -> None:
 
 
 def test_an_unknown_time_zone_is_an_error() -> None:
-    with pytest.raises(ConfigError, match="'Mars/Crater' is no time zone"):
+    with pytest.raises(ConfigError, match="'Mars/Crater' is not a time zone"):
         parse_settings(ControlSettings, {"time_zone": "Mars/Crater"}, "homebot.toml", "control")
 
 
 @pytest.mark.parametrize(
     ("start", "end", "key", "problem"),
     [
-        ("22:00", "22:00", "end", "is 22:00 as start is, so that it would never be quiet"),
+        ("22:00", "22:00", "end", "is 22:00, the same as start, so it would never be quiet"),
         ("22:00Z", "07:00", "start", "must be a local time such as 22:00"),
         ("22:00", "07:00+01:00", "end", "must be a local time such as 22:00"),
     ],

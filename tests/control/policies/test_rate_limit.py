@@ -24,7 +24,7 @@ async def test_a_strobe_is_stopped(home: Home) -> None:
     refused = [one for one in outcomes if isinstance(one, Refused)]
     assert len(home.commands) == 31  # the first is no change
     assert refused[0].policy == "rate_limit"
-    assert refused[0].reason == "lamp was switched to and fro 30 times within 10 s"
+    assert refused[0].reason == "lamp was switched back and forth 30 times within 10 s"
 
 
 async def test_it_obeys_again_after_a_while(home: Home) -> None:

@@ -82,13 +82,13 @@ async def test_a_lock_takes_a_text_of_who_has_a_right_that_names_it(open_home: O
         await home.devices.tell(lock.device, "unlock")
         await anyio.sleep(1)
         assert [one.value.plain() for one in home.commands] == ["unlocked"]
-        with pytest.raises(RefusedError, match="it always asks, and this text cannot be read"):
+        with pytest.raises(RefusedError, match="it always asks, and this text cannot be decoded"):
             await home.devices.tell(lock.device, "open sesame")
 
 
 async def test_a_lock_takes_no_text_of_others_but_to_lock(home: Home) -> None:
     lock = await home.new(DoorLock, "lock", "lock")
-    with pytest.raises(RefusedError, match="takes a right that names it"):
+    with pytest.raises(RefusedError, match="needs a right that names it"):
         await home.devices.tell(lock.device, "unlock")
     await home.devices.tell(lock.device, "lock")
     await anyio.sleep(1)

@@ -1,1 +1,1 @@
-"""Journal: each step of each command, and the changes that no command explains, as data."""
+"""Journal: each step of each command, and each change that no command explains."""

@@ -1,4 +1,4 @@
-"""Folding of equal commands of one issuer to one part: the newest of each minute, and their number. Pure."""
+"""Folding of equal commands of one issuer to one part: the newest of each minute, with their count. Pure."""
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
@@ -14,10 +14,10 @@ IN_FULL: Final = 10
 """Commands of one issuer to one part in each minute that are stored regardless of their outcome."""
 
 _STEPS: Final = frozenset({"judged", "sent", "acknowledged", "reported", "reverted", "would"})
-"""Steps between a command and its outcome, or after that."""
+"""Steps between a command and its outcome, or after the outcome."""
 
 MOST_OF_ISSUER: Final = 1000
-"""Commands of one issuer that are stored in each minute; beyond it, those to all parts are folded as if to one."""
+"""Commands of one issuer that are stored in each minute; further ones are folded as if all were to one part."""
 
 _MINUTE: Final = 60.0
 _MOST_MINUTES: Final = 10_000
@@ -32,8 +32,8 @@ class _Minute:
     """The commands of one issuer to one part in a minute.
 
     Attributes:
-        began: Time of the first, in seconds since the Unix epoch.
-        folded: The entries of the newest folded command for each outcome; the first has the number of the others.
+        began: Time of the first command, in seconds since the Unix epoch.
+        folded: The entries of the newest folded command for each outcome; the first entry counts the others.
     """
 
     began: float
@@ -54,17 +54,17 @@ class _Minute:
 
 @final
 class CommandFolding:
-    """Filter in front of the store: a flood of equal commands leaves a few entries a minute.
+    """Filter in front of the store: a flood of equal commands becomes a few entries a minute.
 
     An entry without an issuer passes. At most 1,000 commands of one issuer are stored in a minute, and 10,000 pairs of
-    issuer and part counted; 1,000 commands wait for their outcome, beyond which the oldest are stored.
+    issuer and part are counted. At most 1,000 commands wait for their outcome; the oldest beyond these are stored.
     """
 
     def __init__(self) -> None:
         self._minutes: dict[_Key, _Minute] = {}
         self._open: dict[str, list[JournalNote]] = {}
         self._first: _Minute | None = None
-        self._stored: defaultdict[str, int] = defaultdict(int)  # by issuer, in the minute that began then
+        self._stored: defaultdict[str, int] = defaultdict(int)  # by issuer, in the current minute
         self._counted_since = 0.0
 
     def add(self, note: JournalNote) -> Sequence[JournalNote]:
@@ -74,7 +74,7 @@ class CommandFolding:
         if note.kind in _STEPS:  # of a stored command
             return (note,)
         ended = tuple(self._ended(note.at))
-        is_bounded = not note.issuer or (note.kind == "denied" and not note.settings)  # as denials of the door are
+        is_bounded = not note.issuer or (note.kind == "denied" and not note.settings)  # as for denials of the door
         stored = (note,) if is_bounded else self._begin(note)
         return (*ended, *stored) if ended else stored
 
@@ -96,7 +96,7 @@ class CommandFolding:
             self._counted_since = note.at
             self._stored.clear()
         key = note.issuer, note.device, note.part
-        if self._stored[note.issuer] >= MOST_OF_ISSUER:  # the named devices need not exist
+        if self._stored[note.issuer] >= MOST_OF_ISSUER:  # the named devices may not exist
             key = note.issuer, "", ""
         minute = self._minutes.get(key)
         if minute is None:
@@ -126,7 +126,7 @@ class CommandFolding:
         return () if minute is not None and minute.fold(_outcome(note), notes) else notes
 
     def _ended(self, now: float) -> Iterator[JournalNote]:
-        """Remove the ended minutes, the oldest too if there are too many, and yield their folded entries."""
+        """Remove the ended minutes, and the oldest if there are too many; yield their folded entries."""
         while (first := self._first) is not None:
             if 0 <= now - first.began < _MINUTE and len(self._minutes) < _MOST_MINUTES:
                 return

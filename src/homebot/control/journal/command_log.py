@@ -1,4 +1,4 @@
-"""Lines of the log: each command with its outcome, each change that no command explains, each fight of apps."""
+"""Log lines: each command with its outcome, each change that no command explains, each fight of apps."""
 
 import asyncio
 from collections import deque
@@ -28,7 +28,7 @@ FIGHT: Final = "control.fight"
 _MOST_OPEN: Final = 10_000
 _INTERVAL: Final = 60.0
 _LINES: Final = 60
-"""Lines for the commands of one issuer, or for changes, in a minute; further ones are counted in the next."""
+"""Lines a minute for the commands of one issuer, or for changes; the next minute's line counts the others."""
 
 _CAUSES: Final = {"person": "by hand", "device": "by itself"}
 
@@ -36,7 +36,7 @@ _Asked: TypeAlias = tuple[JournalNote, Device | None]
 """The first entry of a command, and its device."""
 
 _DELAY: Final = 0.05
-"""Seconds after which the lines are written, so that commands do not wait for them."""
+"""Seconds after which lines are written, so that commands do not wait for them."""
 
 ENDS: Final = frozenset({"would", "published", "outcome"})
 """Kinds of entries that end a command."""
@@ -59,13 +59,13 @@ class CommandLog:
         self.fights = Fights()
 
     def end(self, note: JournalNote) -> None:
-        """Log the command that ends with *note*, one of :data:`ENDS`, in a moment."""
+        """Log, after a short delay, the command that ends with *note*, which is one of :data:`ENDS`."""
         if not self._ended:
             asyncio.get_running_loop().call_later(_DELAY, self.write)
         self._ended.append((note, self.open.pop(note.command, None)))
 
     def write(self) -> None:
-        """Write the lines that wait."""
+        """Write the pending lines."""
         while self._ended:
             self._write(*self._ended.popleft())
         while len(self.open) > _MOST_OPEN:
@@ -74,7 +74,7 @@ class CommandLog:
     def _write(self, note: JournalNote, asked: _Asked | None) -> None:
         if note.kind == "published":
             self._log(asked or (note, None), note)
-        if note.kind == "would" or asked is None:  # is logged already
+        if note.kind == "would" or asked is None:  # already logged
             return
         outcome = note.outcome
         if outcome is not None and not isinstance(outcome, AlreadySo):  # nothing was sent
@@ -99,7 +99,7 @@ class CommandLog:
         self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)
 
     def _log(self, asked: _Asked, ended: JournalNote) -> None:
-        """Log a command, unless its issuer has too many lines: then none of the text is made."""
+        """Log a command, unless its issuer has too many lines; then no text is built."""
         note, device = asked
         if (held_back := self._limit.allows(note.issuer)) is None:
             return
@@ -111,7 +111,7 @@ class CommandLog:
         log(COMMAND, message=text, device=note.device, issuer=note.issuer, command=note.command)
 
     def _add_turn(self, note: JournalNote, device: Device | None) -> None:
-        """Record a command of an app, unless it carries out the wish of a person."""
+        """Record a command of an app, unless it carries out a person's request."""
         if not note.issuer or is_client(note.issuer) or is_by_hand(note.trigger, note.at):
             return
         wanted = {one.capability: one.value.plain() for one in note.settings}

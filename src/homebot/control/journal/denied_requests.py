@@ -1,4 +1,4 @@
-"""Entries for requests of clients that lack a right: a few of each client, and a count of the rest."""
+"""Entries for requests of clients that lack a right: a few for each client, and a count of the rest."""
 
 from dataclasses import dataclass, field
 from typing import Final, TypeAlias, final
@@ -15,10 +15,10 @@ from homebot.graph import Node
 __all__ = ["DeniedRequests"]
 
 MOST_ENTRIES: Final = 20
-"""Entries of one client in an hour; further requests are counted in one more entry."""
+"""Entries for one client in an hour; one more entry counts further requests."""
 
 MOST_CLIENTS: Final = 100
-"""Clients with own counts; the others share one."""
+"""Clients with a count of their own; the others share one."""
 
 _HOUR: Final = 3600.0
 _WITH_DEVICE: Final = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
@@ -32,8 +32,8 @@ class _DeniedOfClient:
     """The denied requests of one client in this hour.
 
     Attributes:
-        recorded: The requests with an entry, each with the id of its device.
-        newest: The newest of the others.
+        recorded: The requests that have an entry, each with the id of its device.
+        newest: The newest request without one.
     """
 
     recorded: dict[_Request, str] = field(default_factory=dict)
@@ -43,10 +43,10 @@ class _DeniedOfClient:
 
 @final
 class DeniedRequests:
-    """Records the requests that the door refused.
+    """Records requests that the door refused.
 
-    A flood takes little room: each different request of a client is an entry once in an hour, 20 in all, and the others
-    are counted in one entry at its end, or when homebot stops.
+    A flood takes little room: each distinct request of a client is one entry an hour, at most 20 in all. One entry at
+        the end of the hour, or when homebot stops, counts the others.
     """
 
     def __init__(self, node: Node, lookup: DeviceLookup, journal: CommandJournal) -> None:
@@ -83,7 +83,7 @@ class DeniedRequests:
                 self._journal.denied(client.newest, device, client.more)
 
     async def _device_of(self, refused: AccessRefused) -> str:
-        """Return the id of the device of a command; empty if there is none, or several."""
+        """Return the id of the device that a command is for; empty if there is none, or several."""
         if not refused.subject:
             return ""
         target = "/" + refused.target.removeprefix("/")

@@ -18,17 +18,17 @@ __all__ = ["Fights", "Turn", "is_fight"]
 _TURNS: Final = 4
 _LONGEST: Final = 600.0
 _QUICK: Final = 30.0
-"""Seconds between two opposite commands; two of the three gaps are as short, as with a reaction to each other."""
+"""The longest gap between a command and a reaction to it, in seconds; two of the three gaps are this short."""
 
 _SHOWN: Final = 3600.0
-"""Seconds after its last command for which a fight is shown."""
+"""Seconds for which a fight is shown after its last command."""
 
 _MOST: Final = 1000
 _Sensed: TypeAlias = tuple[str, str, str]
 
 
 class Turn(NamedTuple):
-    """A command of an app that had or may have had an effect.
+    """A command of an app that had, or may have had, an effect.
 
     Attributes:
         at: When it was given, in seconds since the Unix epoch.
@@ -44,7 +44,7 @@ class Turn(NamedTuple):
 
 
 def is_fight(turns: Sequence[Turn]) -> bool:
-    """Return whether two apps gave the four *turns*, oldest first, in turn and each against the one before."""
+    """Return whether two apps alternated in the four *turns*, oldest first, each undoing the one before."""
     if len(turns) < _TURNS or turns[-1].at - turns[0].at > _LONGEST:
         return False
     first, second = turns[0].issuer, turns[1].issuer
@@ -61,7 +61,7 @@ def is_fight(turns: Sequence[Turn]) -> bool:
 
 
 def _follows(before: Mapping[_Sensed, PlainValue], after: Mapping[_Sensed, PlainValue]) -> bool:
-    """Return whether both turns respond to one sensor, which changed between them, as motion sensors do often."""
+    """Return whether both turns respond to one sensor that changed in between, as motion sensors often do."""
     return any(one in before and before[one] != value for one, value in after.items())
 
 
@@ -75,7 +75,7 @@ def _opposes(before: Mapping[str, PlainValue], after: Mapping[str, PlainValue]) 
 
 @dataclass(frozen=True, slots=True)
 class _Fight:
-    """A fight, of which *last* are the newest turns."""
+    """A fight; *last* are its newest turns."""
 
     began: float
     commands: int
@@ -84,14 +84,14 @@ class _Fight:
 
 @final
 class Fights:
-    """The fights of the last hour; of the 1,000 parts that apps commanded last."""
+    """The fights of the last hour over the 1,000 parts that apps commanded last."""
 
     def __init__(self) -> None:
         self._turns: BoundedMap[PartRef, tuple[Turn, ...]] = BoundedMap(_MOST)
         self._fights: BoundedMap[PartRef, _Fight] = BoundedMap(_MOST)
 
     def add(self, place: PartRef, turn: Turn) -> DeviceFight | None:
-        """Record a command; return the fight that it makes, unless it goes on since one of the commands before."""
+        """Record a command; return the fight if this command starts it."""
         before = self._turns.get(place, ())
         if before and before[-1].issuer == turn.issuer:
             before = before[:-1]

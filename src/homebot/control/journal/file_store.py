@@ -1,6 +1,6 @@
-"""Store of the journal and of device profiles in a file.
+"""Store of the journal and the device profiles in a file.
 
-Written by a worker thread, two minutes' worth at a time.
+A worker thread writes two minutes' worth at a time.
 """
 
 from collections import deque
@@ -23,29 +23,29 @@ from homebot.support.kept_file import KeptFile
 __all__ = ["FileStore"]
 
 _WRITE_AFTER: Final = 120.0
-"""Seconds in which entries are gathered, which a power cut loses: a disk writes whole blocks each time, and an SD card
-wears out by them."""
+"""Seconds for which entries are gathered, and which a power cut loses: each write costs whole blocks, which wear out an
+SD card."""
 
 _MANY: Final = 1000
-"""Entries, or rows, that are written at once."""
+"""Entries, or rows, that are written in one batch."""
 
 _RETRY_AFTER: Final = 5.0
 _LAST_CHANCE: Final = 5.0
 _BATCH: Final = 2000
 _MOST_WAITING: Final = 10_000
-"""Entries, and rows, that wait for the disk; more are lost, the oldest first, and counted."""
+"""Entries, and rows, that may wait for the disk; beyond this the oldest are lost and counted."""
 
 
 @final
 class FileStore(JournalStore):
     """Entries in an SQLite file, bounded by age and size, the oldest dropped first.
 
-    It is opened at the first entry or question, so that a home without commands has none. If another homebot uses it,
-    or a newer one wrote it, entries are in memory only. If it is removed, a new one is made.
+    The file is opened at the first entry or question, so a home without commands has none. If another homebot uses it,
+    or a newer one wrote it, entries are in memory only. If it is deleted, a new one is created.
 
     Args:
         longest: Seconds for which an entry is stored.
-        most_in_memory: The number of entries at most if the file cannot be used.
+        most_in_memory: The largest number of entries if the file cannot be used.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class FileStore(JournalStore):
 
     @property
     def problem(self) -> str:
-        """The trouble of the file, as text; empty if there is none."""
+        """The problem with the file, as text; empty if there is none."""
         return self._kept.trouble
 
     def add(self, note: JournalNote) -> None:
@@ -117,7 +117,7 @@ class FileStore(JournalStore):
         return ()
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return the newest entries that fit, also unwritten ones."""
+        """Return the newest entries that fit, including unwritten ones."""
         await self._write()
         if self._kept.is_unusable:
             return await super().read(request)
@@ -143,7 +143,7 @@ class FileStore(JournalStore):
                 self._has_news.set()
 
     async def close(self) -> None:
-        """Write the rest and close the file, within five seconds, cancelled or not."""
+        """Write the rest and close the file, within five seconds, even when cancelled."""
         with anyio.move_on_after(_LAST_CHANCE, shield=True):
             await self._write()
             await self._kept.close()
@@ -161,7 +161,7 @@ class FileStore(JournalStore):
             for row in learnt:
                 if self._learnt.get((row.kind, row.name)) is row:
                     del self._learnt[row.kind, row.name]
-            for _ in range(len(batch) - (self._overrun - before)):  # without the entries that were lost meanwhile
+            for _ in range(len(batch) - (self._overrun - before)):  # except entries that were lost meanwhile
                 self._waiting.popleft()
 
     def _use_memory(self) -> None:

@@ -1,4 +1,4 @@
-"""Codes and passwords in commands: the journal records that one was given, without its value. Pure."""
+"""Codes and passwords in commands: the journal records that one was given, but not its value. Pure."""
 
 import re
 from functools import lru_cache
@@ -17,7 +17,7 @@ CODE_GIVEN: Final = "a code"
 """Replaces the value of a code."""
 
 MAY_BE_CODE: Final = frozenset({"number", "text"})
-"""The capabilities with values that may be a code."""
+"""The capabilities whose values may be codes."""
 
 _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"\\]|\\.)*"|[^\s",{}\[\]]+)')
 """A field of JSON with a text or a number."""
@@ -25,13 +25,13 @@ _FIELD: Final = re.compile(r'"(?P<key>[^"\\]{1,80})"(?P<colon>\s*:\s*)(?:"(?:[^"
 _ENDS: Final = ("code", "password", "token", "_pin", "-pin", " pin")
 _CAPABILITY: Final = attrgetter("capability")
 _MOST_READ: Final = 5_000
-"""Characters of a raw text in the journal, so that a long one costs little."""
+"""The limit of characters of a raw text in the journal."""
 
 
 def without_codes(settings: tuple[Setting, ...], device: Device | None, part: DevicePart | None) -> tuple[Setting, ...]:
-    """Return *settings*, which are for *part* of *device*, with :data:`CODE_GIVEN` for each code.
+    """Return the *settings* for *part* of *device*, with :data:`CODE_GIVEN` in place of each code.
 
-    If the part is unknown and one of them may be a code, none is returned.
+    If the part is unknown and any setting may be a code, none is returned.
     """
     if MAY_BE_CODE.isdisjoint(map(_CAPABILITY, settings)):
         return settings
@@ -44,19 +44,19 @@ def without_codes(settings: tuple[Setting, ...], device: Device | None, part: De
 
 
 def takes_code(device: Device, part: Part) -> bool:
-    """Return whether a text or number for *part* is a code, by any of its names."""
+    """Return whether a text or number for *part* is a code, judging by its names."""
     names = (part.name or device.name, part.id, part.advertised)
     return any(map(names_secret, names))
 
 
 @lru_cache(maxsize=1024)
 def is_for_code(address: str) -> bool:
-    """Return whether the name of *address* is that of a code."""
+    """Return whether *address* is named like a code."""
     return names_secret(address)
 
 
 def public_text(text: str, address: str) -> str:
-    """Return the raw *text* of a command to *address* with ``"***"`` for each code, or :data:`CODE_GIVEN`."""
+    """Return the raw *text* of a command to *address* with ``"***"`` in place of each code, or :data:`CODE_GIVEN`."""
     if is_for_code(address):
         return CODE_GIVEN
     known = text[:_MOST_READ]

@@ -1,4 +1,4 @@
-"""Watch of the house beside commands: unexplained changes, and raw commands of other programs."""
+"""Watch of unexplained changes, and of raw commands of other programs."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ if TYPE_CHECKING:
 __all__ = ["HouseWatch"]
 
 _SETTINGS: Final = QoSProfile(depth=100)
-"""Each message has the changes of half a second; the oldest is dropped in a flood."""
+"""Each message has the changes of half a second; in a flood the oldest is dropped."""
 
 _RAW: Final = QoSProfile(depth=1000, reliability=ReliabilityPolicy.BEST_EFFORT)
-"""The oldest is dropped in a flood; a gateway's commands never wait for the journal."""
+"""In a flood the oldest is dropped; a gateway's commands never wait for the journal."""
 
 _MOST_COMMANDS: Final = 10
 """The newest raw commands of one device."""
 
 _DELAY: Final = 0.2
-"""Seconds after the gateway within which the journal receives a raw command in a busy loop."""
+"""Seconds by which the journal may receive a raw command later than the gateway if the event loop is busy."""
 
 _MOST: Final = 100_000
 _CALM: Final = 10.0
-"""Seconds in which further numbers of one place are not recorded: a dial that is turned, a blind on its way."""
+"""Seconds in which further numbers of one setting are not recorded: from a dial that is turned, or a moving blind."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
 
 class RawWindow(NamedTuple):
-    """The time in which a raw command explains changes of its device, in seconds since the Unix epoch.
+    """The time during which a raw command explains changes of its device, in seconds since the Unix epoch.
 
     Attributes:
         id: The id of the command; empty for none.
@@ -72,13 +72,13 @@ def _is_change(known: tuple[PlainValue, float], value: PlainValue, at: float) ->
 class HouseWatch:
     """Records unexplained changes and raw commands in the journal.
 
-    The first value of each setting is no change. At most 100,000 values, and devices with recent raw commands, are
-    stored; the longest unused are dropped.
+    The first value of each setting is not a change. At most 100,000 values, and as many devices with recent raw
+    commands, are stored; the least recently used are dropped.
 
     Args:
-        journal: Returns the journal, which is built for the first entry.
+        journal: Returns the journal, which is built when the first entry is recorded.
         cause_of: Returns the cause of a change; None if no command was ever given to the part.
-        is_dry_run: Whether gateways send nothing, so that a raw command has no effect.
+        is_dry_run: Whether gateways send nothing, so raw commands have no effect.
     """
 
     def __init__(
@@ -126,7 +126,7 @@ class HouseWatch:
             attribution = self._cause_of(change)
             if raw.id and raw.means(value):
                 self._journal().changed(change, before, raw.id, "command")
-            elif attribution is None or attribution.role is None:  # else the entries of a command have it
+            elif attribution is None or attribution.role is None:  # else the entries of a command record it
                 cause = "person" if attribution is None else attribution.cause.value
                 self._journal().changed(change, before, raw.id, "command" if raw.id else cause)
 
@@ -138,7 +138,7 @@ class HouseWatch:
 
     async def _on_raw(self, gateway: str, command: RawCommand) -> None:
         if command.command_id:
-            return  # the control layer sent it, and recorded it
+            return  # the control layer sent it and recorded it
         now = self._clock.now()
         device = await self._lookup.device_at(gateway, command.address)
         if device:

@@ -50,7 +50,7 @@ BeginRaw: TypeAlias = Callable[[str, str, str, float, float], None]
 
 _DEPTH = 1000
 _SHORTEST_SETTLE = 2.0
-"""Seconds after a raw command at least: the directory publishes a change a little later than the gateway."""
+"""The least time in seconds: the directory publishes a change a little later than the gateway."""
 
 
 _MOST_NAMES = 500
@@ -62,8 +62,8 @@ class CommandJournal:
     """Publishes and stores the entries.
 
     Args:
-        begin_raw: Called with each sent raw command: the device, the id, the text, and the time in which it explains
-            changes.
+        begin_raw: Called with each raw command that is sent: the device, the id, the text, and the time in which it
+            explains changes.
         settle: Seconds after a raw command in which it explains a change of the device.
     """
 
@@ -86,14 +86,14 @@ class CommandJournal:
         await self._store.run()
 
     async def close(self) -> None:
-        """Write the last entries, cancelled or not."""
+        """Write the last entries, even when cancelled."""
         self._log.write()
         for left in self._folding.close():
             self._store.add(left)
         await self._store.close()
 
     def health(self, counts: Mapping[str, int], notes: tuple[str, ...]) -> HealthResponse:
-        """Return the counters and the troubles of the journal, after *counts* of others, and with *notes*."""
+        """Return the counters and problems of the journal, after the *counts* of others, and with *notes*."""
         store = self._store
         return HealthResponse(
             counts=Count.each({"journal_expired": store.dropped, "journal_failures": store.failures, **counts}),
@@ -159,7 +159,7 @@ class CommandJournal:
         self.record("judged", command, verdicts=(noted,))
 
     def reported(self, order: Order, fact: Reported, cause: str) -> None:
-        """Record a report of a commanded part; *cause* is that of a change, else empty."""
+        """Record a report of a commanded part; *cause* is the cause of a change, or empty."""
         settings, now = (Setting.of(fact.capability, fact.value),), self._clock.now()
         self._add(JournalNote("reported", now, *order.place, order.id, order.issuer, settings=settings, cause=cause))
 
@@ -168,7 +168,7 @@ class CommandJournal:
         self._add(JournalNote(kind, self._clock.now(), *place, outcome.command_id, issuer, outcome=outcome))
 
     def changed(self, change: ChangedSetting, before: PlainValue, command_id: str, cause: str) -> None:
-        """Record a change from *before* with its cause; *command_id* is the raw command that explains it, or empty."""
+        """Record a change from *before* with its cause; *command_id* is that of the raw command behind it, or empty."""
         at = change.told_at.to_seconds()
         settings = (Setting(capability=change.capability, value=change.value),)
         kind: EntryKind = "reported" if command_id else "changed"
@@ -187,7 +187,7 @@ class CommandJournal:
         """
         name = command.command_id or next(self._ids)
         text = CODE_GIVEN if is_code else command.payload
-        if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is no code
+        if not text.isalpha() or is_for_code(command.address):  # a word such as "on" is not a code
             text = public_text(text, command.address)
         text = text[:_LONGEST]
         self._add(
@@ -199,7 +199,7 @@ class CommandJournal:
             self._add(JournalNote("would", at, device, "", name, issuer=command.issuer))
 
     def denied(self, refused: AccessRefused, device: str, count: int) -> None:
-        """Record that the door refused *count* requests such as this, for *device* if that is known."""
+        """Record that the door refused *count* requests such as this one, to *device* if it is known."""
         facts: dict[str, PlainValue] = {
             "operation": refused.operation,
             "target": refused.target,

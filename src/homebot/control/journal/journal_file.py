@@ -1,4 +1,4 @@
-"""The journal's file: an SQLite database with a row for each entry, and for each learnt record.
+"""The journal's file: an SQLite database with a row for each entry and each learnt record.
 
 Blocking; called from a worker thread.
 """
@@ -35,15 +35,15 @@ JOURNAL_SCHEMA: Final = SqliteSchema(
     ),
     {
         1: (_LEARNT,),  # version 1 had no learnt rows
-        # Of each index a page was written with each command; a question goes through all 50 MB in a third of a second.
+        # Each index cost one page written per command; without them a query scans all 50 MB in a third of a second.
         2: tuple(f"DROP INDEX IF EXISTS entries_{column}" for column in ("at", "device", "command")),
     },
     page_size=512,
 )
 
 _SHARE: Final = 0.1
-"""Of the entries of the issuer with the most, that are dropped at once when the file is full: so a program that floods
-loses its own entries, and to drop a few each time would cost more."""
+"""The share of the largest issuer's entries that is dropped when the file is full: a program that floods loses its own
+entries, and dropping a few each time would cost more."""
 
 _LARGEST_ISSUER: Final = (
     "SELECT CASE WHEN json_valid(entry) THEN json_extract(entry, '$.issuer') END AS issuer, count(*) FROM entries "
@@ -57,7 +57,7 @@ _DROP_OLDER: Final = (
     "DELETE FROM entries WHERE number < "
     "coalesce((SELECT number FROM entries WHERE at >= ? ORDER BY number LIMIT 1), 9e18)"
 )
-"""Looks at no more entries than it drops: they are in the order of their times, about."""
+"""Reads only the entries that it drops, because entries are roughly in order of time."""
 
 _ROUNDS: Final = 20
 _MOST_LEARNT: Final = 20_000
@@ -68,7 +68,7 @@ class JournalFile(SqliteFile):
     """Reads and writes the journal's file.
 
     Args:
-        path: The file; directories are made.
+        path: The file; its directories are created.
     """
 
     def __init__(self, path: Path) -> None:
@@ -80,9 +80,8 @@ class JournalFile(SqliteFile):
         Args:
             notes: The entries, oldest first.
             learnt: Rows that replace earlier ones; a row without a record is removed.
-            oldest: Seconds since the Unix epoch; older entries and rows are dropped.
-            most_bytes: The size of all entries at most; beyond it a tenth of those of the issuer with the most is
-                dropped, the oldest first.
+            oldest: In seconds since the Unix epoch; older entries and rows are dropped.
+            most_bytes: The largest size of all entries; beyond it the largest issuer's oldest tenth is dropped.
 
         Raises:
             LinkError: It cannot be written now; nothing was written.
@@ -101,7 +100,7 @@ class JournalFile(SqliteFile):
         return dropped
 
     def read_learnt(self) -> tuple[LearntRow, ...]:
-        """Return the newest 20,000 learnt rows, oldest first; a row of other types has an empty record.
+        """Return the newest 20,000 learnt rows, oldest first; a row with values of wrong types has an empty record.
 
         Raises:
             LinkError: It cannot be read now.
@@ -149,7 +148,7 @@ def _write_learnt(connection: sqlite3.Connection, learnt: Sequence[LearntRow]) -
     gone = [(one.kind, one.name) for one in learnt if not one.record]
     connection.executemany("DELETE FROM learnt WHERE kind = ? AND name = ?", gone)
     rows = [one for one in learnt if one.record]
-    connection.executemany("INSERT OR REPLACE INTO learnt VALUES (?, ?, ?, ?, '')", rows)  # it had a command's id
+    connection.executemany("INSERT OR REPLACE INTO learnt VALUES (?, ?, ?, ?, '')", rows)  # formerly a command's id
 
 
 def _learnt_row(kind: object, name: object, record: object, at: object) -> LearntRow:
@@ -162,7 +161,7 @@ def _learnt_row(kind: object, name: object, record: object, at: object) -> Learn
 
 
 def _size(connection: sqlite3.Connection) -> float:
-    """Return the bytes of the used pages, without the learnt rows, which have a bound of their own."""
+    """Return the bytes of the used pages, without the learnt rows, which have their own limit."""
     pages, free, size = (
         int(connection.execute(f"PRAGMA {name}").fetchone()[0])
         for name in ("page_count", "freelist_count", "page_size")

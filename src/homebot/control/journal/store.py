@@ -1,4 +1,4 @@
-"""Store of the journal and of device profiles: its rows, and the store in memory."""
+"""Store of the journal and the device profiles: its rows, and the store in memory."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
 __all__ = ["JournalNote", "JournalStore", "LearntRow", "with_newer"]
 
 _SHARE: Final = 0.1
-"""Of the entries of the issuer with the most, that are dropped at once; see :mod:`.journal_file`."""
+"""The share of the largest issuer's entries that is dropped at once; see :mod:`.journal_file`."""
 
 
 @final
 class JournalNote(NamedTuple):
-    """The fields of a `JournalEntry`; the entry is made when it is read, which few are.
+    """The fields of a `JournalEntry`, which is only built when it is read, because few are.
 
     Attributes:
         at: Seconds since the Unix epoch.
@@ -48,7 +48,7 @@ class JournalNote(NamedTuple):
 
     @property
     def stamp(self) -> Time:
-        """The time as the entry has it, to the nanosecond."""
+        """The time in the form of the entry, to the nanosecond."""
         return Time.from_seconds(self.at)
 
     def entry(self) -> JournalEntry:
@@ -64,8 +64,8 @@ class LearntRow(NamedTuple):
     Attributes:
         kind: Such as ``profile``.
         name: Its name, unique in its kind.
-        record: The record as text; empty if it is removed.
-        at: When it was learnt last, in seconds since the Unix epoch.
+        record: The record as text; empty to remove it.
+        at: When it was last learnt, in seconds since the Unix epoch.
     """
 
     kind: str
@@ -75,9 +75,9 @@ class LearntRow(NamedTuple):
 
 
 class JournalStore:
-    """Store of entries, in the order in which they are added, and of learnt rows: in memory.
+    """In-memory store of entries, in the order in which they are added, and of learnt rows.
 
-    The oldest entries are dropped when they are too old, those of the largest issuer when there are too many.
+    Entries are dropped when they are too old, and the largest issuer's oldest ones when there are too many.
 
     Args:
         longest: Seconds for which an entry is stored.
@@ -85,7 +85,7 @@ class JournalStore:
     Attributes:
         dropped: Entries that were dropped because they were too many or too old.
         failures: Entries, and rows, that could not be stored.
-        remembers: Whether it may have rows of an earlier run.
+        remembers: Whether it may contain rows of an earlier run.
     """
 
     def __init__(self, most: int, longest: float) -> None:
@@ -98,11 +98,11 @@ class JournalStore:
 
     @property
     def problem(self) -> str:
-        """The trouble of the store, as text; empty if there is none."""
+        """The problem of the store, as text; empty if there is none."""
         return ""
 
     def add(self, note: JournalNote) -> None:
-        """Add an entry; never blocks, and does no input or output."""
+        """Add an entry; never blocks or does I/O."""
         entries = self._entries
         entries.append(note)
         oldest = note.at - self._longest
@@ -125,21 +125,21 @@ class JournalStore:
         self._entries = kept
 
     async def read(self, request: ReadJournalRequest) -> ReadJournalResponse:
-        """Return the newest entries that fit, also those that were added a moment ago."""
+        """Return the newest entries that fit, including those added a moment ago."""
         return with_newer(ReadJournalResponse(), self._entries, request)
 
     def learn(self, row: LearntRow) -> None:
         """Replace the row of the same kind and name, or remove it if *row* has no record; never blocks.
 
-        In memory there is nothing to do: the knowledge ends with the run.
+        The in-memory store does nothing: the knowledge ends with the run.
         """
 
     async def learnt(self) -> tuple[LearntRow, ...]:
-        """Return the rows of earlier runs, the longest unused first; an unreadable row has no record."""
+        """Return the rows of earlier runs, the least recently used first; an unreadable row has no record."""
         return ()
 
     async def run(self) -> None:
-        """Write until cancelled; in memory there is nothing to do."""
+        """Write until cancelled; the in-memory store does nothing."""
 
     async def close(self) -> None:
         """Write the rest and close, within a few seconds; nothing is added afterwards."""
@@ -148,7 +148,7 @@ class JournalStore:
 def with_newer(
     response: ReadJournalResponse, notes: Sequence[JournalNote], request: ReadJournalRequest
 ) -> ReadJournalResponse:
-    """Return *response* with those of the newer *notes*, oldest first, that fit *request*."""
+    """Return *response* with the newer *notes*, oldest first, that fit *request*."""
     if not notes or not response.success:
         return response
     limit = min(request.limit or MOST_ENTRIES, MOST_ENTRIES)
@@ -160,10 +160,10 @@ def with_newer(
 
 
 def _newest_fitting(notes: Sequence[JournalNote], request: ReadJournalRequest) -> Iterator[JournalNote]:
-    """Yield those of *notes*, oldest first, that fit *request*, newest first."""
+    """Yield the *notes* that fit *request*, newest first; *notes* are oldest first."""
     since, until = request.since.to_seconds(), request.until.to_seconds()
     for note in reversed(notes):
-        at = note.stamp.to_seconds()  # as in the entries, which a request may quote
+        at = note.stamp.to_seconds()  # rounded as in the entries, which a request may quote
         if at < since:
             continue  # not the end: the clock may have been set
         if (not until or at <= until) and request.device in {"", note.device} and request.command in {"", note.command}:

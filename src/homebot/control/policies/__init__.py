@@ -1,4 +1,4 @@
-"""Policies: commands that are refused to every issuer, as small pure functions over a command and facts."""
+"""Policies: reasons to refuse a command of any issuer, as small pure functions of a command and facts."""
 
 from homebot.support.lazy_names import lazy_names
 
@@ -17,7 +17,7 @@ __all__ = [
     "Verdict",
 ]
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {

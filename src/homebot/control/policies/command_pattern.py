@@ -22,7 +22,7 @@ from homebot.support.similar import did_you_mean
 __all__ = ["VERBS", "CommandPattern", "Patterns", "QueryText", "known_value", "pattern_of_type", "read_pattern"]
 
 _Does: TypeAlias = Callable[[str, PlainValue, PlainValue], bool]
-"""Return whether to set a capability to a value is an action, given the value before, or None if that is unknown."""
+"""Returns whether setting a capability to a value is the action, given the value before, or None if it is unknown."""
 
 
 @final
@@ -54,7 +54,7 @@ class CommandPattern:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Accept instances alone; else pydantic would build validators for all kinds of queries."""
+        """Accept only instances; otherwise pydantic would build validators for all kinds of queries."""
         return core_schema.is_instance_schema(cls)
 
 
@@ -62,7 +62,7 @@ def read_pattern(text: str) -> CommandPattern:
     """Parse a verb and a query; without a query the pattern matches every device.
 
     Raises:
-        UsageError: It does not begin with a verb, or the rest is no query; names the problem.
+        UsageError: It does not begin with a verb, or the rest is not a query; names the problem.
     """
     words = text.split()
     for length in (2, 1):
@@ -70,7 +70,7 @@ def read_pattern(text: str) -> CommandPattern:
         if verb in VERBS:
             return CommandPattern(text, verb, _query(text, " ".join(words[length:])))
     known = f"it begins with one of {', '.join(VERBS)}"
-    raise UsageError(f"{text[:80]!r} is no command; {did_you_mean(words[0] if words else '', VERBS, known)}")
+    raise UsageError(f"{text[:80]!r} is not a command; {did_you_mean(words[0] if words else '', VERBS, known)}")
 
 
 def _query(pattern: str, text: str) -> Query:
@@ -169,10 +169,10 @@ def _starts(capability: str, wanted: PlainValue, known: PlainValue) -> bool:
 
 
 _ON_THE_WAY: Final = 300.0
-"""Seconds after a command in which a report of another value may be a value on the way."""
+"""Seconds after a command in which a report of another value may be an intermediate one."""
 
 _ROUNDING: Final = 0.001
-"""Seconds by which stamps and the monotonic clock may differ: some devices answer at once."""
+"""Seconds by which time stamps and the monotonic clock may differ: some devices answer at once."""
 
 _MOVED_BY: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({"position": ("position", "movement")})
 
@@ -180,8 +180,7 @@ _MOVED_BY: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType({"position": 
 def known_value(command: IssuedCommand, capability: str, facts: Facts) -> PlainValue:
     """Return the certain value of *capability* of the commanded part; None if an earlier command may have changed it.
 
-    A report after that command is certain if it has the commanded value, and five minutes after the command in any
-    case.
+    A report after that command is certain if it has the commanded value, and any report five minutes after the command.
     """
     state = command.states.get(capability)
     if state is None:

@@ -1,4 +1,4 @@
-"""Facts that policies check a command against, and their verdicts. Pure."""
+"""Facts against which policies check a command, and their verdicts. Pure."""
 
 import math
 from abc import abstractmethod
@@ -23,9 +23,9 @@ class Facts(NamedTuple):
 
     Attributes:
         now: Seconds since the Unix epoch.
-        monotonic: Seconds of a clock that is never set.
-        zone: The time zone of the home; None for that of the computer.
-        turns: Returns how often the values that a command turns turned within so many seconds before a monotonic time.
+        monotonic: Seconds of the monotonic clock.
+        zone: The time zone of the home; None for the computer's.
+        turns: Returns how often the values that a command changes turned in the given seconds before a monotonic time.
         clock_set_at: When the computer's clock was last set, or its sleep ended, by the monotonic clock.
     """
 
@@ -55,8 +55,8 @@ class FactUsed(NamedTuple):
 
     Attributes:
         name: For example ``occupancy of motion/hall``.
-        value: Its value; None if that is unknown.
-        since: The beginning of that value, in seconds since the Unix epoch; 0 if that is unknown.
+        value: Its value; None if unknown.
+        since: When it took that value, in seconds since the Unix epoch; 0 if unknown.
     """
 
     name: str
@@ -78,13 +78,13 @@ class Verdict(NamedTuple):
 
 
 class PolicyTable(BaseModel):
-    """A policy of homebot: its table of the configuration, with the check of a command."""
+    """A policy of homebot: its table in the configuration, and its check of a command."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     @property
     def needs(self) -> Query | None:
-        """The query for the devices that it reads in ``facts.house``; None for none."""
+        """The query for the devices that the policy reads from ``facts.house``; None for none."""
         return None
 
     @abstractmethod

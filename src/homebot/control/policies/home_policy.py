@@ -27,19 +27,19 @@ _logger = logging.getLogger(__name__)
 
 
 class NoPolicySettings(BaseModel):
-    """The table of a policy without keys."""
+    """The table of a policy that has no keys."""
 
     model_config = ConfigDict(extra="forbid")
 
 
 class HomePolicy(ABC):
-    """A policy of another package: a pure function of a command and the facts. It never waits, reads or writes.
+    """A policy of another package: a pure function of a command and the facts, without waiting or I/O.
 
     Args:
-        settings: Its table of the configuration, checked; an instance of :attr:`Settings`.
+        settings: Its validated table of the configuration, an instance of :attr:`Settings`.
 
     Attributes:
-        needs: The query for the devices that it reads in ``facts.house``; None for none.
+        needs: The query for the devices that the policy reads from ``facts.house``; None for none.
     """
 
     Settings: ClassVar[type[BaseModel]] = NoPolicySettings
@@ -50,12 +50,12 @@ class HomePolicy(ABC):
 
     @abstractmethod
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
-        """Return the verdict; the name of the policy in it is replaced by that of its table."""
+        """Return the verdict; its policy name is replaced by the name of the table."""
 
 
 @final
 class NamedPolicy:
-    """A policy with the name of its table; one that fails refuses the command."""
+    """A policy under the name of its table; if it fails, it refuses the command."""
 
     def __init__(self, name: str, policy: HomePolicy) -> None:
         self.name = name
@@ -68,7 +68,7 @@ class NamedPolicy:
         try:
             verdict = self.policy.judge(command, facts)
             return Verdict(self.name, verdict.allowed, verdict.reason, verdict.facts)
-        except Exception as exc:  # the code of another package; it did not allow the command
+        except Exception as exc:  # code of another package; it did not allow the command
             if not self._has_failed:
                 self._has_failed = True
                 _logger.exception("the policy %s failed, and refuses every command that it checks", self.name)
@@ -84,7 +84,7 @@ def home_policies(tables: Mapping[str, Mapping[str, object]]) -> Iterator[NamedP
     """Yield the policies of *tables*.
 
     Raises:
-        UsageError: A name is no installed policy, or its table is wrong; names the remedy.
+        UsageError: A name is not an installed policy, or its table is wrong; names the remedy.
     """
     for name, table in tables.items():
         kind = _kind(name)
@@ -99,7 +99,7 @@ def check_tables(tables: PolicyTables) -> PolicyTables:
     """Return *tables* if installed policies accept them.
 
     Raises:
-        ValueError: One does not; for :mod:`pydantic`.
+        ValueError: One rejects its table; for :mod:`pydantic`.
     """
     try:
         for _ in home_policies(tables):
@@ -110,7 +110,7 @@ def check_tables(tables: PolicyTables) -> PolicyTables:
 
 
 def _kind(name: str) -> type[HomePolicy]:
-    """Return the installed class of that name; a module or file is never loaded, as a recording may name one."""
+    """Return the installed class of that name; never load a module or file, because a recording may name one."""
     if not has_plugin(POLICIES, name):
         known = plugin_names(POLICIES)
         hint = did_you_mean(name, known, f"installed are {', '.join(known) or 'none'}")

@@ -1,4 +1,4 @@
-"""Devices that policies need, by room, and the motion sensors that are known to work. Pure."""
+"""Devices that policies need, by room, and motion sensors that are known to work. Pure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DETECTION: Final = "detection"
 _RECORD: Final = '{"version":1}'
 _MOST: Final = 10_000
 _DAY: Final = 86_400.0
-"""Seconds after which a row is saved again: the store drops old rows."""
+"""Seconds after which a row is saved again, because the store drops old rows."""
 
 
 class SensorReading(NamedTuple):
@@ -34,8 +34,8 @@ class SensorReading(NamedTuple):
     Attributes:
         sensor: The id of the device, with ``#`` and the id of the part if it has one.
         value: The value; None if the sensor reported nothing live, or has been silent for too long.
-        since: The beginning of that value, in seconds since the Unix epoch; 0 if that is unknown.
-        heard_since: The end of the last silence of the sensor, in which it may have had another value; 0 for none.
+        since: When it took that value, in seconds since the Unix epoch; 0 if unknown.
+        heard_since: When the sensor's last silence ended, during which its value may have differed; 0 for none.
     """
 
     sensor: str
@@ -46,13 +46,13 @@ class SensorReading(NamedTuple):
 
 @final
 class House:
-    """The devices that some policy needs, by room.
+    """The devices that policies need, by room.
 
     Args:
-        detections: The sensors that detected a person, kept over restarts; None for new ones.
+        detections: The sensors that detected a person, kept across restarts; None to start without any.
 
     Attributes:
-        is_known: Whether the devices have been read from the directory; before, nothing is known.
+        is_known: Whether the devices have been read from the directory; until then nothing is known.
     """
 
     def __init__(self, detections: Detections | None = None) -> None:
@@ -61,7 +61,7 @@ class House:
         self._devices: dict[str, DeviceView] = {}
         self._room_of: dict[str, str] = {}
         self._detected_since: dict[str, float] = {}
-        self._heard_since: dict[str, float] = {}  # of devices that were silent
+        self._heard_since: dict[str, float] = {}  # for devices that were silent
 
     def put(self, view: DeviceView) -> None:
         """Add a device, or update its room."""
@@ -89,7 +89,7 @@ class House:
             self._record_detections(change.device, change.states)
 
     def readings(self, room: str, capability: str) -> list[SensorReading]:
-        """Return the values of all sensors of *capability* in *room*, which is not empty."""
+        """Return the values of all sensors of *capability* in *room*, which must not be empty."""
         return [
             self._reading(view, part.id, capability)
             for view in self.devices(room)
@@ -98,7 +98,7 @@ class House:
         ]
 
     def reading_of(self, name: str, capability: str) -> SensorReading | None:
-        """Return the value of the only sensor of *capability* of a device with the id or the name *name*."""
+        """Return the value of the only sensor of *capability* on the device with the id or name *name*."""
         found = [
             self._reading(view, part.id, capability)
             for view in self._devices.values()
@@ -109,7 +109,7 @@ class House:
         return found[0] if len(found) == 1 else None
 
     def detected_since(self, sensor: str) -> float | None:
-        """Return when *sensor* last began to detect a person, in seconds since the Unix epoch; None if not yet."""
+        """Return when *sensor* last began to detect a person, in seconds since the Unix epoch; None for never."""
         return self._detected_since.get(sensor)
 
     def unproven(self) -> tuple[str, ...]:
@@ -153,10 +153,10 @@ def _is_heard(device: Device) -> bool:
 
 @final
 class Detections:
-    """The last 10,000 motion sensors that have detected a person; the others may be broken, or face a wall.
+    """The last 10,000 motion sensors that detected a person; any other may be broken, or face a wall.
 
     Args:
-        save: Saves a sensor over a restart: its name, and a record, empty to remove it.
+        save: Saves a sensor across restarts: its name, and a record, empty to remove it.
 
     Attributes:
         forgotten: The number of sensors that were dropped because there were too many.
@@ -185,7 +185,7 @@ class Detections:
 
     @property
     def sensors(self) -> tuple[str, ...]:
-        """All of them, the next one to be dropped first."""
+        """All sensors, in the order in which they will be dropped."""
         return tuple(self._saved_at)
 
     def add(self, sensors: Iterable[str]) -> None:
@@ -201,7 +201,7 @@ class Detections:
             WireError: The record is of another version.
         """
         if record != _RECORD:
-            raise WireError("it is no detection of this version", record.encode())
+            raise WireError("it is not a detection of this version", record.encode())
         self.add((name,))
 
     def _put(self, sensor: str, saved_at: float) -> None:

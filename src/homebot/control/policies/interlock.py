@@ -23,8 +23,8 @@ class Interlock(PolicyTable):
     """A table ``[[control.interlocks]]``.
 
     Attributes:
-        condition: The query, written as ``while``: the commands are refused while a device matches.
-        where: Whether that device must be in the room of the commanded one, or may be anywhere in the home.
+        condition: The query, written as ``while``: commands are refused while a device matches it.
+        where: Whether that device must be in the same room as the commanded one, or may be anywhere in the home.
     """
 
     commands: Patterns
@@ -41,11 +41,11 @@ class Interlock(PolicyTable):
 
     @cached_property
     def needs(self) -> Query:
-        """The devices that may match the condition at some time."""
+        """The devices that may ever match the condition."""
         return without_states(self._query)
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
-        """Refuse a command while the condition holds, or while that is unknown."""
+        """Refuse a command while the condition holds, or may hold."""
         if any(pattern.fits(command, facts) for pattern in self.commands):
             room = command.device.area if self.where == "room" else None
             if not facts.house.is_known or room == "":
@@ -78,7 +78,7 @@ class Interlock(PolicyTable):
 
 
 def without_states(query: Query, *, is_possible: bool = True) -> Query:
-    """Return the query for the parts that may match *query* at some time; else for those that match it at any time."""
+    """Return the query for the parts that may ever match *query*; if not *is_possible*, for those that always do."""
     match query:
         case StateIs():
             return And(()) if is_possible else Or(())
@@ -92,7 +92,7 @@ def without_states(query: Query, *, is_possible: bool = True) -> Query:
 
 
 def _doubt(device: Device, *, is_away: bool, is_silent: bool) -> str:
-    """Return why the present state of a part is unknown; empty if it is known."""
+    """Return why the current state of a part is unknown; empty if it is known."""
     if is_away:
         return "it is unreachable"
     if device.freshness == "stale":

@@ -1,4 +1,4 @@
-"""Presence guard: apps do not annoy or hurt people who are in the room. Pure."""
+"""Presence guard: apps do not annoy or hurt people in the room. Pure."""
 
 from typing import Annotated, Final, Literal, TypeAlias
 
@@ -19,7 +19,7 @@ Presence: TypeAlias = Literal["present", "absent", "unknown"]
 NAME: Final = "presence_guard"
 
 CONTACT: Final = "contact"
-"""The capability of a door contact; true is open."""
+"""The capability of a door contact; true means open."""
 
 
 def _annoying() -> tuple[CommandPattern, ...]:
@@ -30,7 +30,7 @@ def _annoying() -> tuple[CommandPattern, ...]:
 
 
 def _as_tuple(value: object) -> object:
-    """Return an array as a tuple: pydantic rejects a list in a table that may be ``true`` as well."""
+    """Return an array as a tuple: pydantic rejects a list in a table that may also be ``true``."""
     return tuple(value) if isinstance(value, list) else value
 
 
@@ -42,10 +42,10 @@ class PresenceGuardSettings(PolicyTable):
     """The table ``[control.presence_guard]``.
 
     Attributes:
-        commands: The commands that apps may not give in an occupied room, or one that may be.
-        absent_after: Seconds without motion after which a room is empty: a person who reads does not move.
-        doors: The ids or names of the contacts on all doors of a room, by its name: a person who moved in it after
-            they were closed is there until one opens.
+        commands: The commands that apps may not give in a room that is, or may be, occupied.
+        absent_after: Seconds without motion after which a room counts as empty: a person who reads does not move.
+        doors: The ids or names of the contacts on all doors of a room, by room: a person who moved there after all
+            doors were closed stays until one opens.
     """
 
     commands: Patterns = Field(default_factory=_annoying)
@@ -58,12 +58,12 @@ class PresenceGuardSettings(PolicyTable):
         return Or((CanDo(OCCUPANCY), CanDo(CONTACT))) if self.doors else CanDo(OCCUPANCY)
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
-        """Refuse such a command of an app in a room that is occupied, or may be."""
+        """Refuse such a command of an app in a room that is, or may be, occupied."""
         if command.is_by_person or not any(pattern.fits(command, facts) for pattern in self.commands):
             return Verdict(NAME, allowed=True)
         room = command.device.area
         if not room:
-            reason = "the room of the device is unknown, and so is whether somebody is there"
+            reason = "the room of the device is unknown, so somebody may be there"
             return Verdict(NAME, allowed=False, reason=reason)
         presence, used = presence_in(room, facts, self.absent_after)
         if presence == "absent" and (remaining := remaining_person(room, self, facts)) is not None:
@@ -77,7 +77,7 @@ class PresenceGuardSettings(PolicyTable):
         return Verdict(NAME, presence == "absent", _reason(presence, room, used, facts), used)
 
     def contacts_of(self, room: str) -> tuple[str, ...]:
-        """Return the contacts on all doors of *room*; none if they are not known."""
+        """Return the contacts on all doors of *room*; none if unknown."""
         if not self.doors:
             return ()
         return next((contacts for name, contacts in self.doors.items() if fold(name) == fold(room)), ())
@@ -87,7 +87,8 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     """Return whether *room* is occupied, and the readings behind it.
 
     Present: a sensor detects motion, or did within *absent_after* seconds. Unknown: there is no sensor, or one is
-    silent, has never detected motion, or was first heard within these seconds, or again. Absent otherwise.
+        silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
+        otherwise.
     """
     found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
     for one in facts.house.readings(room, OCCUPANCY):
@@ -100,7 +101,7 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
 
 
 def _presence_by(reading: SensorReading, since: float, facts: Facts, absent_after: float) -> Presence:
-    """Return the presence by one sensor, which has had its value *since* then for certain."""
+    """Return the presence according to one sensor, whose value is certain from *since* on."""
     if reading.value is True:
         return "present"
     if reading.value is not False or reading.sensor not in facts.house.detections:
@@ -114,8 +115,8 @@ def _presence_by(reading: SensorReading, since: float, facts: Facts, absent_afte
 def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -> FactUsed | None:
     """Return the detection of a person who has not left *room* since its doors were closed; None if there is none.
 
-    A sensor began to detect motion after all doors were closed, or still did ``absent_after`` seconds later, which is
-    longer than it holds the motion of a person who left.
+    The person was detected after all doors were closed: a sensor began to detect motion then, or still did so
+        ``absent_after`` seconds later, which is longer than it reports the motion of a person who left.
     """
     closed_for = _closed_for(settings.contacts_of(room), facts)
     if closed_for is None:
@@ -131,7 +132,7 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
 
 
 def _closed_for(contacts: tuple[str, ...], facts: Facts) -> float | None:
-    """Return for how many seconds all doors have been closed; None if one is open or unknown, or there is none."""
+    """Return the seconds for which all doors have been closed; None if one is open or unknown, or there are none."""
     readings = [facts.house.reading_of(one, CONTACT) for one in contacts]
     if not readings or any(one is None or one.value is not False for one in readings):
         return None
@@ -139,7 +140,7 @@ def _closed_for(contacts: tuple[str, ...], facts: Facts) -> float | None:
 
 
 def _person_at(command: IssuedCommand, facts: Facts, within: float) -> FactUsed | None:
-    """Return the newest unexplained change of the commanded part: a switch reports sooner than a motion sensor."""
+    """Return the newest unexplained change of the commanded part: a switch reports before a motion sensor."""
     change = facts.timeline_of(command.device, command.part).unexplained(facts.monotonic - within)
     if change is None:
         return None
@@ -151,7 +152,7 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
         case "absent":
             return f"nobody is in {room}"
         case "unknown":
-            return f"nothing tells whether somebody is in {room}: {_doubt(used, facts)}"
+            return f"it is unknown whether anybody is in {room}: {_doubt(used, facts)}"
     (one,) = used
     if one.value is True:
         return f"somebody is in {room}: {_shown(one)} is on"
@@ -159,7 +160,7 @@ def _reason(presence: Presence, room: str, used: tuple[FactUsed, ...], facts: Fa
 
 
 def _shown(used: FactUsed) -> str:
-    """Return the name of the fact without the id of the sensor's part."""
+    """Return the name of the fact, without the id of the sensor's part."""
     return used.name.partition("#")[0]
 
 

@@ -28,8 +28,8 @@ class QuietHours(PolicyTable):
 
     Attributes:
         start: The local time at which they begin.
-        end: The local time at which they end; before *start* it is on the next day.
-        commands: The commands that apps may not give meanwhile.
+        end: The local time at which they end; on the next day if it is before *start*.
+        commands: The commands that apps may not give during them.
     """
 
     start: LocalTime
@@ -40,11 +40,11 @@ class QuietHours(PolicyTable):
     @classmethod
     def _is_another_time(cls, end: time, info: ValidationInfo) -> time:
         if end == info.data.get("start"):
-            raise ValueError(f"is {end:%H:%M} as start is, so that it would never be quiet")
+            raise ValueError(f"is {end:%H:%M}, the same as start, so it would never be quiet")
         return end
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
-        """Refuse a command of an app at these hours."""
+        """Refuse a command of an app during these hours."""
         if not command.is_by_person and any(pattern.fits(command, facts) for pattern in self.commands):
             now = facts.local_time.time()
             if is_within(now, self.start, self.end):
@@ -55,7 +55,7 @@ class QuietHours(PolicyTable):
 
 
 def is_within(now: time, start: time, end: time) -> bool:
-    """Return whether *now* is from *start* to before *end*, over midnight if *end* is the earlier one."""
+    """Return whether *now* is between *start* and *end*, across midnight if *end* is before *start*."""
     if start <= end:
         return start <= now < end
     return now >= start or now < end

@@ -1,4 +1,4 @@
-"""Rate limit: no value is switched to and fro without end. Pure."""
+"""Rate limit: no value is switched back and forth endlessly. Pure."""
 
 from bisect import bisect_right
 from collections import deque
@@ -23,7 +23,7 @@ _MOST_TURNS: Final = 1000
 _MOST: Final = 10_000
 
 _POWER: Final = "power_state"
-"""Name for the power of a part, by whichever capability it is switched."""
+"""Name for the power of a part, whichever capability switches it."""
 
 _Place: TypeAlias = tuple[str, str, str]
 
@@ -32,19 +32,19 @@ class RateLimitSettings(PolicyTable):
     """The table ``[control.rate_limit]``.
 
     Attributes:
-        changes: The number of turns of a value that are allowed within *seconds*.
+        changes: How many turns of a value are allowed within *seconds*.
     """
 
     changes: int = Field(default=30, ge=1, le=1000)
     seconds: Seconds = 10.0
 
     def judge(self, command: IssuedCommand, facts: Facts) -> Verdict:
-        """Refuse a command that turns a value once more than is allowed."""
+        """Refuse a command that turns a value more often than allowed."""
         turns = facts.turns(command, facts.monotonic, self.seconds)
         if turns < self.changes:
             return _WITHIN
         used = FactUsed(f"changes of {command.target} in {self.seconds:g} s", float(turns))
-        reason = f"{command.label} was switched to and fro {turns} times within {self.seconds:g} s"
+        reason = f"{command.label} was switched back and forth {turns} times within {self.seconds:g} s"
         return Verdict(NAME, allowed=False, reason=reason, facts=(used,))
 
 
@@ -53,7 +53,7 @@ class _Sent:
     """The last command for one place.
 
     Attributes:
-        turned_by: The id of the last command for another value than the one before.
+        turned_by: The id of the last command whose value differed from the one before.
     """
 
     value: PlainValue
@@ -67,10 +67,10 @@ class _Sent:
 
 @final
 class TurnCounter:
-    """Times at which each capability of each part turned: at most 1,000 each, of the last 10,000 capabilities.
+    """Times at which each capability of each part turned: up to 1,000 for each of the last 10,000 capabilities.
 
-    A turn is a command for another value than the one before; of numbers one that changes direction, as to dim is no
-    turn. On and off are one value, by whichever capability they are commanded: level 0 is off.
+    A turn is a command whose value differs from the one before; a number must also change direction, so dimming is not
+    a turn. On and off are one value, whichever capability commands them: level 0 is off.
     """
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ class TurnCounter:
     def record(self, command: IssuedCommand, now: float) -> None:
         """Record that *command* is sent, or was, at *now* on the monotonic clock.
 
-        A turn counts from the last recording of its command: the device may have received it only then.
+        A turn counts from the last recording of its command: the device may not have received it before.
         """
         for place, value in _effects(command):
             sent = self._sent.get(place)
@@ -90,7 +90,7 @@ class TurnCounter:
                 _record(sent, place, value, command, now)
 
     def count(self, command: IssuedCommand, now: float, seconds: float) -> int:
-        """Return how often the values that *command* turns turned within *seconds*; 0 if it turns none."""
+        """Return how often the values that *command* turns did so within *seconds*; 0 if it turns none."""
         most = 0
         for place, value in _effects(command):
             sent = self._sent.get(place)
@@ -142,7 +142,7 @@ def _is_undone(sent: _Sent, command: IssuedCommand, now: float) -> bool:
 
 
 def _turn(sent: _Sent, value: PlainValue) -> tuple[bool, float]:
-    """Return whether *value* is a turn; and its direction: of a number above 0 if it grows, else 0."""
+    """Return whether *value* is a turn, and its direction: above 0 for a number that grows, else 0."""
     before, direction = sent.value, 0.0
     if isinstance(value, float) and isinstance(before, float):
         direction = value - before

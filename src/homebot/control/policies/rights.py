@@ -1,4 +1,4 @@
-"""Rights and approvals: the devices that an issuer may command, and those that the owner has to approve. Pure."""
+"""Rights and approvals: the devices that an issuer may command, and those that need the owner's approval. Pure."""
 
 import shlex
 from collections.abc import Mapping
@@ -33,14 +33,14 @@ _APPROVED: Final = Verdict(APPROVAL, allowed=True)
 
 _SAFE: Final = ("lock", "turn off")
 _SAFE_SETTING: Final = ("lock",)
-"""Off is unsafe for a setting, such as the one by which a lock locks itself, for a part that arms the alarm, and for a
-door opener: some models move the door at either value."""
+"""Off is unsafe for a setting such as a lock's auto-lock, for a part that arms the alarm, and for a door opener: some
+models move the door at either value."""
 
 
 def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) -> Verdict:  # noqa: FBT001 - bound by a partial
     """Refuse a command to a device that its issuer may not command.
 
-    Without a right that names a dangerous device an issuer may still lock, stop or turn it off.
+    Without a right that names a dangerous device, an issuer may still lock, stop or turn it off.
     """
     why = command.why_it_asks
     if command.rights.may_command(command.device, command.part, asks=bool(why)):
@@ -49,19 +49,19 @@ def check_grants(needs_approval: bool, command: IssuedCommand, _facts: Facts) ->
         own = ", ".join(command.rights.act_scope) or "nothing"
         return Verdict(GRANTS, allowed=False, reason=f"{command.issuer} may not command {command.label}, only: {own}")
     if _may_make_safe(command, command.rights):
-        return Verdict(ALWAYS_ASK, allowed=True, reason="it is to the safe side")
+        return Verdict(ALWAYS_ASK, allowed=True, reason="it makes the house safer")
     step = _approval_step(command) if needs_approval else ""
-    lacks = f"{command.label} takes a right that names it ({why}), and {command.issuer} has none"
+    lacks = f"{command.label} needs a right that names it ({why}), and {command.issuer} has none"
     return Verdict(ALWAYS_ASK, allowed=False, reason=f"{lacks}; {step}{_grant_advice(command)} gives one")
 
 
 def check_approval(command: IssuedCommand, _facts: Facts) -> Verdict:
-    """Refuse every command to a part that can hurt, unless the owner approved a route that takes it."""
+    """Refuse every command to a dangerous part, unless the owner approved a route that takes it."""
     if not _waits_for_approval(command):
         return _APPROVED
     device, why = command.device, command.why_it_asks
     used = FactUsed(f"{APPROVED} of {device.id}", value=False)
-    reason = f"{command.label} can hurt ({why}), and {_missing_approval(command)}; approve it with {_approve(device)}"
+    reason = f"{command.label} is unsafe ({why}), and {_missing_approval(command)}; approve it with {_approve(device)}"
     return Verdict(APPROVAL, allowed=False, reason=reason, facts=(used,))
 
 
@@ -69,7 +69,7 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
     """Return why the client that gave *command* may not command the part; empty if it may.
 
     Args:
-        needs_approval: Whether dangerous devices need an approval, which the reason then names with the right.
+        needs_approval: Whether dangerous devices need an approval; if so, the reason names it along with the right.
     """
     device, part, asks = command.device, command.part, command.why_it_asks
     try:
@@ -82,7 +82,7 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
         return ""
     right = f"""act: {f'id="{device.id}"' if asks else part.part.service_type}"""
     why = (
-        f"such a device takes a right that names it ({asks})" if asks else "it is not among what the client may command"
+        f"such a device needs a right that names it ({asks})" if asks else "it is not among what the client may command"
     )
     has = f"the scope of the client is {', '.join(command.scope)}" if command.scope else "the client has no token"
     step = _approval_step(command) if needs_approval else ""
@@ -90,7 +90,7 @@ def client_refusal(command: IssuedCommand, *, needs_approval: bool) -> str:
 
 
 def is_safe(device: Device, part: DevicePart, settings: Mapping[str, PlainValue]) -> bool:
-    """Return whether all *settings* make the house safer: a valve that closes does, a door that closes may hurt."""
+    """Return whether all *settings* make the house safer: closing a valve does, closing a door may hurt a person."""
     is_off_unsafe = part.part.service_type == "x_setting" or is_opener(device) or is_arming(part)
     verbs = _SAFE_SETTING if is_off_unsafe else _SAFE
     return all(
@@ -107,14 +107,14 @@ def _is_always_safe(name: str, value: PlainValue) -> bool:
 def _may_make_safe(command: IssuedCommand, rights: ClientRights) -> bool:
     """Return whether *rights* to all harmless devices allow a command to a dangerous one.
 
-    A lease is not allowed: it would hold off those with the right to the device.
+    A lease is not allowed: it would block issuers that have the right to the device.
     """
     is_lease = command.trigger.kind == "lease"
     return rights.acts_on_harmless and not is_lease and is_safe(command.device, command.part, command.settings)
 
 
 def _grant_advice(command: IssuedCommand) -> str:
-    """Return the line of the configuration that allows the issuer this device, besides those that it may command."""
+    """Return the line of the configuration that also lets the issuer command this device."""
     table = command.issuer.removeprefix("/")
     key = table if command.issuer == THING_DIRECTORY_NODE else f"apps.{table}"
     rights = command.rights
@@ -138,7 +138,7 @@ def _rights(scope: tuple[str, ...]) -> ClientRights:
 
 
 def _approval_step(command: IssuedCommand) -> str:
-    """Return the missing approval as the first step of an advice; empty if none is missing."""
+    """Return the missing approval as the first step to take; empty if none is missing."""
     return f"approve it with {_approve(command.device)}, and " if _waits_for_approval(command) else ""
 
 
@@ -151,7 +151,7 @@ def _waits_for_approval(command: IssuedCommand) -> bool:
 
 
 def _missing_approval(command: IssuedCommand) -> str:
-    """Return the reason why no approval counts for the part."""
+    """Return why no approval applies to the part."""
     keys = {(route.gateway, route.key) for route in command.part.routes}
     for fact in command.device.facts:
         if fact.name == CHANGED and (fact.gateway, fact.key) in keys:

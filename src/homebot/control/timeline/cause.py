@@ -29,7 +29,7 @@ class Cause(Enum):
 
     @property
     def may_be_person(self) -> bool:
-        """True if it has to be treated as a person's doing, to be safe."""
+        """True if it has to be treated as a person's action, to be safe."""
         return self in {Cause.PERSON, Cause.UNKNOWN}
 
 
@@ -37,8 +37,8 @@ class Attribution(NamedTuple):
     """Cause of a report.
 
     Attributes:
-        command: The id of the command that caused it, or that it ended; empty for none.
-        role: The role of the report for that command; None for none.
+        command: The id of the command that caused the report, or whose effect it ended; empty for none.
+        role: The role of the report for that command; None without one.
     """
 
     cause: Cause
@@ -48,7 +48,7 @@ class Attribution(NamedTuple):
 
 _OF_ROLE: Final = {ReportRole.EFFECT: Cause.COMMAND, ReportRole.ECHO: Cause.ECHO, ReportRole.STEP: Cause.TRANSITION}
 _RESTS: Final = frozenset({"open", "closed", STOPPED})
-"""States of a motor that rests."""
+"""States of a motor at rest."""
 
 _NO_COMMAND: Final = Attribution(Cause.PERSON)
 _NOT_KNOWN: Final = Attribution(Cause.UNKNOWN)
@@ -72,7 +72,7 @@ def cause_of(fact: Reported, commands: Iterable[CommandProgress]) -> Attribution
 
 
 def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:
-    """Return the cause of the end of a wanted value: the device, if it has the habit, else unknown."""
+    """Return the cause of the end of a wanted value: the device if it is known to go back, else unknown."""
     undoing = command.settling.undoing if command.settling is not None else None
     usual = command.usual_returns.get(capability)
     if undoing is not None and usual is not None and abs(undoing.after - usual) <= durations.REGULAR:
@@ -81,7 +81,7 @@ def cause_of_undoing(command: CommandProgress, capability: str) -> Cause:
 
 
 def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause | None:
-    """Return the cause of a report with *role* for *command*; None if that does not explain it."""
+    """Return the cause of a report with *role* for *command*; None if the command does not explain it."""
     if role in _OF_ROLE:
         return _OF_ROLE[role]
     if fact.is_after_loss:
@@ -98,7 +98,7 @@ def _cause(role: ReportRole, fact: Reported, command: CommandProgress) -> Cause 
 
 
 def _rests_where_sent(fact: Reported, command: CommandProgress) -> bool:
-    """Return whether a cover arrived: at half it is open, has stopped, or is closed until it tells its position."""
+    """Return whether a cover arrived: halfway it reports open, stopped, or closed until it reports its position."""
     return fact.value in _RESTS and any(abs(fact.at - met) <= durations.CAME_ALONG for met in command.met_times)
 
 

@@ -14,10 +14,10 @@ __all__ = ["SendingPlan", "Step", "next_step", "outcome_of"]
 
 
 class Step(NamedTuple):
-    """The next thing to do for a command.
+    """The next action for a command.
 
     Attributes:
-        kind: ``send``: send it, again if it was sent; ``wait``: until a fact comes or *until*; ``done``: it is decided.
+        kind: ``send``: send it, perhaps again; ``wait``: for a fact, or until *until*; ``done``: it is decided.
         until: Seconds on the monotonic clock.
     """
 
@@ -31,18 +31,18 @@ _SEND: Final = Step("send")
 
 @dataclass(slots=True)
 class SendingPlan:
-    """Times of the sendings of one command, and how far they are.
+    """Times of the sendings of one command, and their progress.
 
     Attributes:
-        tries: How often it is sent at most.
+        tries: The largest number of sendings.
         interval: Seconds between two sendings.
         lasts: Seconds from the first sending to the end.
-        keeps_for: Seconds for which the network may store a sending before the next one.
-        echo_patience: Seconds after an echo in which the device's own report is waited for; inf without echoes.
-        attempts: How often it was sent, or was to be.
+        keeps_for: Seconds for which the network may store a sending.
+        echo_patience: Seconds to wait after an echo for the device's own report; inf without echoes.
+        attempts: The number of sendings so far, including failed ones.
         asked_at: When the last sending ended.
-        began: When the first sending ended: a gateway may have had to connect before.
-        lost_at: When the connection was last lost, or gave no answer; -inf for never.
+        began: When the first sending ended: a gateway may have had to connect first.
+        lost_at: When the connection was last lost, or did not answer; -inf for never.
     """
 
     tries: int
@@ -71,7 +71,7 @@ def next_step(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
 
 
 def outcome_of(progress: CommandProgress, now: float) -> Outcome:
-    """Return the outcome of a command as it is at *now*."""
+    """Return the current outcome of a command at *now*."""
     name, waited = progress.order.id, now - progress.given_at
     if progress.superseded_by:
         return Superseded(progress.superseded_by, command_id=name)
@@ -91,7 +91,7 @@ def outcome_of(progress: CommandProgress, now: float) -> Outcome:
 
 
 def weakly_met_at(progress: CommandProgress) -> float:
-    """Return when all was reported or echoed, or sent if an echo is declared; inf if it was not."""
+    """Return when all values were reported or echoed, or sent if an echo is declared; inf if they were not."""
     order = progress.order
     if not progress.wanted or not progress.has_echo:
         return math.inf
@@ -105,7 +105,7 @@ def weakly_met_at(progress: CommandProgress) -> float:
 
 
 def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
-    """Return the outcome of a command of which the device reported nothing."""
+    """Return the outcome of a command for which the device reported nothing."""
     name = progress.order.id
     if progress.is_unacknowledged and not progress.is_accepted:
         return _no_answer(progress, waited)
@@ -114,7 +114,7 @@ def _silent_outcome(progress: CommandProgress, waited: float) -> Outcome:
         return Confirmed(at - progress.given_at, Evidence.ACKNOWLEDGED, command_id=name)
     if not progress.was_so:
         return _no_answer(progress, waited)
-    if progress.has_echo:  # the report before may have been an echo
+    if progress.has_echo:  # the previous report may have been an echo
         return Confirmed(waited, Evidence.ACKNOWLEDGED, command_id=name)
     return AlreadySo(command_id=name)
 
@@ -124,7 +124,7 @@ def _no_answer(progress: CommandProgress, waited: float) -> NoAnswer:
 
 
 def _answer_until(progress: CommandProgress, plan: SendingPlan, echo_until: float) -> float:
-    """Return how long the answer to the last sending may take; longer while the device is on its way."""
+    """Return until when the answer to the last sending may come; later while the device is on its way."""
     until = min(plan.asked_at + plan.interval, plan.began + plan.lasts)
     if progress.moved_at is None:
         return min(until, echo_until)
@@ -143,7 +143,7 @@ def _after_silence(progress: CommandProgress, plan: SendingPlan, now: float, *, 
 
 
 def _repetition(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
-    """Return whether to send again: after a lost connection the device has to report first that it did not obey."""
+    """Return whether to send again: after a lost connection the device has to report that it did not obey first."""
     if plan.lost_at < max(progress.first_sent_at, progress.told_otherwise_at):
         return _SEND
     end = plan.began + plan.lasts
@@ -151,7 +151,7 @@ def _repetition(progress: CommandProgress, plan: SendingPlan, now: float) -> Ste
 
 
 def _last_wait(progress: CommandProgress, plan: SendingPlan, now: float) -> Step:
-    """Return whether to wait until the end: a device that usually answers sooner may be slow for once."""
+    """Return whether to wait until the end: a device that usually answers sooner may be slow this time."""
     end = now if progress.has_stopped else plan.began + plan.lasts
     is_known = isinstance(outcome_of(progress, now), Confirmed | AlreadySo)
     return _DONE if is_known or now >= end else Step("wait", end)

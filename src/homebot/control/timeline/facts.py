@@ -19,7 +19,7 @@ class ReportRole(Enum):
     ``EFFECT``: the wanted value. ``ECHO``: the wanted value, repeated by a bridge. ``STEP``: a value on the way.
     ``ASTRAY``: a position farther away than the one before. ``UNDONE``: another value after the wanted one.
     ``REPEAT``: the same other value again. ``OTHERWISE``: another value. ``AGREES``: a value of another capability that
-    the command does not contradict. ``ASIDE``: any other value.
+    is consistent with the command. ``ASIDE``: any other value.
     """
 
     EFFECT = "effect"
@@ -35,14 +35,14 @@ class ReportRole(Enum):
 
 @dataclass(slots=True, eq=False)
 class Order:
-    """Wanted state of a part, as one command states it.
+    """Wanted state of a part according to one command.
 
     Attributes:
-        wanted: The values that the part is to report; empty if it reports none of them.
+        wanted: The values that the part should report; empty if it reports none of them.
         transition: Seconds that the change takes.
         is_momentary: Whether a second sending would act twice.
-        opens_further: Whether it opens a part that is open, but not all the way.
-        turns_on: Whether it turns on a part that reports "off" without a setting for that.
+        opens_further: Whether it opens a part that is already open, but not fully.
+        turns_on: Whether it turns on a part that reports "off", without a setting that says so.
         has_ramp: Whether the part has a level that can be set.
     """
 
@@ -68,8 +68,8 @@ class Reported:
     Attributes:
         at: Seconds.
         stamp: The time of the message, in seconds since the Unix epoch.
-        previous: The live value before; None if there was none.
-        is_after_loss: Whether the connection was lost since the value before.
+        previous: The previous live value; None if there was none.
+        is_after_loss: Whether the connection was lost since the previous value.
     """
 
     at: float
@@ -83,5 +83,5 @@ class Reported:
 
     @property
     def is_change(self) -> bool:
-        """True if the value is known to have been another one before: a lamp that is off has no colour."""
+        """True if the value is known to have been different before: a lamp that is off has no colour."""
         return None not in (self.value, self.previous) and self.value != self.previous

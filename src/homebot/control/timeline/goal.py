@@ -1,4 +1,4 @@
-"""Goal of one command: the reports that show that the device obeyed, or is on its way. Pure."""
+"""Goal of one command: which reports show that the device obeyed, or is on its way. Pure."""
 
 from collections.abc import Mapping
 from enum import Enum
@@ -13,7 +13,7 @@ __all__ = ["NOTHING", "STEP", "Motion", "Nothing", "WantedValue", "side_role"]
 
 
 class Nothing(Enum):
-    """No value: None is one."""
+    """The absence of a value, since None is a value."""
 
     NOTHING = "nothing"
 
@@ -22,26 +22,26 @@ NOTHING: Final = Nothing.NOTHING
 _RUNS: Final = frozenset({"opening", "closing"})
 _OPENINGS: Final = frozenset({"movement", "valve"})
 STEP: Final = 0.5
-"""Percent by which a level or a position changes at least while a device is on its way."""
+"""The smallest change of a level or position, in percent, while a device is on its way."""
 
 
 @final
 class WantedValue:
-    """Value that a part is to report for one command, and its reports since.
+    """Value that a part should report for one command, and its reports since.
 
     Args:
         known: The value that was certain before; :data:`NOTHING` if none was.
 
     Attributes:
         seen: The value that the device reported since; :data:`NOTHING` if it reported none.
-        met_at: When the wanted value was reported first, if it still is; None if it is not.
+        met_at: When the wanted value was first reported; None if it is not reported any more, or never was.
         echoed_at: When its last echo came; None if none did.
-        fast_at: When it was reported so fast that it may be an echo; None if it was not.
-        returned_after: After how many seconds another value followed a fast report, before the outcome; None if none.
+        fast_at: When it was reported so fast that it may be an echo; None for never.
+        returned_after: The seconds between a fast report and another value before the outcome; None if none followed.
         sending_echoed_at: When the echo of the last sending came; None if none did.
-        is_answered: Whether the device reported by itself after an echo.
+        is_answered: Whether a report of the device itself followed an echo.
         is_from_before: Whether *seen* was reported before the last sending.
-        is_step: Whether *seen* is a value on the way.
+        is_step: Whether *seen* is an intermediate value.
         is_overruled: Whether *seen* is a new value that is not the wanted one.
     """
 
@@ -72,7 +72,7 @@ class WantedValue:
         return self.met_at is not None or is_kept
 
     def fits(self, value: PlainValue) -> bool:
-        """Return whether *value* is the wanted one, as the device rounds."""
+        """Return whether *value* is the wanted one, allowing for the device's rounding."""
         wanted = self.value
         if fits(self._capability, wanted, value):
             return True
@@ -81,13 +81,13 @@ class WantedValue:
         return abs(wanted - value) <= self._slack and not is_other_end(self._capability, wanted, value)
 
     def shows_obedience(self, value: PlainValue) -> bool:
-        """Return whether the device obeyed: a value that it had before shows that only if it is the exact one."""
+        """Return whether *value* shows that the device obeyed; a value that it had before must be the exact one."""
         if not self.fits(value):
             return False
         return self._known != value or is_same(self._capability, self.value, value) or self._is_answer(value)
 
     def refine(self, value: PlainValue) -> None:
-        """Record that the confirmed value is now reported as *value*: the device's own answer."""
+        """Record that the device now reports the confirmed value as *value*, by itself."""
         self.seen = value
         self._profile.learn_answer(self._capability, self.value, value)
 
@@ -104,9 +104,9 @@ class WantedValue:
 
 @final
 class Motion:
-    """Approach of a level or a position to its goal, over the reports after one command.
+    """Approach of a level or position to its goal in the reports after one command.
 
-    Many dimmers have a ramp of their own, and many blinds report their position alone until the last step.
+    Many dimmers have a ramp of their own, and many blinds report only their position until the last step.
     """
 
     __slots__ = ("_goals", "_is_positioned", "_now")
@@ -138,7 +138,7 @@ class Motion:
 
 
 def side_role(order: Order, capability: str, value: PlainValue) -> ReportRole:
-    """Return the role of a report of a capability that *order* does not want."""
+    """Return the role of a report of a capability that *order* does not set."""
     settings = order.settings
     if STOPPED in settings.values():
         return ReportRole.AGREES

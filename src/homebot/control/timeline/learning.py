@@ -1,4 +1,4 @@
-"""Lessons of commands for the profile of their device. Pure."""
+"""Updates of a device's profile after its commands. Pure."""
 
 import math
 
@@ -22,7 +22,7 @@ def learn_outcome(progress: CommandProgress, profile: DeviceProfile, first: floa
 
 
 def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
-    """Learn from a command of which nothing is known, or that the device contradicted."""
+    """Learn from a command without an answer, or that the device contradicted."""
     outcome = progress.outcome
     if outcome is None or not outcome.may_obey_later:
         return
@@ -39,14 +39,14 @@ def learn_failure(progress: CommandProgress, profile: DeviceProfile) -> None:
 
 
 def learn_late_answer(progress: CommandProgress, profile: DeviceProfile, first: float) -> None:
-    """Learn from an answer after the failure; after one sending the device shows its response time."""
+    """Learn from an answer after a failure; if it was sent once, this is the device's response time."""
     progress.learns_late = False
     _learn_times(progress, profile, first)
     _set_told_once(profile, is_told_once=True)
 
 
 def learn_settled(progress: CommandProgress, profile: DeviceProfile) -> None:
-    """Learn from a confirmed value that ended or held."""
+    """Learn from a confirmed value that held or was undone."""
     settling = progress.settling
     undoing = None if settling is None else settling.undoing
     for capability, wanted in progress.wanted.items():
@@ -86,7 +86,7 @@ def _learn_echoes(progress: CommandProgress, profile: DeviceProfile) -> None:
 
 
 def _may_answer_late(progress: CommandProgress, outcome: Outcome) -> bool:
-    """Return whether an answer may still come; a deaf device that says again how it is gives none."""
+    """Return whether an answer may still come; a device that keeps reporting its old state will not answer."""
     was_sent = not (isinstance(outcome, NoAnswer) and outcome.reason)
     if not was_sent or progress.over_at < math.inf or not progress.wanted or progress.order.is_momentary:
         return False

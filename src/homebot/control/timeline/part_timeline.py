@@ -24,22 +24,22 @@ _NONE: Final[Mapping[str, PlainValue]] = MappingProxyType({})
 
 @final
 class PartTimeline:
-    """The commands and reports of one part, at most 128 each of the last 15 minutes; 256 reports while one is open.
+    """The commands and reports of one part in the last 15 minutes, at most 128 each; 256 reports during a command.
 
     Reports are appended once, when they arrive. The progress of each command is a function of the later reports.
 
     Args:
-        first: Seconds that a device with unknown response times has for its answer.
-        settle: Seconds for which a confirmed value has to hold.
+        first: Seconds that a device with unknown response times has to answer.
+        settle: Seconds for which a confirmed value has to last.
 
     Attributes:
         reports: The reports, oldest first.
-        commands: The commands, also older ones that still may have an effect, oldest first.
-        unsure_since: Since when each capability may have another value than the reported one.
+        commands: The commands, including older ones that may still have an effect, oldest first.
+        unsure_since: Since when the value of each capability may differ from the reported one.
         dropped_change: The newest unexplained change that is no longer among the reports; None if there is none.
-        on_report: Called with each report for each command that it may be due to.
-        on_end: Called with a command that a newer one replaced, or that was answered.
-        on_undone: Called with a command when its confirmed value ended.
+        on_report: Called with each report for each command that may have caused it.
+        on_end: Called with a command when a newer one replaces it, or it is answered.
+        on_undone: Called with a command when its confirmed value is undone.
     """
 
     def __init__(self, profile: DeviceProfile, first: float, settle: float) -> None:
@@ -55,10 +55,10 @@ class PartTimeline:
         self._settle = settle
         self._latest: dict[str, tuple[PlainValue, float]] = {}
         self._number = 0
-        self._active: list[CommandProgress] = []  # that a report now may be due to
+        self._active: list[CommandProgress] = []  # those that may have caused a report now
 
     def seed(self, capability: str, value: PlainValue, at: float) -> None:
-        """Record a value that was reported live before the timeline began: it is no change."""
+        """Record a value that was reported live before the timeline began: it is not a change."""
         self._latest.setdefault(capability, (value, at))
 
     def command(
@@ -70,11 +70,11 @@ class PartTimeline:
         *,
         is_raw: bool = False,
     ) -> CommandProgress:
-        """Append a command, which supersedes the older ones for the same; return its progress.
+        """Append a command, which supersedes older ones for the same values; return its progress.
 
         Args:
             last: The values that the part reported last, certain or not.
-            is_raw: Whether it is a raw text, of which no outcome is awaited.
+            is_raw: Whether it is a raw text, which has no outcome.
         """
         for older in self._active:
             older.supersede(order, at)
@@ -113,7 +113,7 @@ class PartTimeline:
     def report(
         self, at: float, stamp: float, capability: str, value: PlainValue, lost_at: float = -math.inf
     ) -> Reported | None:
-        """Append a live report, or None if it is a repetition that no command waits for.
+        """Append a live report and return it; None for a repetition that no command waits for.
 
         Args:
             at: Seconds on the monotonic clock.
@@ -137,7 +137,7 @@ class PartTimeline:
 
     @property
     def next_at(self) -> float:
-        """The time at which :meth:`advance` has something to do; inf for never."""
+        """The time of the next call of :meth:`advance`; inf for never."""
         next_at = math.inf
         for one in self._active:
             if one.settling is not None and not one.settling.is_over:
@@ -168,7 +168,7 @@ class PartTimeline:
         return None
 
     def unexplained(self, since: float) -> Reported | None:
-        """Return the newest change since then that may be a person's; None if there is none."""
+        """Return the newest change since then that a person may have made; None if there is none."""
         for fact in reversed(self.reports):
             if fact.at < since:
                 break
@@ -178,14 +178,14 @@ class PartTimeline:
         return kept if kept is not None and kept.at >= since else None
 
     def last_sent(self, capability: str, except_id: str) -> tuple[PlainValue, float] | None:
-        """Return the value and the time of the newest sent command for *capability*, except that command."""
+        """Return the value and the time of the newest sent command for *capability*, except *except_id*."""
         for one in reversed(self.commands):
             if one.sendings and one.order.id != except_id and capability in one.order.settings:
                 return one.order.settings[capability], one.sent_at
         return None
 
     def open_commands(self) -> list[CommandProgress]:
-        """Return the commands without an outcome, oldest first; no raw texts."""
+        """Return the commands without an outcome, oldest first, without raw texts."""
         return [one for one in self._active if one.is_open]
 
     def _learn(self, progress: CommandProgress) -> None:
@@ -200,7 +200,7 @@ class PartTimeline:
                 self.on_undone(progress)
 
     def _replace_settling(self, progress: CommandProgress, at: float) -> None:
-        """Watch the capabilities of a newly confirmed command for that one alone."""
+        """Watch the capabilities of a newly confirmed command only for that command."""
         own = set(progress.order.settings)
         for older in self._active:
             if older is not progress and older.settling is not None:
@@ -222,7 +222,7 @@ class PartTimeline:
             self._drop_commands(dropped.at)
 
     def _drop_commands(self, before: float) -> None:
-        """Drop the commands that ended *before* then, and the oldest if there are too many."""
+        """Drop the commands that ended *before* that time, and the oldest if there are too many."""
         commands = self.commands
         while commands and not commands[0].is_open:
             if commands[0].ended_at >= before and len(commands) <= MOST_REPORTS:

@@ -1,4 +1,4 @@
-"""Profile of a device: its response times, returns, echoes and rounding, learnt from its timeline. Pure.
+"""Profile of a device: its response times, reverts, echoes and rounding, learnt from its timeline. Pure.
 
 A profile may be deleted at any time: commands then wait a little longer, and no outcome becomes wrong.
 """
@@ -17,18 +17,18 @@ __all__ = ["KEPT", "KEPT_ANSWERS", "DeviceProfile", "Return"]
 
 KEPT: Final = 16
 KEPT_ANSWERS: Final = 8
-"""Answers to different values, for each capability."""
+"""The limit of answers to different values, for each capability."""
 
 _ENOUGH: Final = 3
 _IN_VAIN: Final = 2
-"""Commands in a row without effect after which a route is tried last: one may have met a person's hand."""
+"""Consecutive commands without effect after which a route is tried last: a person may have undone one."""
 
 _FIRST_ECHOES: Final = 3
 _LARGEST_ERROR: Final = 25.0
-"""Percent by which a dimmer may round; a larger error is no rounding."""
+"""Percent by which a dimmer may round; a larger error is not rounding."""
 
 _SLACK: Final = 1.5
-"""Percent by which the errors of one dimmer differ: most count to 254, or to 99 as Z-Wave does.
+"""Percent by which the errors of one dimmer vary: most have 254 steps, or 99 as with Z-Wave.
 
 Sources: openhab/org.openhab.binding.zigbee#108 (99 becomes 98), home-assistant/core#33927 (22 becomes 21).
 """
@@ -38,7 +38,7 @@ class Return(NamedTuple):
     """End of one confirmed value.
 
     Attributes:
-        is_fast: Whether its report came so fast that it may have been an echo.
+        is_fast: Whether its report was so fast that it may have been an echo.
         after: Seconds after which another value followed; None if none did.
     """
 
@@ -48,16 +48,16 @@ class Return(NamedTuple):
 
 @dataclass(slots=True, eq=False)
 class DeviceProfile:
-    """Knowledge of one part, by capability; the last 16 of each.
+    """Knowledge about one part, by capability; the last 16 items of each.
 
     Attributes:
         times: The response times, in seconds.
-        returns: The ends of confirmed values; empty as long as no value was taken back.
-        echoes: For each expected echo, whether the device reported by itself after it.
+        returns: The ends of confirmed values; empty as long as no value was undone.
+        echoes: For each expected echo, whether the device's own report followed it.
         answers: The reported values by commanded value.
-        failures: By route, how many commands in a row had no effect, at most two; see :attr:`Route.name`.
-        is_told_once: Whether it is a dimmer that gave no answer to several sendings: each may have begun its ramp anew.
-        is_changed: Whether it has knowledge that is not saved yet.
+        failures: By route, the number of consecutive commands without effect, at most two; see :attr:`Route.name`.
+        is_told_once: Whether it is a dimmer that did not answer several sendings: each may have restarted its ramp.
+        is_changed: Whether it has unsaved knowledge.
     """
 
     times: dict[str, deque[float]] = field(default_factory=dict)
@@ -72,7 +72,7 @@ class DeviceProfile:
         """Return how long to wait for an answer, and the longest known answer, in seconds.
 
         Args:
-            first: The least wait if fewer than three answers are known.
+            first: The shortest wait if fewer than three answers are known.
         """
         longest, is_known = 0.0, True
         for capability in capabilities:
@@ -87,10 +87,10 @@ class DeviceProfile:
     def learn_time(
         self, capability: str, seconds: float, first: float, *, sendings: int = 1, is_change: bool = True
     ) -> None:
-        """Record a response time, counted from the first of so many *sendings*.
+        """Record a response time, counted from the first of *sendings*.
 
-        After several sendings it counts as *first* at most, or each repetition would make the next ones later. A report
-        that is no change may have come by chance, so it never makes the wait longer.
+        After several sendings it counts as at most *first*, or each repetition would delay the next ones. A report that
+        is not a change may be a coincidence, so it never makes the wait longer.
         """
         limit = durations.ANSWER_FACTOR * seconds + durations.ANSWER_SPARE
         if not is_change and limit > self.answer_time((capability,), first)[0]:
@@ -102,18 +102,18 @@ class DeviceProfile:
             self.is_changed = True
 
     def learn_return(self, capability: str, after: float | None, *, is_fast: bool) -> None:
-        """Record the end of a confirmed value; a device that never takes a value back has no record."""
+        """Record the end of a confirmed value; a device that never reverts one has no record."""
         if after is not None or capability in self.returns:
             self.returns.setdefault(capability, deque(maxlen=KEPT)).append(Return(is_fast, after))
             self.is_changed = True
 
     def learn_echo(self, capability: str, *, is_answered: bool) -> None:
-        """Record whether the device reported by itself after an echo."""
+        """Record whether the device's own report followed an echo."""
         self.echoes.setdefault(capability, deque(maxlen=KEPT)).append(is_answered)
         self.is_changed = True
 
     def learn_routes(self, routes: Iterable[str], worked: str = "") -> None:
-        """Record the routes by which a command was sent, and the one that *worked*; empty for none."""
+        """Record the *routes* by which a command was sent, and the one that *worked*, empty for none."""
         for route in dict.fromkeys(routes):
             before = self.failures.pop(route, 0)
             count = 0 if route == worked else min(before + 1, _IN_VAIN)
@@ -129,7 +129,7 @@ class DeviceProfile:
         return frozenset(route for route, count in self.failures.items() if count >= _IN_VAIN)
 
     def learn_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> None:
-        """Record that the device reported *seen* for *wanted*; a device that reports wanted values has no record."""
+        """Record that the device reported *seen* for *wanted*; always reporting wanted values leaves no record."""
         if capability not in self.answers:
             rounds = CAPABILITIES.get(capability, OWN).obedience.rounds
             is_usual = wanted == seen or not (rounds or fits(capability, wanted, seen))
@@ -145,12 +145,12 @@ class DeviceProfile:
         self.is_changed = True
 
     def is_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> bool:
-        """Return whether *seen* was the answer to the same command before."""
+        """Return whether *seen* was the answer to the same command earlier."""
         answers = self.answers.get(capability)
         return answers is not None and answers.get(wanted, _NONE) == seen
 
     def rounding(self, capability: str) -> float:
-        """Return by how much the device rounds values of *capability*; 0 if that is not known.
+        """Return by how much the device rounds values of *capability*; 0 if unknown.
 
         It is the largest error of at least three answers with two different values.
         """
@@ -167,7 +167,7 @@ class DeviceProfile:
         return largest + _SLACK if largest <= _LARGEST_ERROR else 0.0
 
     def is_echo(self, capability: str) -> bool:
-        """Return whether fast reports are a bridge's echoes: the last three were taken back, soon and regularly.
+        """Return whether fast reports are a bridge's echoes: the last three were retracted, quickly and regularly.
 
         A value that holds ends the suspicion.
         """
@@ -187,7 +187,7 @@ class DeviceProfile:
         return sum(known) / len(known)
 
     def echo_patience(self, capability: str, limit: float) -> float:
-        """Return how long to wait after an echo, *limit* seconds at most: not at all if nothing ever follows."""
+        """Return how long to wait after an echo, at most *limit* seconds: not at all if nothing ever follows."""
         echoes = self.echoes.get(capability, ())
         if any(echoes) or capability in self.returns:
             return limit

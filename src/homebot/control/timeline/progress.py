@@ -1,7 +1,7 @@
 """Progress of one command: the role of each report since, updated with each fact. Pure.
 
-It is a function of the facts of its part: feeding them once more gives the same progress. The cost of a report does not
-depend on the number of earlier ones.
+It is a function of the facts of its part: replaying them gives the same progress. The cost of a report does not depend
+    on the number of earlier ones.
 """
 
 import math
@@ -21,7 +21,7 @@ from homebot.devices.value import PlainValue
 __all__ = ["CommandProgress"]
 
 _TURNED: Final = POWERS | MODES
-"""Capabilities by which a person turns a part on or off against a command."""
+"""Capabilities by which a person may turn a part on or off against a command."""
 
 _POSITIONS: Final = frozenset({"position", "tilt"})
 _NONE: Final[frozenset[str]] = frozenset()
@@ -35,26 +35,26 @@ class CommandProgress:
     """Progress of one command: the reports since, and their roles.
 
     Args:
-        last: The values that the part reported last before, certain or not.
-        is_raw: Whether it is a raw text, of which no outcome is awaited.
+        last: The values that the part last reported before, certain or not.
+        is_raw: Whether it is a raw text, which has no outcome.
 
     Attributes:
-        wanted: The values that the part is to report, and its reports of them.
+        wanted: The values that the part should report, and its reports of them.
         roles: The role of each report, by its number.
         accepted: When the network accepted each setting.
-        routes: The routes that accepted it, in their order, of a part that has several.
+        routes: The routes that accepted it, in order, if the part has several.
         moved_at: When the device was last seen on its way; None if it was not.
         stopped_at: When a motor last reported that it stopped; -inf if it did not.
-        told_otherwise_at: When another value was last reported, and no movement; -inf for never.
+        told_otherwise_at: When another value was last reported without movement; -inf for never.
         superseded_by: The id of the newer command that replaced it; empty if none did.
         refusal: The reason why the device refuses it; empty if it does not.
-        must_answer: Whether the device answers commands and reports no values, so that its answer is waited for.
+        must_answer: Whether the device answers commands but reports no values, so its answer is awaited.
         is_unacknowledged: Whether the network did not acknowledge the last sending in time.
         ended_at: When its outcome was decided, or it was superseded; inf before.
-        learns_late: Whether an answer after its failure teaches how long the device takes.
+        learns_late: Whether an answer after its failure shows the device's response time.
         is_witnessed: Whether a second device observed the effect.
-        suspected: The capabilities with fast reports that were taken back before, as a bridge's echoes are.
-        usual_returns: The seconds after which the device goes back by itself, where it is known to.
+        suspected: The capabilities whose fast reports were retracted before, as a bridge's echoes are.
+        usual_returns: The seconds after which the device is known to go back by itself, by capability.
     """
 
     def __init__(
@@ -73,7 +73,7 @@ class CommandProgress:
             name: WantedValue(order, name, value, known.get(name, NOTHING), profile)
             for name, value in order.wanted.items()
         }
-        if order.turns_on:  # that it has the wanted colour, or level, does not show that it is on
+        if order.turns_on:  # the wanted colour or level does not show that it is on
             self.wanted["on_off"] = WantedValue(order, "on_off", value=True, known=NOTHING, profile=profile)
         self.roles: dict[int, ReportRole] = {}
         self.accepted: dict[str, float] = {}
@@ -95,7 +95,7 @@ class CommandProgress:
         self._profile = profile
         self._motion = Motion(order, last)
         self._is_fade = False
-        self._opposed = _NONE  # capabilities beside the wanted ones with a new value that the command contradicts
+        self._opposed = _NONE  # other capabilities whose new value contradicts the command
 
     @property
     def is_met(self) -> bool:
@@ -106,15 +106,15 @@ class CommandProgress:
 
     @property
     def met_times(self) -> list[float]:
-        """The times at which those wanted values were reported first that still are."""
+        """The time of the first report of each wanted value that is still reported."""
         return [one.met_at for one in self.wanted.values() if one.met_at is not None]
 
     @property
     def over_at(self) -> float:
-        """The time from which no report can make the outcome any better; inf if one still can.
+        """The time from which no report can improve the outcome; inf if one still can.
 
-        Matter nodes and Hue bridges report only what changed: of a lamp that was at the wanted level when it went off,
-        that it is on. Values that were certain before are waited for as long as a level follows.
+        Matter nodes and Hue bridges report only changes: a lamp that had the wanted level when it went off reports only
+            "on". Values that were certain before are awaited for as long as a level may follow.
         """
         if self.superseded_by or self.refusal:
             return -math.inf
@@ -139,7 +139,7 @@ class CommandProgress:
 
     @property
     def was_so(self) -> bool:
-        """True if the values were certain to be the wanted ones before."""
+        """True if it was certain before that the values are the wanted ones."""
         wanted = self.wanted
         were_so = all(map(_WAS_SO, wanted.values())) if wanted else self._settings_were_so()
         return were_so and not self.order.opens_further
@@ -156,39 +156,39 @@ class CommandProgress:
 
     @property
     def has_faded(self) -> bool:
-        """True if it is a dimmer that was seen on its way."""
+        """True if a dimmer was seen on its way."""
         return self._is_fade and self.moved_at is not None
 
     @property
     def has_stopped(self) -> bool:
-        """True if it is a motor that was seen on its way, and then reported that it stopped."""
+        """True if a motor was seen on its way, and then reported that it stopped."""
         return self.moved_at is not None and self.moved_at - self.stopped_at <= durations.SAME_MESSAGE
 
     @property
     def is_overruled(self) -> bool:
-        """True if the newest report is neither the wanted value nor that from before: a person, or its own answer."""
+        """True if the newest report is neither the wanted value nor the old one: a person's, or its own answer."""
         undeclared = [one for name, one in self.wanted.items() if name not in self.order.echoed]
         return bool(self._opposed) or any(one.is_overruled or one.echoed_at is not None for one in undeclared)
 
     @property
     def others(self) -> dict[str, PlainValue]:
-        """The reported values that are not the wanted ones."""
+        """The reported values that differ from the wanted ones."""
         return {name: one.seen for name, one in self.wanted.items() if one.met_at is None and one.seen is not NOTHING}
 
     @property
     def reported(self) -> dict[str, PlainValue]:
-        """The reported values that are the wanted ones."""
+        """The reported values that match the wanted ones."""
         wanted = self.wanted.items()
         return {name: one.seen for name, one in wanted if one.met_at is not None and one.seen is not NOTHING}
 
     def is_stale(self, capability: str) -> bool:
-        """Return whether a value is from before the last sending, or a word on the way."""
+        """Return whether a value is from before the last sending, or an intermediate one."""
         wanted = self.wanted[capability]
         is_word = isinstance(wanted.seen, str) and is_intermediate(capability, wanted.value, wanted.seen)
         return is_word or wanted.is_from_before
 
     def covers(self, at: float) -> bool:
-        """Return whether a report at that time may be due to it."""
+        """Return whether the command may have caused a report at that time."""
         if self.is_open:
             return True
         if self.superseded_by:
@@ -198,7 +198,7 @@ class CommandProgress:
         return self.sendings > 0 and at <= self.ended_at + durations.LATE
 
     def send(self, now: float) -> None:
-        """Record that it is sent."""
+        """Record that the command is sent."""
         self.sent_at = now
         self.first_sent_at = now if self.sendings == 0 else self.first_sent_at
         self.sendings += 1
@@ -208,18 +208,18 @@ class CommandProgress:
             one.sending_echoed_at = None
 
     def miss_acknowledgement(self) -> None:
-        """Record that the network did not acknowledge the last sending; one without reports may still answer."""
+        """Record that the network did not acknowledge the last sending; a device without reports may still answer."""
         self.is_unacknowledged = True
         self.must_answer = self.must_answer or not self.wanted
 
     def decide(self, outcome: Outcome, now: float, settle: float) -> None:
-        """Record the outcome; a confirmed one has to hold for *settle* seconds."""
+        """Record the outcome; a confirmed value has to last for *settle* seconds."""
         self.outcome, self.ended_at = outcome, min(self.ended_at, now)
         if isinstance(outcome, Confirmed):
             self.settling = Settling(self.order, self.wanted, self.known, self.last, self.roles, now, settle)
 
     def supersede(self, newer: Order, now: float) -> None:
-        """End it, or the watch of some values after it, for a *newer* command to the same part."""
+        """End the command, or the watch of some of its values, because of a *newer* command to the same part."""
         self.learns_late = False
         touched = {
             own
@@ -240,7 +240,7 @@ class CommandProgress:
         return role
 
     def _settings_were_so(self) -> bool:
-        """Return whether the settings were certain before, of which the part reports none."""
+        """Return whether the settings were certain before, if the part reports none of them."""
         known, settings = self.known, self.order.settings
         return all(
             name in known and WantedValue(self.order, name, value, known[name], self._profile).was_so
@@ -254,7 +254,7 @@ class CommandProgress:
         if self.superseded_by:
             return _superseded_role(wanted, fact)
         if fact.value is None:
-            return ReportRole.AGREES  # a value that is lost shows nothing
+            return ReportRole.AGREES  # a lost value proves nothing
         if self.settling is not None:
             return self.settling.report(fact)
         return self._other_role(fact) if wanted is None else self._wanted_role(wanted, fact)
@@ -323,7 +323,7 @@ class CommandProgress:
         return abs(value - goal) > abs(before - goal)
 
     def _is_echo(self, wanted: WantedValue, fact: Reported) -> bool:
-        """Return whether a report of the wanted value is the bridge's; each sending has one."""
+        """Return whether a report of the wanted value is the bridge's echo; each sending has one."""
         if wanted.sending_echoed_at is not None:
             return fact.at - wanted.sending_echoed_at <= durations.SAME_MESSAGE
         is_fast = fact.at - self.sent_at <= durations.FAST

@@ -1,4 +1,4 @@
-"""The seconds after a confirmation, in which a device may still go back. Pure."""
+"""The seconds after a confirmation during which a device may still go back. Pure."""
 
 import math
 from collections.abc import Mapping
@@ -32,18 +32,18 @@ class Undoing(NamedTuple):
 
 @final
 class Settling:
-    """Judgement of the reports after a confirmation: further steps of a transition, or the end of the value.
+    """Classifier of reports after a confirmation: further steps of a transition, or the end of the value.
 
     Args:
         known: The values that were certain before the command.
-        last: The values that the part reported last before, certain or not.
-        roles: The roles of the reports, by number; a step that leads nowhere gets another one.
-        seconds: For how long the values have to hold.
+        last: The values that the part last reported before, certain or not.
+        roles: The roles of the reports, by number; updated if a step leads nowhere.
+        seconds: How long the values have to last.
 
     Attributes:
-        until: When it ends, unless further steps come.
-        undoing: The end of a value; None if all held so far.
-        has_held: Whether the values held until the end.
+        until: When the watch ends, unless further steps come.
+        undoing: The end of a value; None if all have lasted so far.
+        has_held: Whether the values lasted until the end.
     """
 
     def __init__(
@@ -63,33 +63,33 @@ class Settling:
         self._fades_until = self._steps_until if order.transition else -math.inf
         self._fade = FadeOut(last.get("level")) if order.settings.get(_ON) is False else None
         self._is_fading = False
-        self._step = ""  # the capability of which a value on the way was reported last
+        self._step = ""  # the capability of the last intermediate value
         self._step_value: PlainValue = None
         self._level_until = math.inf
         self._steps: list[int] = []
-        self._released = _NONE  # newer commands are about them
+        self._released = _NONE  # capabilities that newer commands set
         self.until = at + seconds + order.transition
         self.undoing: Undoing | None = None
         self.has_held = False
 
     @property
     def is_over(self) -> bool:
-        """True if nothing can undo it any more, or something did."""
+        """True if the value can no longer be undone, or was."""
         return self.undoing is not None or self.has_held or self._released >= self._order.settings.keys()
 
     @property
     def next_at(self) -> float:
-        """The time at which :meth:`advance` has something to do."""
+        """The time of the next call of :meth:`advance`."""
         return min(self.until, self._level_until)
 
     def release(self, capabilities: set[str], at: float) -> None:
-        """Watch *capabilities* no more: a newer command is about them."""
+        """Stop watching *capabilities*, because a newer command sets them."""
         self._released |= capabilities
         if self._released >= self._order.settings.keys():
             self.until = min(self.until, at)
 
     def advance(self, now: float) -> None:
-        """End the value if no other step followed the last one."""
+        """Record that the value is undone if no step followed the last one."""
         if self.is_over:
             return
         if self._step and (now >= self.until or (now >= self._level_until and not self._is_fading)):
@@ -122,7 +122,7 @@ class Settling:
         return ReportRole.EFFECT
 
     def _departs(self, capability: str, value: PlainValue) -> bool:
-        """Return whether *value* is not the wanted one, nor on the way there."""
+        """Return whether *value* is neither the wanted one nor on the way there."""
         is_commanded = capability in self._order.settings
         if capability not in self._wanted or (is_commanded and capability in self._released):
             return False
@@ -142,11 +142,11 @@ class Settling:
         if fact.at > self._steps_until:
             return False
         if capability == "level" and self._order.turns_on and value < wanted:
-            return True  # it fades up from nothing
+            return True  # it fades in from 0
         return not isinstance(before, float) or min(before, wanted) < value < max(before, wanted)
 
     def _begin_step(self, fact: Reported, *, is_late_step: bool) -> None:
-        """Wait for the next step; of a lamp that is on again, for its level."""
+        """Wait for the next step; for the level of a lamp that is on again."""
         self._step, self._step_value = fact.capability, fact.value
         self._steps_until = max(self._steps_until, fact.at + durations.LAST_STEPS)
         self._wait_on(fact.at)
@@ -194,11 +194,11 @@ class Settling:
 
 @final
 class FadeOut:
-    """Difference between a lamp that fades off after it reported "off", and one that was turned on again.
+    """Distinction between a lamp that fades out after it reported "off" and one that was turned on again.
 
-    Many bridges report the commanded value before the lamp has faded there. Each further report has a lower level, but
-    that of a lamp that was turned on again mostly the level of before. An innr RB 214 reports 1 at the end of its fade
-    (Koenkk/zigbee2mqtt#2850).
+    Many bridges report the commanded value before the lamp has faded there. Further reports have lower and lower
+    levels, but a lamp that was turned on again mostly reports its level from before. An innr RB 214 reports 1 at the
+    end of its fade (Koenkk/zigbee2mqtt#2850).
 
     Args:
         level: The level that the lamp reported before it was turned off; None if it reported none.
@@ -212,7 +212,7 @@ class FadeOut:
 
     @property
     def is_possible(self) -> bool:
-        """True if the level before is known."""
+        """True if the previous level is known."""
         return self._level < math.inf
 
     def report(self, level: PlainValue, now: float) -> FadeSign:
@@ -226,7 +226,7 @@ class FadeOut:
         return "back" if level > self._level + STEP or self._lowered_at == -math.inf else "unknown"
 
     def sign(self, now: float) -> FadeSign:
-        """Return the meaning of a report of "on" at *now*, by the level in the same message."""
+        """Return the meaning of a report of "on" at *now*, judging by the level in the same message."""
         if now - self._lowered_at <= durations.SAME_MESSAGE:
             return "fading"
         is_back = now - self._told_at <= durations.SAME_MESSAGE and self._lowered_at == -math.inf
