@@ -188,7 +188,7 @@ async def refuse(make: Callable[[App], object]) -> str:
             "lasting: '5 mins' is not a duration",
         ),
         (lambda app: app.devices.follow(Light).only("evnt"), "only() takes appeared, changed, event, mess"),
-        (lambda app: app.devices.follow(5), "5 is no kind of handle, such as Light"),
+        (lambda app: app.devices.follow(5), "5 is neither a kind of handle, such as Light"),
         (lambda app: app.on(app.devices.follow(Light), "darken"), "handler: 'darken' is no function"),
         (lambda app: app.on(app.devices.follow(Light), lambda: None), "handler: <lambda> is called with the change"),
         (lambda app: app.on(app.devices.follow(Light), print, key="room"), "key: 'room' is no function"),

@@ -66,7 +66,7 @@ def test_a_count_that_alone_makes_all_not_well_has_a_code_of_its_own(capsys: Tex
         "HB204 counted by gateway/mqtt since it started:",
         "commands failed 1",
         "inbox dropped 7",
-        "→ homebot journal tells more of commands",
+        "→ homebot journal tells more about commands",
     ]
 
 

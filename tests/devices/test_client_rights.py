@@ -394,8 +394,8 @@ def test_a_scope_has_the_rights_that_it_lists() -> None:
 @pytest.mark.parametrize(
     ("right", "problem"),
     [
-        ("", "'' is no right; known are read"),
-        ("raed", "'raed' is no right; did you mean read"),
+        ("", "'' is not a right; known are read"),
+        ("raed", "'raed' is not a right; did you mean read"),
         ("act", "'act': act needs a query, or all: 'act: light in hall'"),
         ("act:", "'act:': act needs a query"),
         ("read: light", "'read: light': read takes no query"),

@@ -103,7 +103,7 @@ def test_the_token_of_the_environment_is_not_one_more_beside_named_ones(
         ({"tokens": {"robot": {"token_file": "robot.token"}}}, "homebot.toml: door.tokens.robot.scope: is missing"),
         (
             {"tokens": {"robot": {"token_file": "robot.token", "scope": ["raed"]}}},
-            "homebot.toml: door.tokens.robot.scope: 'raed' is no right; did you mean read or raw?",
+            "homebot.toml: door.tokens.robot.scope: 'raed' is not a right; did you mean read or raw?",
         ),
         (
             {"tokens": {"robot": {"token_file": "robot.token", "scope": ["act: ligth"]}}},

@@ -129,6 +129,6 @@ def test_a_dry_run_sends_nothing_and_says_so(tmp_path: Path) -> None:
         assert "homebot runs with --dry-run and sends nothing" in done.stdout
         found = shell.run("homebot find 'on lights'")
         assert LAMP in found.stdout
-        assert "not sent, and taken for done" in shell.run(f"homebot why-not {LAMP} off").stdout
+        assert "not sent, and assumed to be done" in shell.run(f"homebot why-not {LAMP} off").stdout
         assert "not sent: this is a dry run" in shell.run("homebot journal").stdout
         assert "only observes: homebot runs with --dry-run" in shell.run("homebot doctor").stdout

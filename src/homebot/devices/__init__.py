@@ -1,7 +1,7 @@
-"""The vocabulary that gateways, discovery and applications share.
+"""The vocabulary shared by gateways, discovery and applications.
 
-In messages ``device`` and ``part`` are ids, ``gateway``, ``robot`` and ``capability`` names, and ``reason``, ``why``
-and ``message`` texts for people; a field that is something else says so.
+In messages, ``device`` and ``part`` are ids; ``gateway``, ``robot`` and ``capability`` are names; ``reason``, ``why``
+and ``message`` are texts for people, unless the field says otherwise.
 """
 
 from homebot.support.lazy_names import lazy_names
@@ -70,7 +70,7 @@ __all__ = [
     "gateway_of",
 ]
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {

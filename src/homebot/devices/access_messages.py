@@ -1,4 +1,4 @@
-"""Messages of the rosbridge server about its clients, and about the types that they define."""
+"""Messages of the rosbridge server about its clients and the types that they define."""
 
 from homebot.messages.builtin_interfaces import Time
 from homebot.messages.message import Message, ServiceAnswer, ServiceType, UInt32
@@ -7,17 +7,17 @@ __all__ = ["AccessRefused", "DefineType", "DefineTypeRequest", "DefineTypeRespon
 
 
 class AccessRefused(Message):
-    """A client of the rosbridge server asked for something that it has no right to.
+    """A request of a rosbridge client that lacks the right for it.
 
     Attributes:
         issuer: The client, as ``client:NAME``.
         address: Its address and port.
-        operation: The requested operation, by rosbridge's names, for example ``publish``.
+        operation: The requested operation by its rosbridge name, for example ``publish``.
         target: The topic or service, as the client wrote it; at most 247 characters of it.
-        held_back: Refusals of this client before this one of which there was no message.
-        subject: The device or the address that a command was for, as the client wrote it; at most 247 characters of it,
-            empty if it wrote none.
-        wanted: The command, if it was a plain word such as ``unlock``; else empty, as it may hold a code.
+        held_back: Earlier refusals of this client for which no message was published.
+        subject: The device or address that a command was for, as the client wrote it; at most 247 characters of it,
+            empty for none.
+        wanted: The command, if it was a plain word such as ``unlock``; else empty, because it may contain a code.
     """
 
     issuer: str
@@ -36,7 +36,7 @@ class DefineTypeRequest(Message):
     """A type that a client wants to use by name.
 
     Attributes:
-        type: Its name, ``package/msg/Name``, with ``srv`` or ``action`` for those.
+        type: Its name: ``package/msg/Name``, or with ``srv`` or ``action`` in place of ``msg``.
         definition: The text of its file; nested messages may follow, each after a line of 80 ``=`` and a line
             ``MSG: package/Name``.
         issuer: The client as ``client:NAME``, set by the door.
@@ -48,7 +48,7 @@ class DefineTypeRequest(Message):
 
 
 class DefineTypeResponse(ServiceAnswer):
-    """The result of defining a type, which stays until homebot ends.
+    """The result of defining a type, which lasts until homebot ends.
 
     Attributes:
         type_hash: Its hash in ROS 2 (RIHS01).

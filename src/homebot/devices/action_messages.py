@@ -25,14 +25,14 @@ class CommandDevicesGoal(CommandDevicesRequest, ros_type="homebot/action/Command
 
 
 class CommandDevicesResult(CommandDevicesResponse, ros_type="homebot/action/CommandDevices_Result"):
-    """The outcomes, as of that service; of a cancelled goal those that were known."""
+    """The outcomes, as for that service; for a cancelled goal, those known by then."""
 
 
 class CommandDevicesFeedback(Message, ros_type="homebot/action/CommandDevices_Feedback"):
-    """One outcome, when it is known.
+    """One outcome, as soon as it is known.
 
     Attributes:
-        waiting: The number of parts without one.
+        waiting: The number of parts still without one.
     """
 
     commanded: CommandedPart
@@ -45,14 +45,14 @@ CommandDevicesAction = ActionType(
 
 
 class HoldDeviceGoal(Message, ros_type="homebot/action/HoldDevice_Goal"):
-    """A value of a part, to be kept until the goal is cancelled.
+    """A value of a part to hold until the goal is cancelled.
 
     Attributes:
         device: The id or the name of the device.
-        part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
-        by: The holder, in a word for people, such as ``robot``; empty for the name of the client or node.
-        seconds: The time for which it is held, from the first success; 0 until it is cancelled.
-        issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
+        part: The id of the part; empty for the only one that takes the held setting, not counting configuration parts.
+        by: The holder, as a word for people, such as ``robot``; empty for the name of the client or node.
+        seconds: How long it is held after the first success; 0 for until it is cancelled.
+        issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
     """
 
@@ -73,8 +73,8 @@ class HoldDeviceFeedback(Message, ros_type="homebot/action/HoldDevice_Feedback")
     """The state of a hold, once a second.
 
     Attributes:
-        phase: ``commanding`` until the device obeys, ``held``, or ``outranked`` by a person's hand for a while.
-        seconds_left: Of the hold; 0 without a limit.
+        phase: ``commanding`` until the device obeys; ``held``; ``outranked`` for a while by a person's hand.
+        seconds_left: Seconds until the hold ends; 0 without a limit.
         message: The newest outcome, as text; empty while the first one is awaited.
     """
 

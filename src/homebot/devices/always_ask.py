@@ -1,10 +1,11 @@
 """Devices that a person has to allow by name: a wrong command opens a door, floods a room or starts a fire. Pure.
 
-The programs that may drive them are the owner's to approve.
+The owner approves the programs that may drive them.
 
-A switch, plug or cover that drives such a device is known by its name, in one of six languages, by its model, or by the
-tag ``always_ask``, which the owner may give to any device; a button, scene or choice by its name, a text or flag by one
-that opens, and a temperature by the name of a hot thing. The words are those of :mod:`homebot.devices.words`.
+A switch, plug or cover that drives such a device is recognised by its name in one of six languages, by its model, or by
+the tag ``always_ask``, which the owner may give to any device. Buttons, scenes and choices are recognised by their
+names, texts and flags by names of things that open, temperatures by names of hot things; see
+:mod:`homebot.devices.words`.
 """
 
 import re
@@ -55,20 +56,20 @@ BREAKER: Final = "breaker"
 """The tag of a switch that is a circuit breaker of the house, as in a SPAN panel."""
 
 APPROVED: Final = "approved"
-"""The name of the fact by which the owner states that a device that can hurt may be driven."""
+"""The name of the fact with which the owner approves a dangerous device."""
 
 CHANGED: Final = "changed_since_approval"
-"""The name of the fact that an approved announcement is different now; its value is the change."""
+"""The name of the fact that an approved announcement has changed; its value is the change."""
 
 _CAPABILITIES = frozenset({"alarm", "contact", "lock", "valve", "water_heater_mode"})
 _TELLING = _CAPABILITIES | {"heating_setpoint", "on_off", "option"}
 _ARMED = frozenset({"Armed", "armed"})
 _DISARMING = frozenset({"disarm", "disarmed"})
 _SCALDING = 100.0
-"""Degrees Celsius that no room and no radiator has to have, but saunas, grills and kilns."""
+"""Degrees Celsius that no room or radiator needs, but saunas, grills and kilns do."""
 
 _HOTTER_THAN_A_ROOM = 45.0
-"""Degrees Celsius that a boiler reaches, and no thermostat in a room; an electric floor is set up to these."""
+"""Degrees Celsius that a boiler exceeds but a room thermostat never does; an electric floor is set up to this."""
 
 _DEGREES = frozenset({"°C", "°F", "K"})
 _RELAYS = frozenset({"plug", "switch", "window_covering", "x_unknown"})
@@ -78,7 +79,7 @@ _BUTTONS = frozenset({"generic_switch", "x_scene", "x_setting"})
 _PRESSED = frozenset({"push", "scene"})
 _CHOSEN = frozenset({"option", "state"})
 _OPENING = frozenset({"on_off", "text"})
-"""Settings that open where their name says so: ``unlock_door`` of a lock takes its password."""
+"""Settings that open something if their name says so: ``unlock_door`` of a lock takes its password."""
 
 _NO_DEED = frozenset({"identify", "restart", "update"})
 _CAMEL_CASE = re.compile(r"(?<=[a-z])(?=[A-Z])")
@@ -86,15 +87,15 @@ _TAG = fold("always_ask")
 
 
 def always_asks(device: Device, part: DevicePart) -> bool:
-    """Return whether *part* of *device* is of the class."""
+    """Return whether *part* of *device* belongs to the always-ask class."""
     return bool(why_it_asks(device, part))
 
 
 def why_it_asks(device: Device, part: DevicePart) -> str:
-    """Return why *part* of *device* is of the class, for people; empty if it is not.
+    """Return why *part* of *device* always asks, for people; empty if it does not.
 
-    Every other part of a device with such a part is as well, but for lights with topics of their own: a garage door
-    often has a button beside its cover, and a lamp. So is a part with announced payloads on the topic of such a relay.
+    All other parts of such a device always ask too, except lights with topics of their own: a garage door often has a
+    button beside its cover, and a lamp. So does a part with announced payloads on the topic of such a relay.
     """
     if reason := _why_declared(part.part) or _why_by_itself(device, part):
         return reason
@@ -107,7 +108,7 @@ def why_it_asks(device: Device, part: DevicePart) -> str:
 def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_ASK) -> str:
     """Return why *part* is, or switches, a load of *groups*, for people; empty if it is not.
 
-    For policies and apps: a plug that is called ``Water valve`` drives ``WATER`` as a part of that type does.
+    For policies and apps: a plug called ``Water valve`` drives ``WATER`` just as a part of that type does.
     """
     kind = part.part.service_type
     if _LOADS.get(kind) in groups:
@@ -119,38 +120,38 @@ def why_it_drives(device: Device, part: DevicePart, groups: Groups = ALL_THAT_AS
 
 
 def why_device_asks(device: Device) -> str:
-    """Return why the first part of *device* that always asks does; empty if none does."""
-    for part in device.parts:  # a generator would cost each announcement more
+    """Return why the first part of *device* that always asks does so; empty if none does."""
+    for part in device.parts:  # a loop is cheaper than a generator for each announcement
         if reason := _why_declared(part.part) or _why_by_itself(device, part):
             return reason
     return ""
 
 
 def is_declared(part: DevicePart) -> bool:
-    """Return whether the type of *part*, its announced type, or a capability that can be set says so."""
+    """Return whether the type of *part*, its announced type, or a settable capability makes it always ask."""
     return bool(_why_declared(part.part))
 
 
 def is_arming(part: DevicePart) -> bool:
-    """Return whether *part* is called ``Armed``, as the setting that arms and disarms the alarm at a keypad."""
+    """Return whether *part* is called ``Armed``, like the setting that arms and disarms the alarm of a keypad."""
     return part.part.name in _ARMED
 
 
 def is_approved(device: Device) -> bool:
-    """Return whether the owner approved an announcement of *device* as it is now."""
+    """Return whether the owner approved an announcement of *device* in its present form."""
     return any(route.approved for part in device.parts for route in part.routes)
 
 
 def is_opener(device: Device) -> bool:
     """Return whether the model of *device* says that it opens a door or gate: ``Garage door opener``.
 
-    It may do so by something that is called a setting, and when that is turned off as well.
+    Even its settings may open the door, also when they are turned off.
     """
     return bool(matching_words(_model(device), OPENER, anywhere=True))
 
 
 def waits_for_approval(device: Device) -> bool:
-    """Return whether a part of *device* can hurt, takes commands, and has no route that the owner approved."""
+    """Return whether a part of *device* always asks, takes commands, and has no route that the owner approved."""
     return bool(why_device_asks(device)) and any(_waits(device, part) for part in device.parts)
 
 
@@ -161,7 +162,7 @@ def _waits(device: Device, part: DevicePart) -> bool:
 
 
 def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
-    """Return why *part* is of the class because of *other*; a command on the topic of a lock may unlock it."""
+    """Return why *part* always asks because of *other*; a command on the topic of a lock may unlock it."""
     shares_topic = not frozenset(part.part.writes).isdisjoint(other.part.writes)
     if part.part.service_type in _HARMLESS and not shares_topic:
         return ""
@@ -172,7 +173,7 @@ def _why_beside(device: Device, part: DevicePart, other: DevicePart) -> str:
 
 
 def _why_by_itself(device: Device, part: DevicePart) -> str:
-    """Return why *part* is of the class by a tag, a name or the model; empty if it is not."""
+    """Return why *part* always asks by its tag, name or model; empty if it does not."""
     kind = part.part.service_type
     if device.tags and _TAG in map(fold, device.tags):
         return "it has the tag always_ask"
@@ -192,7 +193,7 @@ def _why_declared(part: Part) -> str:
         return "it is a circuit breaker"
     if part.advertised and not part.category and matching_words(part.advertised, HEAT):
         return f"it calls itself {part.advertised}"
-    for one in part.capabilities:  # a generator would cost each announcement and command more
+    for one in part.capabilities:  # a loop is cheaper than a generator for each announcement and command
         if one.settable and one.name in _TELLING and (reason := _why_settable(one, part)):
             return reason
     return ""
@@ -211,17 +212,17 @@ def _why_settable(capability: Capability, part: Part) -> str:
 
 
 def _why_named_setting(device: Device, part: DevicePart) -> str:
-    """Return why a button or setting is of the class: by the opening or heating thing in its name.
+    """Return why a button or setting always asks: its name contains a thing that opens or heats.
 
-    Maintenance settings, such as a restart, are not called by the device's name; a lock among its settings
-    is one for its keys.
+    The device's name does not count for maintenance settings, such as a restart; a lock among its settings is a key
+    lock.
     """
     reasons = (_why_called(one, device, part) for one in part.part.capabilities if one.settable)
     return next((one for one in reasons if one is not None), "")
 
 
 def _why_called(capability: Capability, device: Device, part: DevicePart) -> str | None:
-    """Return as :func:`_why_named_setting`; None where the name says nothing about such a capability."""
+    """Return the same as :func:`_why_named_setting`; None if names say nothing about such a capability."""
     told = part.part
     if capability.name == "number" and capability.unit in _DEGREES:
         return _why_named(HEAT, *_names(device, part)) or _why_named(HEAT, told.name, anywhere=True)
@@ -245,7 +246,7 @@ def _why_named(groups: Groups, *names: str, anywhere: bool = False) -> str:
 
 
 def _why_garage(device: Device, part: DevicePart) -> str:
-    """Return why a cover of no known class is a garage door: it is called ``Garage`` and nothing else."""
+    """Return why a cover of unknown class is a garage door: its whole name is ``Garage``."""
     told = part.part
     if told.service_type != "window_covering" or told.tag in _AT_WINDOWS:
         return ""
@@ -253,7 +254,7 @@ def _why_garage(device: Device, part: DevicePart) -> str:
 
 
 def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
-    """Return why a part is of the class by the model: an opener with all its settings, else the load of a relay."""
+    """Return why a part always asks by its model: an opener with all its settings, or the load of a relay."""
     model = _model(device)
     words = matching_words(model, OPENER & groups, anywhere=True)
     if not words and part.part.service_type in _RELAYS:
@@ -262,7 +263,7 @@ def _why_of_model(device: Device, part: DevicePart, groups: Groups) -> str:
 
 
 def _why_hot(device: Device, part: DevicePart) -> str:
-    """Return why a thermostat is of the class: it is called a boiler, and becomes hotter than a room."""
+    """Return why a thermostat always asks: it is called a boiler, and gets hotter than a room."""
     for one in part.part.capabilities:
         if one.name == "heating_setpoint" and one.settable and _is_hot(one):
             return _why_named(HEAT, *_names(device, part))
@@ -282,7 +283,7 @@ def _own_name(part: DevicePart) -> str:
 
 
 def _model(device: Device) -> str:
-    for fact in device.metadata:  # a generator would cost each announcement more
+    for fact in device.metadata:  # a loop is cheaper than a generator for each announcement
         if fact.key == "model":
             return fact.value
     return ""

@@ -25,10 +25,10 @@ class AppJob(Message):
 
     Attributes:
         text: When it is called, such as ``daily at 22:00``.
-        next: When that is next; 0 where it is not known.
-        running_since: When a call that is at work began; 0 for none.
-        dropped: Calls that were dropped because an earlier one was at work.
-        note: Why it is not called soon, such as ``no sunset today``.
+        next: When it is called next; 0 if unknown.
+        running_since: When the running call began; 0 for none.
+        dropped: Calls that were dropped because an earlier one was still running.
+        note: Why it will not be called soon, such as ``no sunset today``.
     """
 
     name: str
@@ -43,7 +43,7 @@ class AppInfo(Message):
     """An app.
 
     Attributes:
-        state: ``running``, or as the supervisor says, such as ``given up``.
+        state: ``running``, or the supervisor's word, such as ``given up``.
     """
 
     name: str
@@ -54,15 +54,15 @@ class AppInfo(Message):
 
 
 class AppsRequest(Message):
-    """A question for the apps."""
+    """Request for the apps."""
 
 
 class AppsResponse(Message):
     """The apps.
 
     Attributes:
-        apps: Each, in the order of their start.
-        zone: The IANA name of the home's time zone; empty where that has none.
+        apps: All apps, in the order of their start.
+        zone: The IANA name of the home's time zone; empty if it has none.
     """
 
     apps: tuple[AppInfo, ...] = ()
@@ -70,10 +70,10 @@ class AppsResponse(Message):
 
 
 class ChangeAppRequest(Message):
-    """An order for one app.
+    """Request to change one app.
 
     Attributes:
-        app: Its name; to load one, also the absolute path of its file, with ``:Class`` where that has several.
+        app: Its name; to load it, or the absolute path of its file, with ``:Class`` if that has several.
     """
 
     app: ShortText

@@ -1,4 +1,4 @@
-"""The services by which the owner approves devices that can hurt, and trusts those that a witness contradicted."""
+"""Services with which the owner approves dangerous devices, and trusts those that a witness contradicted."""
 
 from homebot.devices.device import KeyValue
 from homebot.messages.message import Message, ServiceAnswer, ServiceType
@@ -7,13 +7,13 @@ __all__ = ["ApproveDevice", "DescribeCommands", "GetUnapproved", "TrustDevice"]
 
 
 class ApproveDeviceRequest(Message):
-    """Approve a device, so that it may be driven; the directory remembers that over a restart.
+    """Approve a device, so that it may be driven; the directory remembers this across restarts.
 
     Attributes:
-        remove: Whether to take the approval back instead.
+        remove: Whether to withdraw the approval instead.
         is_preview: Whether to change nothing: the answer shows what would be approved.
-        digest: The digest in the answer to a preview: what is announced otherwise by then is not approved. Empty for
-            what is announced now.
+        digest: The digest in the answer to a preview: announcements that changed since are not approved. Empty for the
+            present announcements.
     """
 
     device: str
@@ -27,8 +27,8 @@ class ApproveDeviceResponse(ServiceAnswer):
 
     Attributes:
         commands: The approved commands, one line for each setting: address and payload.
-        changes: Differences from the approval before, one line for each part of an announcement.
-        digest: Of a preview: the digest of what would be approved.
+        changes: Differences from the previous approval, one line for each part of an announcement.
+        digest: For a preview: the digest of the announcements to approve.
     """
 
     commands: tuple[str, ...] = ()
@@ -37,13 +37,13 @@ class ApproveDeviceResponse(ServiceAnswer):
 
 
 class DescribeCommandsRequest(Message):
-    """A request for the publications for commands to a device."""
+    """Request for the messages that commands to a device would publish."""
 
     key: str
 
 
 class DescribeCommandsResponse(Message):
-    """Publications for the commands of a device, as text.
+    """The messages that commands to a device would publish, as text.
 
     Attributes:
         commands: One line for each setting, such as ``lock=unlocked: door/set UNLOCK``; empty if the gateway does not
@@ -54,10 +54,10 @@ class DescribeCommandsResponse(Message):
 
 
 class UnapprovedRequest(Message):
-    """A question for the devices that can hurt and wait for approval.
+    """Request for the dangerous devices that wait for approval.
 
     Attributes:
-        device: The id of the only one that matters; empty for all.
+        device: The id of the only device to check; empty for all.
     """
 
     device: str = ""
@@ -68,7 +68,7 @@ class UnapprovedResponse(Message):
 
     Attributes:
         devices: Their ids, sorted.
-        reasons: By id, why each of them always asks; also of a device that does not wait if it was asked about.
+        reasons: By id, why each device always asks; if one device was requested, also when it does not wait.
     """
 
     devices: tuple[str, ...] = ()
@@ -82,7 +82,7 @@ class TrustDeviceRequest(Message):
 
 
 class TrustDeviceResponse(Message):
-    """The contradictions that count no more.
+    """The contradictions that no longer count.
 
     Attributes:
         witnesses: The names of the sensors that had contradicted a part of the device; empty if it was trusted.

@@ -1,6 +1,6 @@
 """The capabilities of the vocabulary: Matter's clusters, each with one value in one unit.
 
-Source: Matter 1.6 application clusters; capabilities without a cluster in Matter have Home Assistant's names.
+Source: Matter 1.6 application clusters; capabilities without a Matter cluster have Home Assistant's names.
 """
 
 from __future__ import annotations
@@ -34,19 +34,19 @@ _NO_WORDS: Final[_Words] = MappingProxyType({})
 
 
 class Obedience(NamedTuple):
-    """The reports that show that a command for a capability was obeyed.
+    """The reports that prove that a command for a capability was obeyed.
 
     Attributes:
-        tolerance: By how much a reported number may differ from the commanded one: motors stop a little off, many count
-            percentages in 100 or 254 steps, and most thermostats take half degrees.
-        relative_tolerance: The same as a share, in place of it; 0 for none.
-        fineness: By how much numbers may differ that are the same setting; None for half a percent.
-        accepts: Further reports that mean that a commanded text was obeyed.
-        on_the_way: Reports that mean that a commanded text is being obeyed.
-        always_sent: Commanded texts that no report shows to be so already.
+        tolerance: By how much a reported number may differ from the commanded one: motors stop a little off, many
+            devices count percentages in 100 or 254 steps, and most thermostats half degrees.
+        relative_tolerance: The tolerance as a share of the number instead; 0 for none.
+        fineness: By how much two numbers may differ and be the same setting; None for half a percent.
+        accepts: Further reports that confirm a commanded text.
+        on_the_way: Reports that a commanded text is being carried out.
+        always_sent: Commanded texts that are sent even if the device reports them already.
         moves: Whether any number means that a motor is on its way.
-        zero_is_off: Whether 0 is another state than a small number.
-        rounds: Whether many devices take it in steps of several percent.
+        zero_is_off: Whether 0 is a different state from a small number.
+        rounds: Whether many devices round it to steps of several percent.
     """
 
     tolerance: float = 0.51
@@ -64,20 +64,20 @@ _OBEDIENCE: Final = Obedience()
 
 
 class CapabilityType(NamedTuple):
-    """The meaning of every capability of one name.
+    """The meaning of all capabilities of one name.
 
     Attributes:
         kind: The kind of its values; empty for any.
-        cluster: Number of the Matter cluster; None where Matter has none.
-        unit: Of a number; empty if it has none, or each device names its own.
+        cluster: Number of the Matter cluster; None if Matter has none.
+        unit: The unit of a number; empty if it has none, or each device names its own.
         bounds: Smallest and largest number; empty if there is none.
-        options: The texts that it may be; empty where each device names its own.
-        is_event: Whether a value is something that happened, and is over at once, rather than a state that lasts: each
-            is reported once, also where it equals the one before, and none is ever reported again.
-        is_momentary: Whether setting it twice does something twice, so that no command is repeated.
+        options: The allowed texts; empty if each device names its own.
+        is_event: Whether a value is an event, which is over at once, rather than a lasting state: each is reported
+            exactly once, even if it equals the previous one.
+        is_momentary: Whether setting it twice acts twice, so commands are never repeated.
         only_reported: Texts that no command sets.
-        obedience: The reports that show that a command was obeyed.
-        sensor: The type of a sensor of it; empty for one without a type of its own.
+        obedience: How reports show that a command was obeyed.
+        sensor: The device type of a sensor for it; empty if there is none.
     """
 
     name: str
@@ -95,7 +95,7 @@ class CapabilityType(NamedTuple):
 
 
 def _words(words: Mapping[str, str]) -> _Words:
-    """Return the words, which are separated by spaces, for each commanded text."""
+    """Return the space-separated words for each commanded text, split."""
     return MappingProxyType({wanted: frozenset(seen.split()) for wanted, seen in words.items()})
 
 
@@ -104,10 +104,10 @@ _MIREDS = 0.02
 """Whole mireds are up to 1.3 % of a cold white apart (Matter 1.6 application clusters, section 3.2.7)."""
 
 _HALF_STEP = 0.8
-"""Percent; by way of 255 and 99 steps."""
+"""Percent; devices with 255 or 99 steps."""
 
 _HALF_DEGREE = 0.29
-"""°C; half a degree, or one of Fahrenheit."""
+"""°C; half a degree Celsius, or one degree Fahrenheit."""
 
 _DIMMER = Obedience(tolerance=1.5, fineness=_HALF_STEP, zero_is_off=True, rounds=True)
 _VOLUME = Obedience(tolerance=1.5, fineness=_HALF_STEP, rounds=True)
@@ -300,19 +300,19 @@ def _by_name(*groups: Iterable[CapabilityType]) -> Mapping[str, CapabilityType]:
 
 
 CAPABILITIES: Mapping[str, CapabilityType] = _by_name(_CONTROLS, _EVENTS, _SETTINGS, _CONDITIONS, _MEASUREMENTS)
-"""Every capability by name. A device with a value that fits none has ``value``, ``measurement`` or ``state``."""
+"""Every capability by name. A value that fits none is a ``value``, ``measurement`` or ``state``."""
 
 MEASURED: frozenset[str] = frozenset(one.name for one in _MEASUREMENTS)
-"""Names of those that sensors measure."""
+"""Names of capabilities that sensors measure."""
 
 OWN: Final = CapabilityType("", "", "")
-"""The type of a capability of a device's own, which the vocabulary does not have."""
+"""The type of a device-specific capability, which is not in the vocabulary."""
 
 EVENTS: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_event)
-"""Names of those with events as values."""
+"""Names of capabilities whose values are events."""
 
 MOMENTARY: frozenset[str] = frozenset(one.name for one in CAPABILITIES.values() if one.is_momentary)
-"""Names of those of which no command is repeated."""
+"""Names of capabilities whose commands are never repeated."""
 
 SETTABLE: frozenset[str] = frozenset(
     {
@@ -320,14 +320,14 @@ SETTABLE: frozenset[str] = frozenset(
         *("heating_setpoint", "cooling_setpoint", "thermostat_mode", "preset_mode", "fan_speed", "fan_mode"),
     }
 )
-"""Names of those that people and programs set; measurements change all the time and need no reason."""
+"""Names of capabilities that people and programs set; measurements change all the time and need no reason."""
 
 LIGHTS_UP: Final = frozenset({"level", "color", "color_temperature", "effect"})
-"""Capabilities of a light by which it is turned on."""
+"""Capabilities that turn a light on."""
 
 
 def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]:
-    """Return those of the *options* of *capability* that a command may set, rather than a report alone have."""
+    """Return the *options* of *capability* that a command may set, without those that are only reported."""
     known = CAPABILITIES.get(capability, OWN)
     return tuple([one for one in options if one not in known.only_reported])
 
@@ -335,9 +335,9 @@ def settable_options(capability: str, options: Iterable[str]) -> tuple[str, ...]
 def implied_settings(
     capability: str, value: PlainValue, settable: Container[str]
 ) -> tuple[tuple[str, PlainValue], ...]:
-    """Return the settings, in this order, that make *capability* *value* and turn a light on, or off at level 0.
+    """Return the ordered settings that set *capability* to *value* and turn a light on, or off at level 0.
 
-    A gateway calls it for protocols in which the brightness or the colour of a light that is off leaves it off.
+    Gateways call it for protocols in which setting the brightness or colour of a light that is off leaves it off.
 
     Args:
         settable: The capabilities that the part takes.

@@ -1,4 +1,4 @@
-"""Rights of programs outside, as the owner writes them: ``read``, ``act: light in hall``, ``manage``, ``raw``. Pure."""
+"""Rights of external programs in the owner's words: ``read``, ``act: light in hall``, ``manage``, ``raw``. Pure."""
 
 from collections.abc import Iterable
 from enum import Enum
@@ -35,13 +35,13 @@ LOCAL_CLIENT = "local"
 """The name of clients without a token."""
 
 OWNER_CLIENT = "owner"
-"""The name of clients with the one token that has no name of its own."""
+"""The name of clients with the one unnamed token."""
 
 CLIENT_RIGHTS = "rights"
-"""The policy that refuses clients of the door."""
+"""The name of the policy that refuses clients of the door."""
 
 HARMLESS = "harmless"
-"""In place of a query: every device but those that always ask."""
+"""In place of a query: every device except those that always ask."""
 
 ALL_ROBOTS = "all"
 """In place of a robot's name: every robot."""
@@ -52,22 +52,22 @@ _ANY = And(())
 
 
 class Right(Enum):
-    """One right of a client: the first word of a right in a ``scope``."""
+    """One right of a client, by the first word of a right in a ``scope``."""
 
     READ = "read"
     """Subscribe to topics, and call services that change nothing."""
 
     ACT = "act"
-    """Command devices, and speak with apps and other clients."""
+    """Command devices, and communicate with apps and other clients."""
 
     MANAGE = "manage"
     """Change homebot itself: its parameters, its index."""
 
     RAW = "raw"
-    """Speak as homebot's own parts, and to gateways, below every check."""
+    """Publish as homebot's own parts, and to gateways, bypassing every check."""
 
     ROBOT = "robot"
-    """Be a robot: publish its pose and all below its name, and ask for doors."""
+    """Act as a robot: publish its pose and everything below its name, and request doors."""
 
 
 _NEEDS = {
@@ -80,12 +80,12 @@ class ClientRights(NamedTuple):
     """The rights of one client.
 
     Attributes:
-        acts_on: The devices that it may command: those that fit any of these. One that always asks
-            (:mod:`homebot.devices.always_ask`) must be asked for by its type or its name: to fit ``in hall`` is not
-            enough. A room that only a tag says counts for none of them.
-        acts_on_all: Whether it may command each and every device.
-        act_scope: The last two as they were written, for commands; empty for all that does not always ask.
-        robots: The names of the robots that it may be; :data:`ALL_ROBOTS` for any.
+        acts_on: It may command devices that fit any of these queries. For one that always asks
+            (:mod:`homebot.devices.always_ask`) a query must name its type or name: fitting ``in hall`` is not enough. A
+            room that is known only from a tag does not count.
+        acts_on_all: Whether it may command every device.
+        act_scope: The two above as they were written, for commands; empty for every device that does not always ask.
+        robots: The names of the robots that it may act as; :data:`ALL_ROBOTS` for any.
     """
 
     kinds: frozenset[Right] = frozenset()
@@ -95,15 +95,15 @@ class ClientRights(NamedTuple):
     robots: tuple[str, ...] = ()
 
     def has(self, right: Right) -> bool:
-        """Return whether *right* is among them; to act, on any device."""
+        """Return whether the client has *right*; for ``act``, on any device."""
         return right in self.kinds
 
     def may_be(self, robot: str) -> bool:
-        """Return whether it may be *robot*; with an empty name, any."""
+        """Return whether it may act as *robot*, or as any robot if that is empty."""
         return bool(self.robots) and (not robot or robot in self.robots or ALL_ROBOTS in self.robots)
 
     def may_command(self, device: Device, part: DevicePart, *, asks: bool) -> bool:
-        """Return whether *part* of *device*, which always *asks* or does not, may be commanded."""
+        """Return whether it may command *part* of *device*; *asks* is whether the part always asks."""
         if self.acts_on_all:
             return True
         if not asks and _ANY in self.acts_on:
@@ -131,19 +131,19 @@ class ClientRights(NamedTuple):
 
     @property
     def text(self) -> str:
-        """Their names, for people."""
+        """The names of the rights, for people."""
         names = [one.value for one in Right if one is not Right.ROBOT and self.has(one)]
         return ", ".join((*names, *(f"robot: {name}" for name in self.robots))) or "none"
 
 
 LOCAL_RIGHTS = ClientRights(frozenset({Right.READ, Right.ACT, Right.MANAGE}), acts_on=(_ANY,))
-"""Those of a client without a token: it commands every device but those that always ask."""
+"""The rights of a client without a token: it commands every device except those that always ask."""
 
 ALL_RIGHTS = ClientRights(frozenset(Right), acts_on_all=True, act_scope=("act: all",), robots=(ALL_ROBOTS,))
-"""Those of the one token that has no name of its own."""
+"""The rights of the one unnamed token."""
 
 SIMULATED_HOUSE_RIGHTS = ALL_RIGHTS
-"""Those of a client without a token where no real device can be reached."""
+"""The rights of a client without a token if no real device can be reached."""
 
 
 def issuer_of_client(name: str) -> str:
@@ -152,7 +152,7 @@ def issuer_of_client(name: str) -> str:
 
 
 def is_client(issuer: str) -> bool:
-    """Return whether *issuer* is a client, not a node."""
+    """Return whether *issuer* is a client rather than a node."""
     return issuer.startswith("client:")
 
 
@@ -160,7 +160,7 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
     """Return the rights that *scope* lists.
 
     Raises:
-        UsageError: One of them is none; the message names it and an example.
+        UsageError: One entry is not a right; the message names it and an example.
     """
     found: dict[Right, list[str]] = {}
     for text in scope:
@@ -177,10 +177,10 @@ def read_scope(scope: Iterable[str]) -> ClientRights:
 
 
 def without_taught_room(device: Device) -> Device:
-    """Return *device* without its room, where only a tag or a code says it; otherwise the same device.
+    """Return *device* without its room if only a tag or code states it; otherwise the same device.
 
-    A tag anywhere can name a room, so it gives no rights. A room that the owner states, in the
-    configuration or by a command, and one that the device announces of itself are not touched.
+    A tag anywhere can name a room, so it grants no rights. A room that the owner states, in the configuration or by a
+    command, or that the device itself announces is kept.
     """
     conventions = {one.convention for one in device.facts if one.name in {"area", "position"}} if device.area else set()
     return device.model_copy(update={"area": "", "outer_areas": ()}) if conventions == {TAG} else device
@@ -191,7 +191,7 @@ def _read_right(text: str) -> tuple[Right, str]:
     right = next((one for one in Right if one.value == word), None)
     if right is None:
         hint = did_you_mean(word or "?", [one.value for one in Right], _KNOWN)
-        raise UsageError(f"{text!r} is no right; {hint}")
+        raise UsageError(f"{text!r} is not a right; {hint}")
     if bool(query) is not (right in _NEEDS):
         raise UsageError(f"{text!r}: {word} {_NEEDS.get(right, 'takes no query')}")
     if right is Right.ROBOT:

@@ -1,4 +1,4 @@
-"""Description of the commands of a part, which an approval is bound to. Pure."""
+"""Description of a part's commands, to which an approval is bound. Pure."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ _DIGEST_BYTES = 16
 
 
 def payload_digest(announced: object) -> str:
-    """Return the digest of *announced*, plain values from which the payloads of commands follow."""
+    """Return the digest of *announced*, the plain values that determine the payloads of commands."""
     return blake2b(repr(announced).encode(errors="surrogatepass"), digest_size=_DIGEST_BYTES).hexdigest()
 
 
 class CommandDescription(NamedTuple):
-    """Announced facts on the commands of a part.
+    """Announced facts about the commands of a part.
 
     Attributes:
         identifiers: The identifiers of the device, sorted.
@@ -34,7 +34,7 @@ class CommandDescription(NamedTuple):
 
     @classmethod
     def of(cls, part: Part, identifiers: tuple[str, ...]) -> CommandDescription:
-        """Return the description of *part*, announced with these identifiers of its device."""
+        """Return the description of *part*, announced with the *identifiers* of its device."""
         settings = tuple([one.name for one in part.capabilities if one.settable])
         return cls(part.service_type, tuple(sorted(identifiers)), part.writes, settings, part.payloads)
 

@@ -65,7 +65,7 @@ _MOST_SCOPES = 100
 
 
 class Setting(Message):
-    """One capability and the value that it is to have.
+    """One capability and its desired value.
 
     Attributes:
         value: The value, in the unit of the vocabulary.
@@ -77,24 +77,24 @@ class Setting(Message):
     @staticmethod
     @lru_cache(maxsize=256, typed=True)
     def of(capability: str, plain: PlainValue) -> "Setting":
-        """Return the setting of *capability* to *plain*; cached, because a desired value is reported and repeated."""
+        """Return the setting of *capability* to *plain*; cached, because values recur in reports and repetitions."""
         return Setting(capability=capability, value=Value.of(plain))
 
 
 class CommandRequest(Message):
-    """A command to one part of a device: one or more settings, which are sent in their order.
+    """A command to one part of a device: one or more settings, which are sent in this order.
 
     Attributes:
-        part: The id of the part; empty for the only one that takes all settings, parts for configuration aside.
+        part: The id of the part; empty for the only one that takes all settings, not counting configuration parts.
         settings: The desired values, each capability once.
         transition: Seconds that the change takes, if the device supports that.
-        code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
+        code: The code that an alarm or a lock requires; a secret that no text about the command shows.
         issuer: The issuer of the command: the name of the node, or ``client:NAME`` for a client of the door.
         scope: The rights of a client of the door, by its token: ``read``, ``act: all``, ``act: light in hall``; empty
-            if it has no token. The door sets it, overwriting the client's. Of a node it is passed over: the rights
-            of apps are in the configuration.
-        cause: The id of its cause, such as a report; empty for a person's wish.
-        trigger: The same with its facts, as far as the issuer knows them.
+            if it has no token. The door sets it, overwriting the client's. It is ignored for a node: the rights of apps
+            are in the configuration.
+        cause: The id of its cause, such as a report; empty for a person's command.
+        trigger: The cause with its facts, as far as the issuer knows them.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)
@@ -114,20 +114,20 @@ class CommandResult(Message):
     """Outcome of a command, for other programs, the journal and recordings.
 
     Attributes:
-        outcome: Which it is; the fields below that do not belong to it are empty.
-        text: The same for people.
+        outcome: The kind of outcome; fields below that do not belong to it are empty.
+        text: The outcome as text for people.
         reported: ``confirmed``: the values that the device reported.
-        latency: ``confirmed``: seconds from sending to the evidence; ``reverted``: seconds after it had obeyed;
-            ``no_answer``: seconds that were waited.
+        latency: ``confirmed``: seconds from sending to the evidence; ``reverted``: seconds after it obeyed;
+            ``no_answer``: seconds waited.
         evidence: ``confirmed``: 1 sent, 2 acknowledged, 3 reported, 4 witnessed.
         saw: ``contradicted``: the reported value.
-        witness: ``confirmed`` and ``contradicted``: the name of the second device that saw it; empty if none did.
+        witness: ``confirmed`` and ``contradicted``: the name of the second device that observed it; empty if none did.
         by: ``superseded``: the id of the newer command.
         policy: ``refused``: the policy, or ``gateway`` or ``device``.
-        reason: ``refused``, and ``no_answer`` where it was not sent: the reason; ``reverted``: ``device``, or
-            ``unknown`` if it may be a person's doing; ``gone``: what there is not.
-        is_unacknowledged: ``no_answer``: whether it was sent, and its network has not acknowledged it, so that it may
-            arrive later.
+        reason: ``refused``, and ``no_answer`` if it was not sent: the reason; ``reverted``: ``device``, or ``unknown``
+            if a person may have done it; ``gone``: the missing thing.
+        is_unacknowledged: ``no_answer``: whether it was sent but its network has not acknowledged it, so it may arrive
+            later.
     """
 
     command_id: str
@@ -145,7 +145,7 @@ class CommandResult(Message):
 
     @staticmethod
     def answer_type() -> "type[Outcome]":
-        """Return the type that this message stands for."""
+        """Return the type that this message represents."""
         from homebot.devices.outcomes import Outcome  # noqa: PLC0415 - a start without a command needs none
 
         return Outcome
@@ -170,10 +170,10 @@ class CommandResult(Message):
 
 
 class CommandEvent(Message):
-    """Something that became known of a command after its outcome: the device went back.
+    """News about a command after its outcome: the device went back.
 
     Attributes:
-        result: The outcome that takes the place of the first one.
+        result: The outcome that replaces the first one.
     """
 
     key_field: ClassVar[str | None] = "result.command_id"
@@ -190,16 +190,16 @@ PerformCommand: "ServiceType[CommandRequest, Outcome]" = LocalServiceType(
 
 
 class CommandDevicesRequest(Message):
-    """A command in words to one device, or to all that fit a query.
+    """A command in words to one device, or to all devices that fit a query.
 
     Attributes:
         target: The id or a name of a device, ``ID#PART`` for one of its parts, or a query such as ``light in hall``.
         command: A word that the devices take: ``on``, ``off``, ``open``, ``close``, ``stop``, ``lock``, ``unlock``,
-            ``press``, an option such as ``cleaning``, a number, ``level 40``; ``set`` where only *values* count.
+            ``press``, an option such as ``cleaning``, a number, ``level 40``; ``set`` if only *values* count.
         values: Values by capability, as text, for example ``level`` and ``40``, or ``color_temperature`` and ``2700``.
-        transition: Seconds that the change takes, where a device supports that.
+        transition: Seconds that the change takes, if a device supports that.
         code: The code that an alarm or a lock requires; a secret.
-        issuer: The issuer of the command; for clients of the door it is set by the door.
+        issuer: The issuer of the command; the door sets it for its clients.
         scope: As for :class:`CommandRequest`.
         cause: The id of its cause; may be empty.
     """
@@ -220,7 +220,7 @@ class CommandedPart(Message):
     """One part that was commanded, and its outcome.
 
     Attributes:
-        name: Its name for people, with that of the part where it has several.
+        name: The device's name for people, with that of the part if it has several.
     """
 
     device: str
@@ -232,10 +232,10 @@ class CommandedPart(Message):
 class CommandDevicesResponse(ServiceAnswer):
     """The outcomes of a command in words; a success if at least one part was commanded, and all obeyed.
 
-    The message is the reason why nothing was commanded, or name and text of the worst outcome.
+    The message is the reason why nothing was commanded, or the name and text of the worst outcome.
 
     Attributes:
-        outcome: The worst of all; empty if nothing was commanded.
+        outcome: The worst outcome; empty if nothing was commanded.
         results: Each commanded part, sorted by device.
     """
 
@@ -265,8 +265,8 @@ class SendTextResponse(ServiceAnswer):
     """The result; a success does not prove that the device obeyed.
 
     Attributes:
-        problem: ``refused`` by a policy, a lease or the gateway, or the gateway is ``unreachable`` now.
-        others: The names of the other parts that would have accepted the text and did not get it.
+        problem: ``refused`` by a policy, a lease or the gateway; ``unreachable`` if the gateway is now.
+        others: The names of other parts that would have accepted the text but did not get it.
     """
 
     problem: Literal["", "refused", "unreachable"] = ""

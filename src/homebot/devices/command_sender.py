@@ -1,4 +1,4 @@
-"""Sender of commands and texts: the best route to a part that accepts them."""
+"""Sender of commands and texts by the best route to a part that accepts them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from homebot.graph import Client, Node, Publisher, qos_profile_latched
 __all__ = ["CommandSender", "GatewayOutput", "TextSender", "TextTarget"]
 
 _ANSWERS_WITHIN: Final = 5.0
-"""Seconds that a gateway has for its answer beyond the time in which it may carry the command out."""
+"""Seconds that a gateway has to answer, beyond the time that it may take to carry out the command."""
 
 
 class CommandSender:
@@ -42,17 +42,17 @@ class CommandSender:
     ) -> Route:
         """Send *command*; return the route that accepted it, which fills in its key, part and approval.
 
-        The next route is tried if one cannot do that, and sent nothing, or cannot reach the device; a command that a
+        The next route is tried if one is unable to send the command, or cannot reach the device; a command that a
         gateway refuses is not sent by another route. A button is not pressed by a second route if the first may have
-        pressed it. A repeated command begins with the second route, for the first accepted it.
+        pressed it. A repeated command begins with the second route, because the first accepted it before.
 
         Args:
-            ineffective: Names of routes that come after those that work, unless the owner prefers their gateway.
+            ineffective: Names of routes to try last, unless the owner prefers their gateway.
 
         Raises:
-            RefusedError: The gateway or the part refuses, or the part is disputed.
-            UnansweredError: A gateway sent it, and its network has not acknowledged it.
-            LinkError: It was not sent: no gateway of the part is running and connected; it may work later.
+            RefusedError: The gateway or the part refuses it, or the part is disputed.
+            UnansweredError: A gateway sent it, but its network has not acknowledged it.
+            LinkError: It was not sent, because no gateway of the part is running and connected; it may work later.
         """
         capability, failures = command.capability, list[SendCommandResponse]()
         routes = _routes(device, part, capability, ineffective, is_repeated=command.repeated)
@@ -92,7 +92,7 @@ def _error(capability: str, device: str, failures: Sequence[SendCommandResponse]
 
 
 def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:
-    """Return the answer in place of a gateway's; one that is not running is unreachable, and unable to send."""
+    """Return the answer on behalf of a gateway; if it is not running, it is unreachable and unable to send."""
     if isinstance(error, InvalidNameError):
         return SendCommandResponse(success=False, message=str(error), problem="refused", unable=True)
     if isinstance(error, ServiceTimeoutError | ServiceGoneError):
@@ -105,10 +105,10 @@ def _failure(error: InvalidNameError | ServiceError) -> SendCommandResponse:
 def _routes(
     device: Device, part: DevicePart, capability: str, ineffective: Collection[str], *, is_repeated: bool
 ) -> Sequence[Route]:
-    """Return the routes by which *capability* is said to be set, those that work first; all if no route says so.
+    """Return the routes that declare to set *capability*, working ones first; all routes if none declares it.
 
-    A repeated command begins with the second. If the owner approved some routes, the others are not used: they were
-    announced later, or changed.
+    A repeated command begins with the second. If the owner approved some routes, the others are not used, because they
+    were announced later or changed.
     """
     if not part.routes:
         why = "; ".join(device.conflicts) or "it has no route for commands"
@@ -137,7 +137,7 @@ class TextTarget(NamedTuple):
 
     Attributes:
         address: The address that the gateway sends it to.
-        others: The names of the other parts that would accept the text too.
+        others: The names of the other parts that would also accept the text.
     """
 
     gateway: str
@@ -153,7 +153,7 @@ class TextSender:
         self._gateways: dict[str, GatewayOutput] = {}
 
     def target(self, device: Device, payload: str) -> TextTarget:
-        """Return where *payload* for *device* goes.
+        """Return the target of *payload* for *device*.
 
         Raises:
             RefusedError: The device accepts no commands, or its gateway only observes.
@@ -196,13 +196,13 @@ class TextSender:
         command_id: str = "",
         routes: Sequence[Route] = (),
     ) -> RawCommand:
-        """Send *payload* to *target*, which :meth:`target` returned; return when the gateway has queued it.
+        """Send *payload* to *target*, which :meth:`target` returned; return once the gateway has queued it.
 
         Args:
             routes: The ways to the part at *target*, the first of which was checked.
 
         Raises:
-            LinkError: The gateway went away meanwhile.
+            LinkError: The gateway disconnected meanwhile.
         """
         peer = self._gateways[target.gateway]
         command = RawCommand(
@@ -215,17 +215,17 @@ class TextSender:
             topics=routes[0].topics if routes else (),
         )
         has_waited = await peer.out.send(command)
-        if has_waited and not peer.out.reaches(peer.node):  # it went while its queue was full
+        if has_waited and not peer.out.reaches(peer.node):  # it disconnected while its queue was full
             raise _away(target.gateway)
         return command
 
 
 class GatewayOutput:
-    """Publisher of texts to one gateway, with the last state that it reported.
+    """Publisher of texts to one gateway, with the gateway's last reported state.
 
     Attributes:
-        unavailable: The reason why it does not reach its network, by the state that :meth:`refusal` read last; empty
-            where it does.
+        unavailable: The reason why it does not reach its network, by the state that :meth:`refusal` last read; empty if
+            it does.
     """
 
     def __init__(self, sender: Node, gateway: str) -> None:
@@ -239,7 +239,7 @@ class GatewayOutput:
         self.unavailable = ""
 
     def refusal(self) -> str:
-        """Return why it sends no commands, by its last state; empty if it does, or reported none yet."""
+        """Return why it sends no commands, by its last state; empty if it does, or has reported no state yet."""
         if self._states.mailbox.waiting and (state := self._states.take()) is not None:
             self._refusal = "" if state.acts else state.reason or ONLY_OBSERVES
             self.unavailable = (state.reason or "no reason is known") if state.state == "unavailable" else ""
@@ -254,5 +254,5 @@ def _target(device: Device, endpoint: Endpoint, payload: str) -> TextTarget:
 
 
 def _away(gateway: str, unavailable: str = "") -> LinkError:
-    """Return an error that says nothing of the text, which may be a code."""
+    """Return an error that does not show the text, which may be a code."""
     return LinkError(f"its gateway {gateway} is {f'unavailable: {unavailable}' if unavailable else 'not running'}")

@@ -1,4 +1,4 @@
-"""Commands of a node: through the control layer, which proves them; if there is none, straight to the gateway."""
+"""Commands of a node: through the control layer, which verifies them; without one, straight to the gateway."""
 
 from __future__ import annotations
 
@@ -40,18 +40,18 @@ __all__ = ["Commander"]
 
 COMMAND_FAILED: Final = "app.command_failed"
 _EFFECT_WITHIN: Final = 1.0
-"""Seconds after an outcome in which an app receives the report that it is made of."""
+"""Seconds after an outcome within which an app receives the report behind it."""
 _MOST_ENDED: Final = 1000
 _LONGEST_CODE: Final = 255
 _LONGEST: Final = 900.0
-"""Seconds after which the control layer has answered: it bounds its waiting itself."""
+"""Seconds after which the control layer has answered: it limits its own waiting."""
 
 
 class Commander:
     """Gives commands in the name of a node.
 
     A graph that was built by hand may have no control layer. Then a command goes to the gateway, and only its
-    acknowledgement is known. Beside a runtime that never happens: while its control layer is away nothing is sent.
+    acknowledgement is known. A runtime never does this: nothing is sent while its control layer is away.
     """
 
     def __init__(self, node: Node) -> None:
@@ -71,13 +71,13 @@ class Commander:
         transition: float = 0.0,
         code: str = "",
     ) -> Outcome:
-        """Give a command, and return its outcome; a failure of a device or its network is no error.
+        """Give a command, and return its outcome; a failure of a device or its network is not an error.
 
-        A failure before the control layer is logged as ``app.command_failed``; that layer logs the others.
+        A failure before the control layer is logged as ``app.command_failed``; the control layer logs all others.
 
         Args:
-            view: The device; it has the reported values as soon as they are known.
-            values: The values by capability, in the unit of the vocabulary, in the order in which they are set.
+            view: The device; it is updated with the reported values as soon as they are known.
+            values: The values by capability, in the vocabulary's units, in the order in which they are set.
             transition: Seconds that the change takes, if the device supports that.
 
         Raises:
@@ -92,14 +92,14 @@ class Commander:
             raise
         finally:
             self._under_way[place] -= 1
-            self._under_way += Counter()  # without those at 0
+            self._under_way += Counter()  # drops counts of 0
             self._ended[place] = self._clock.monotonic()
         if not outcome.succeeded and not outcome.command_id:
             self._log_failure(view.device, part_id, outcome.text)
         return outcome
 
     def is_commanding(self, device_id: str, part_id: str) -> bool:
-        """Return whether a command of the node to the part has no outcome yet, or has had one for a second at most."""
+        """Return whether a command of the node to the part has no outcome yet, or got one within the last second."""
         place = device_id, part_id
         ended = self._ended.get(place)
         is_recent = ended is not None and self._clock.monotonic() - ended <= _EFFECT_WITHIN
@@ -169,7 +169,7 @@ class Commander:
         return target.others
 
     def hold(self, view: DeviceView, part_id: str, word: str, by: str, ttl: float) -> AbstractAsyncContextManager[Hold]:
-        """Return the block that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
+        """Return a context manager that holds a part; see :meth:`homebot.devices.handles.Handle.hold`."""
         return HoldBlock(self._node, view, part_id, word, by, ttl)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The trigger of the command that a task gives now, made of the cause that it acts upon."""
+"""The trigger of the command that a task is giving, built from the cause that the task responds to."""
 
 from homebot.devices.device import DeviceChange, StateChange
 from homebot.devices.gateway_messages import RawMessage

@@ -1,4 +1,4 @@
-"""Messages about a device, as the directory knows it."""
+"""Messages about a device as known to the directory."""
 
 from collections.abc import Iterable
 from typing import ClassVar, Literal, TypeAlias
@@ -47,11 +47,11 @@ class Endpoint(Message):
 
     Attributes:
         address: The address on which the device publishes, in the gateway's own terms (MQTT: the topic).
-        command_address: The address to which it is subscribed; empty when it takes no commands.
-        freshness: As for :class:`Device`, from messages of this gateway alone.
+        command_address: The address to which it is subscribed; empty if it takes no commands.
+        freshness: As for :class:`Device`, judged by messages of this gateway alone.
         last_seen: The time of its latest message or announcement there.
-        reachable: ``yes``, ``no`` or ``unknown``: whether it can be reached there, as it or the gateway reports it.
-        claimed: Whether nothing but its own announcement says that it is this device. It gets no commands until it has
+        reachable: ``yes``, ``no`` or ``unknown``: whether it is reachable there, as reported by it or the gateway.
+        claimed: Whether only its own announcement says that it is this device. It gets no commands until it has
             reported the same changes as another endpoint, or the owner has confirmed it.
     """
 
@@ -66,11 +66,11 @@ class Endpoint(Message):
 
 
 class Route(Message):
-    """One way to reach a part, by the gateway's ``send_command`` and ``readings``.
+    """One way to reach a part, through ``send_command`` and ``readings`` of a gateway.
 
     Attributes:
-        takes: Names of the capabilities that can be set by it, or :data:`EVERYTHING`.
-        approved: The digest of its description, if the owner approved exactly that; else empty. See
+        takes: Names of the capabilities that can be set through it, or :data:`EVERYTHING`.
+        approved: The digest of its description if the owner approved exactly this description, else empty; see
             :mod:`homebot.devices.command_description`.
         topics: The announced addresses for commands, which were compared with those of other devices.
     """
@@ -89,19 +89,19 @@ class Route(Message):
         return f"{self.gateway}/{self.key}"
 
     def can(self, capability: str) -> bool:
-        """Return whether *capability* can be set by it."""
+        """Return whether *capability* can be set through it."""
         return self.takes == EVERYTHING or capability in self.takes
 
 
 class DevicePart(Message):
-    """A part of a device, merged from all announcements of it.
+    """A part of a device, merged from all its announcements.
 
     Attributes:
         id: Unique in the device; it stays the same when announcements are added or replaced.
-        part: Its description by the best route, with the capabilities of all routes.
-        routes: The ways to send it commands, best first: those by which it can be reached and was heard lately, then
-            those of the device's own announcements, then the older ones. Of those that accept a command, the first
-            with a running gateway is used. Empty while another device claims its topics; see
+        part: Its description from the best route, with the capabilities of all routes.
+        routes: The ways to send it commands, best first: those by which it is reachable and was heard recently, then
+            those of the device's own announcements, then the older ones. The first that accepts a command and has a
+            running gateway is used. Empty while another device claims its topics; see
             :attr:`Device.conflicts`.
     """
 
@@ -114,11 +114,11 @@ class Fact(Message):
     """One fact about a device, with its source and time.
 
     Attributes:
-        name: Its subject: ``name``, ``area``, or a name of the metadata such as ``model``.
+        name: Its subject: ``name``, ``area``, or a metadata key such as ``model``.
         gateway: The gateway of the announcement; empty for a fact that the owner states.
         convention: The convention of the announcement; ``owner`` for a fact that the owner states.
-        key: In which announcement; for a fact that the owner states ``configuration``, ``command`` or ``import``.
-        said_at: The time at which this was first announced there, or stated.
+        key: The announcement's key; for a fact that the owner states, ``configuration``, ``command`` or ``import``.
+        said_at: When it was first announced there, or stated.
     """
 
     name: str
@@ -130,7 +130,7 @@ class Fact(Message):
 
 
 class Reachability(Message):
-    """The reachability of a device, as it or its last will reports it."""
+    """The reachability of a device, as reported by itself or its last will."""
 
     state: Literal["yes", "no", "unknown"] = "unknown"
     since: Time = Time(sec=0, nanosec=0)
@@ -145,7 +145,7 @@ class State(Message):
         since: The time of the first report of this value.
         told_at: The time of the latest report.
         live: Whether the device itself reported it; False if it is known only from a retained message.
-        is_first: Whether it is the first value since homebot started: it may have been so before *since*.
+        is_first: Whether it is the first value since homebot started; it may be older than *since*.
     """
 
     part: str
@@ -158,34 +158,33 @@ class State(Message):
 
 
 class Device(Message):
-    """A device in the house, as all its announcements together describe it.
+    """A device in the house, described by all its announcements together.
 
     Attributes:
         id: Unique in this homebot, for example ``lights/roomlights405``; renaming the device does not change it.
-        service_type: Its main type: the level SERVICE_TYPE of the topic of a device that does not announce itself, for
-            example ``lights``; otherwise a device type of the vocabulary, for example ``light``.
-        endpoints: The addresses for raw messages and texts: one for each gateway, at least one, in the order of
+        service_type: Its main type: a device type of the vocabulary, for example ``light``; for a device that does not
+            announce itself, the topic level SERVICE_TYPE, for example ``lights``.
+        endpoints: The addresses for raw messages and texts, at least one, one for each gateway, in the order of
             :attr:`DevicePart.routes`.
         first_seen: The time of its first message or announcement.
         last_seen: The time of its latest message or announcement, to about a second.
-        expires: The time at which it becomes stale if nothing more is received.
+        expires: When it becomes stale unless something is received.
         freshness: ``fresh``: the device itself reported; ``unconfirmed``: it is known only from a retained message or
             from the index file; ``stale``: it has not reported for too long.
         service_types: The types of all its parts: device types of the vocabulary, then the types that it advertised.
-        area: The room that it is in: the one that the owner states, else the one that it announces; empty if none is
-            known.
-        outer_areas: The areas that the room is in: its floor, where one is stated, and the home.
-        tags: The words that the owner tagged it with.
-        names: Every name it has, :attr:`name` first.
+        area: Its room: the one that the owner states, else the one that it announces; empty if none is known.
+        outer_areas: The areas that contain the room: its floor, if one is stated, and the home.
+        tags: The words with which the owner tagged it.
+        names: All its names, :attr:`name` first.
         identifiers: Its identifiers, such as hardware addresses; see :func:`homebot.devices.identity.identifiers`.
-        facts: Facts about it, each with its source and time; of several with one name, the one in use comes first.
-            Those that the owner states are ``area``, ``name`` for an alias, ``tag``, and ``approved``; a change
-            since is ``changed_since_approval``, with the announcement that changed.
+        facts: Facts about it, each with its source and time; among those with one name, the one in use comes first. The
+            owner states ``area``, ``name`` for an alias, ``tag``, and ``approved``; ``changed_since_approval`` has the
+            announcement that changed since.
         reachable: Whether it can be reached, as its parts together report.
         offline_parts: The ids of parts that report that they cannot be reached.
         states: The latest value of each capability of its parts.
         events: The latest event of each capability that has events, such as a button press.
-        evidence: The reasons why its announcements are one device, as text; empty for a single announcement.
+        evidence: Why its announcements are considered one device, as text; empty for a single announcement.
         conflicts: Contradictions between its announcements, as text; the facts concerned are not used until they are
             resolved.
     """
@@ -215,7 +214,7 @@ class Device(Message):
     tags: tuple[str, ...] = ()
 
     def part(self, part_id: str) -> DevicePart | None:
-        """Return the part, or None if the device has none of that id."""
+        """Return the part with that id; None if there is none."""
         for part in self.parts:
             if part.id == part_id:
                 return part
@@ -228,10 +227,10 @@ class DeviceChange(Message):
     Attributes:
         kind: ``appeared``, ``changed``, ``stale``, ``returned`` (from stale) or ``removed``; ``merged``: further
             announcements, or the device *other*, are now part of this device; ``unmerged``: some of its announcements
-            are now the device *other*; ``conflict``: another announcement contradicts it, and nothing else changed;
+            are now the device *other*; ``conflict``: another announcement contradicts it, but nothing else changed;
             ``resolved``: a contradiction has ended.
-        device: The device after the change; before it where it was removed.
-        sequence: A number that grows with every change; a snapshot has the number of the last change in it.
+        device: The device after the change; for a removed device, before it.
+        sequence: A number that grows with every change; a snapshot has the number of its last change.
         other: The id of the other device concerned; empty if there is none.
     """
 
@@ -245,7 +244,7 @@ class DeviceChange(Message):
 
 
 class ChangedSetting(Message):
-    """A new value of a setting of people and programs (:data:`homebot.devices.capabilities.SETTABLE`)."""
+    """A new value of something that people and programs set (:data:`homebot.devices.capabilities.SETTABLE`)."""
 
     device: str
     part: str
@@ -255,24 +254,24 @@ class ChangedSetting(Message):
 
 
 class ChangedSettings(Message):
-    """The settings that devices reported anew within half a second.
+    """The changes of settings that devices reported within half a second.
 
     Attributes:
-        changes: The first new value of each, and the newest one; of a number that changes to another the newest alone.
+        changes: The first and the newest value of each setting; of two numbers other than 0, only the newest.
     """
 
     changes: tuple[ChangedSetting, ...]
 
 
 class StateChange(Message):
-    """The values that one message of a device changed, or an event.
+    """An event, or the values that one message of a device changed.
 
     Attributes:
-        stream: The device with the parts and capabilities that changed, as one key: the newest change of the same ones
-            is never lost. Each event has a key of its own, so that a slow reader loses none of the last hundred.
-        readings: The new values, at least one; or the event alone.
+        stream: A key of the device, parts and capabilities that changed: the newest change of each key is never lost.
+            Each event has its own key, so a slow reader loses none of the last hundred.
+        readings: The new values, at least one; or only the event.
         live: Whether the device itself reported them; False if they are known only from a retained message.
-        sequence: A number that grows with every change, in one series with those of :class:`DeviceChange`.
+        sequence: A number that grows with every change, in the same series as those of :class:`DeviceChange`.
     """
 
     key_field: ClassVar[str | None] = "stream"
@@ -295,7 +294,7 @@ class StateChange(Message):
         return tuple([self.state_of(reading) for reading in self.readings])
 
     def state_of(self, reading: Reading) -> State:
-        """Return the state that *reading*, one of :attr:`readings`, tells."""
+        """Return the state that corresponds to *reading*, one of :attr:`readings`."""
         return State(
             part=reading.part,
             capability=reading.capability,
@@ -308,9 +307,9 @@ class StateChange(Message):
 
 
 def part_names(devices: Iterable[Device]) -> dict[str, str]:
-    """Return the names of *devices* by their ids, and those of their parts by ``ID#PART``.
+    """Return the names of *devices* by id, and those of their parts by ``ID#PART``.
 
-    Parts are named only where several of them take commands, settings aside; else the name of the device tells enough.
+    Parts are named only if several of them, not counting settings, take commands; else the device's name is enough.
     """
     names: dict[str, str] = {}
     for device in devices:
@@ -322,20 +321,20 @@ def part_names(devices: Iterable[Device]) -> dict[str, str]:
 
 
 def target_of(device_id: str, part_id: str) -> str:
-    """Return the name of a part: the id of its device, with ``#`` and the id of the part if it has one."""
+    """Return the id of a part in the house: the id of its device, with ``#`` and the part's own id if it has one."""
     return f"{device_id}#{part_id}" if part_id else device_id
 
 
 def is_commanded(part: Part) -> bool:
-    """Return whether *part* takes commands, and is no setting."""
+    """Return whether *part* takes commands and is not a setting."""
     return not part.category and any(one.settable for one in part.capabilities)
 
 
 def check_gateway(endpoint: Endpoint) -> None:
-    """Refuse an endpoint of something that cannot be a gateway: an app must not end because of it.
+    """Refuse an endpoint whose gateway cannot exist, so that it does not end an app.
 
     Raises:
-        RefusedError: The name of its gateway is no name of a node.
+        RefusedError: The name of its gateway is not a valid node name.
     """
     try:
         validate_node_name(endpoint.gateway)

@@ -1,6 +1,6 @@
-"""The service types of the vocabulary: Matter's device types, and the other words people use for them.
+"""The service types of the vocabulary: Matter's device types, and other words that people use for them.
 
-Source: Matter 1.6 device library. Types that Matter does not have begin with ``x_``.
+Source: Matter 1.6 device library. Types that are not in Matter begin with ``x_``.
 """
 
 from collections.abc import Mapping
@@ -14,8 +14,8 @@ class DeviceType(NamedTuple):
     """The type of a part.
 
     Attributes:
-        matter: Numbers of the Matter device types it stands for; empty where Matter has none.
-        words: Other words that find it, singular.
+        matter: Numbers of the corresponding Matter device types; empty if Matter has none.
+        words: Other words that find it, in the singular.
     """
 
     name: str
@@ -77,9 +77,9 @@ _TYPES = (
 )
 
 DEVICE_TYPES: Mapping[str, DeviceType] = MappingProxyType({one.name: one for one in _TYPES})
-"""Every device type by name; the sooner a type comes, the rather is a device with such a part of this type.
+"""Every device type by name, in the order in which the type of a part becomes that of its device.
 
-A garage door has a lamp, and an air conditioner switches for its functions and a thermometer.
+A garage door may have a lamp, and an air conditioner a thermometer and switches for its functions.
 """
 
 CAN_HURT = frozenset(
@@ -96,14 +96,13 @@ CAN_HURT = frozenset(
         "x_robot",
     }
 )
-"""Types of devices that open, flood, heat or hurt when a command is wrong, or not obeyed."""
+"""Types of devices that open, flood, heat or hurt if a command is wrong or not obeyed."""
 
 
 def wanted_types(word: str) -> frozenset[str]:
-    """Return the device types that *word* may mean: ``light``, ``lights`` and ``lamp`` are one, ``window`` is three.
+    """Return the device types that *word* may mean: ``light``, ``lights`` and ``lamp`` mean one, ``window`` three.
 
-    Upper and lower case, ``_``, ``-`` and blanks are the same, and so are singular and plural. Empty for a word of no
-    type.
+    Case and number do not matter, and ``_`` and ``-`` are blanks. Empty for a word without a type.
     """
     spelled = " ".join(word.casefold().replace("_", " ").replace("-", " ").split())
     for form in (spelled, *_singulars(spelled)):

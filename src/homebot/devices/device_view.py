@@ -1,4 +1,4 @@
-"""Newest description and values of one device. Pure."""
+"""The newest description and values of one device. Pure."""
 
 from typing import final
 
@@ -15,7 +15,7 @@ class DeviceView:
 
     Attributes:
         device: The newest description; use :meth:`current` for the newest values.
-        sequence: The number of the last change in it.
+        sequence: The number of the last change that it includes.
     """
 
     __slots__ = ("__weakref__", "_newer", "device", "is_gone", "sequence")
@@ -27,7 +27,7 @@ class DeviceView:
         self._newer: dict[tuple[str, str], tuple[StateChange, Reading]] = {}
 
     def update(self, device: Device, sequence: int, *, is_gone: bool = False) -> None:
-        """Store a description, unless it is older than the stored one."""
+        """Store a description unless it is older than the stored one."""
         if sequence < self.sequence:
             return
         self.sequence, self.device, self.is_gone = sequence, device, is_gone
@@ -38,15 +38,15 @@ class DeviceView:
             }
 
     def record_values(self, change: StateChange) -> None:
-        """Store new values, ordered by their number: the clock of their stamps may have been set back."""
+        """Store new values, ordered by sequence number, because the clock may have been set back."""
         for reading in change.readings:
             if change.sequence >= self._sequence_of(place := (reading.part, reading.capability)):
                 self._newer[place] = change, reading
 
     def record_result(self, part_id: str, capability: str, value: PlainValue, now: float) -> None:
-        """Store a value from an outcome, reported *now* in seconds since the Unix epoch, until a newer one comes."""
+        """Store a value from an outcome, reported at *now* in seconds since the Unix epoch, until a newer one comes."""
         if self.value(part_id, capability) == value:
-            return  # it has been so since it was reported
+            return  # unchanged since it was reported
         reading = Reading(part=part_id, capability=capability, value=Value.of(value))
         self.record_values(
             StateChange(
@@ -71,7 +71,7 @@ class DeviceView:
         return None if state is None else state.value.plain()
 
     def state(self, part_id: str, capability: str) -> State | None:
-        """Return the latest value of the part with its times; None if it reported none."""
+        """Return the latest value of the part, with its times; None if it has reported none."""
         if (new := self._newer.get((part_id, capability))) is not None:
             change, reading = new
             return change.state_of(reading)

@@ -1,4 +1,4 @@
-"""Access of an application to devices: find, follow, listen and command."""
+"""An application's access to devices: find, follow, listen and command."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _QUERY_WORDS = frozenset({"and", "in", "not", "or", "with", "without"})
 
 
 class Devices:
-    """Access of one node to the devices of the house; an app has it as ``self.devices``.
+    """One node's access to the devices of the house; an app has it as ``self.devices``.
 
     Queries and subscriptions made here belong to the node and end with it.
     """
@@ -77,9 +77,9 @@ class Devices:
     async def find(
         self, service_type: str | HandleType[P, HandleT] = "", *none: P.args, **query: P.kwargs
     ) -> tuple[Device, ...] | tuple[HandleT, ...]:
-        """Return the handles of a kind that match now, or the devices that offer a service type; sorted by id.
+        """Return the handles of a kind that match now, or the devices that offer a service type, sorted by id.
 
-        An app starts before its devices are known. :meth:`follow` gives those that are there and those to come. With
+        An app starts before its devices are known; :meth:`follow` yields both present and future ones. With
         ``near="robot"``, those nearest to the robot come first.
 
         Args:
@@ -87,14 +87,14 @@ class Devices:
                 empty for all devices.
             none: Not used: conditions are given by name.
             query: The conditions, all of which must hold, for example ``area="kitchen", on=True``; each kind documents
-                those that it has.
+                its own.
 
         Raises:
-            TypeError: The kind has no such condition; the message suggests the nearest.
+            TypeError: The kind has no such condition; the message suggests the nearest one.
             ValueError: A condition does not accept the value, or the service type is a sentence.
-            UsageError: Nothing in the house has the type, the area, the tag or the name, and something has a similar
-                one, or the house states its rooms; or there is no such robot. It says what was probably meant.
-            RefusedError: The place of the robot is not known now; the message says how old its last pose is.
+            UsageError: Nothing in the house has the type, area, tag or name, and there is a similar one, or the house
+                states its rooms; or there is no such robot. The message suggests the one that was probably meant.
+            RefusedError: The position of the robot is unknown now; the message says how old its last pose is.
             ServiceError: The directory did not answer.
         """
         if isinstance(service_type, str):
@@ -127,9 +127,9 @@ class Devices:
     ) -> Follow | FollowHandles[HandleT]:
         """Return a live query: ``async for change in devices.follow("lights")``, or ``devices.follow(Light, on=True)``.
 
-        Arguments and errors are those of :meth:`find`; a name that nothing in the house has is refused 10 seconds
-        later, by the reading of the query. With ``near="robot"`` it is asked again when the robot has moved 0.1 m, at
-        most twice a second, and at once for a door. The first form yields :class:`DeviceChange` (see
+        Arguments and errors are those of :meth:`find`; a name that nothing in the house has is refused after 10
+        seconds, when the query is read. With ``near="robot"`` the query is repeated when the robot has moved 0.1 m, at
+        most twice a second, and at once when a door changes. The first form yields :class:`DeviceChange` (see
         :class:`Follow`), the second :class:`HandleChange` (see :class:`FollowHandles`).
         """
         if isinstance(service_type, str):
@@ -141,8 +141,8 @@ class Devices:
     def messages(self, kind: HandleType[P, HandleT], *none: P.args, **query: P.kwargs) -> HandleMessages[HandleT]:
         """Return a live query for the raw messages of the devices with such a handle, as ``message`` changes.
 
-        A message is left out where its values are known already, so that with :meth:`follow` each report comes once.
-        Use :meth:`listen` for every message.
+        A message whose values are already known is left out, so that with :meth:`follow` each report comes once. Use
+        :meth:`listen` for every message.
         """
         from homebot.devices.handles.messages import HandleMessages  # noqa: PLC0415 - most apps need none
 
@@ -152,27 +152,27 @@ class Devices:
         """Expose something to the other systems of the house: ``with devices.offer(robot) as offering``.
 
         Args:
-            gateway: The gateway that publishes it. That of MQTT does so with ``publish = true`` in
+            gateway: The gateway that publishes it. The MQTT gateway needs ``publish = true`` in
                 ``[gateways.mqtt.homeassistant]``.
 
         Returns:
-            An object that reports its state and yields the commands of others; leaving the block withdraws the offer.
+            An object that reports its state and yields commands of other systems; leaving the block withdraws it.
         """
         return Exposure(self._node, offer, gateway)
 
     async def listen(self, device: Device, handler: MessageHandler) -> None:
         """Call *handler* with every raw message of *device*, in order, one at a time.
 
-        Messages since this node was created are delivered first, as far as the gateway still has them, and so is a
-        retained state. A second call replaces the handler; no message is delivered twice. A gateway that is not running
-        is asked when it starts, and again after each restart.
+        Messages since this node was created are delivered first, if the gateway still has them, and so is a retained
+        state. A second call replaces the handler; no message is delivered twice. A gateway that is not running is asked
+        when it starts, and again after each restart.
 
         Args:
             handler: A function or coroutine function of one :class:`RawMessage`.
 
         Raises:
-            RefusedError: One of its gateways does not deliver raw messages; the others are listened to all the same.
-            ServiceError: One of its gateways did not answer; likewise.
+            RefusedError: A gateway of the device does not deliver raw messages; the other ones are still listened to.
+            ServiceError: A gateway of the device did not answer; the other ones are still listened to.
         """
         problem: RefusedError | ServiceError | None = None
         for endpoint in device.endpoints:
@@ -187,8 +187,8 @@ class Devices:
         """Call *handler* with every raw message on an *address*, for example an MQTT topic; see :meth:`listen`.
 
         Raises:
-            RefusedError: The gateway does not deliver these.
-            ServiceError: It did not answer.
+            RefusedError: The gateway does not deliver raw messages.
+            ServiceError: The gateway did not answer.
         """
         self._handlers[gateway, address] = address, handler
         await self._listen_to(gateway, address)
@@ -196,20 +196,20 @@ class Devices:
     async def tell(self, device: Device, payload: str) -> tuple[str, ...]:
         """Send the text *payload*, for example ``on``, through the first endpoint that accepts commands.
 
-        It is judged as the command that it is. One that cannot be read as a command of the device is judged as a use of
-        it; a device that always asks takes none of these.
+        Policies check it as the command that it stands for. A text that cannot be decoded is checked as ``use`` of the
+        device, and refused for a device that always asks.
 
-        It returns when the gateway has queued the command. Whether the device obeyed shows in its next report. A
-        text reaches one part of a device; to reach others, use their handles (:meth:`handles`).
+        It returns once the gateway has queued the command. The device's next report shows whether it obeyed. A text
+        reaches one part of a device; to reach others, use their handles (:meth:`handles`).
 
         Returns:
-            The names of the other parts that would have accepted the text and did not get it, such as the other gangs
-            of a wall switch.
+            The names of other parts that would have accepted the text but did not get it, such as the other gangs of a
+            wall switch.
 
         Raises:
-            RefusedError: The device accepts no commands, its gateway only observes, or a policy or a lease says no.
-            LinkError: None of its gateways is running and reaches its network, or the control layer is away; nothing
-                was sent.
+            RefusedError: The device accepts no commands, its gateway only observes, or a policy or lease refuses it.
+            LinkError: No gateway of the device is running and connected, or the control layer is away; nothing was
+            sent.
         """
         return await self._view.commander.send_text(device, payload)
 
@@ -223,7 +223,7 @@ class Devices:
         """Return the handles of *kind* that *device* has, without asking the directory.
 
         Args:
-            sequence: The ``sequence`` of the :class:`DeviceChange` that *device* came with; 0 if it came with none.
+            sequence: The ``sequence`` of the :class:`DeviceChange` that contained *device*; 0 if there was none.
         """
         query = kind.where()
         return tuple(self._handles_of(device, sequence, query.kind, query.parts(device)))
@@ -244,7 +244,7 @@ class Devices:
         try:
             await self._request_messages(gateway, address)
         except ServiceUnavailableError:
-            return  # it is asked when it comes
+            return  # it is asked when it starts
         except BaseException:
             self._listened[gateway].discard(address)
             raise
@@ -252,7 +252,7 @@ class Devices:
     async def _request_messages(self, gateway: str, address: str) -> None:
         since = Time.from_seconds(
             self._clock.now() - (self._clock.monotonic() - self._since)
-        )  # by the clock as it is now
+        )  # by the present setting of the clock
         request = SubscribeToTopicRequest(topic=address, listener=self._node.full_name, since=since)
         response = await self._gateway(gateway).call(request)
         if not response.success:
@@ -260,7 +260,7 @@ class Devices:
         self._subscribe(response.data_topic, response.missed)
 
     async def _renew_requests(self) -> None:
-        """Ask again, because a restarted gateway has forgotten its subscribers; asking twice does no harm."""
+        """Ask again, because a restarted gateway has forgotten its subscribers; asking twice is harmless."""
         async for service in self._node.graph.watch_services():
             for gateway, addresses in list(self._listened.items()):
                 if service in {None, GatewayNames(gateway).subscribe}:
@@ -272,7 +272,7 @@ class Devices:
         try:
             await self._request_messages(gateway, address)
         except (ServiceUnavailableError, ClosedError):
-            return  # the gateway is gone again and is asked when it comes, or we are
+            return  # the gateway is gone again, and is asked when it starts; or this node is closed
         except (RefusedError, ServiceError) as exc:
             if self._limit.allows(NOT_HEARD) is not None:
                 self._node.log.warning(NOT_HEARD, message=f"{address} is no longer received: {exc}", address=address)
@@ -283,7 +283,7 @@ class Devices:
         return self._gateways[gateway]
 
     def _subscribe(self, topic: str, missed: tuple[RawMessage, ...]) -> None:
-        """Subscribe; no other task runs since the gateway's answer, so nothing is lost and nothing comes twice."""
+        """Subscribe; no other task has run since the gateway's answer, so nothing is lost or duplicated."""
         if topic not in self._subscriptions:
             self._subscriptions[topic] = self._node.create_subscription(RawMessage, topic, self._dispatch, _INBOX_DEPTH)
         for message in missed:
@@ -300,14 +300,14 @@ class Devices:
 
 
 def _call_text(name: str, query: HandleQuery[HandleT], conditions: Mapping[str, object]) -> str:
-    """Return a call of an app as it is written there."""
+    """Return a call as the app wrote it."""
     given = (f"{key}={value!r}" for key, value in conditions.items())
     return f"{name}({', '.join((query.kind.__name__, *given))})"
 
 
 def _checked_kind(kind: HandleType[P, HandleT]) -> HandleType[P, HandleT]:
     if not hasattr(kind, "where"):
-        raise UsageError(f"{kind!r:.60} is no kind of handle, such as Light, and no type of device as text")
+        raise UsageError(f"{kind!r:.60} is neither a kind of handle, such as Light, nor a type of device as text")
     return kind
 
 

@@ -1,7 +1,7 @@
-"""Exposure of homebot's own parts to other systems of the house, such as Home Assistant: its robot, apps, switches.
+"""Exposure of homebot's own robots, apps and switches to other systems of the house, such as Home Assistant.
 
 An exposed device goes to a gateway on ``/gateway/<name>/offers``, and its states on ``/gateway/<name>/offer_reports``.
-Both topics are latched. Commands of the other systems come on ``/gateway/<name>/offer_commands`` as
+Both topics are latched. Commands of the other systems arrive on ``/gateway/<name>/offer_commands`` as
 :class:`homebot.devices.gateway_messages.Command`, with the id of the exposed device as key.
 """
 
@@ -28,7 +28,7 @@ class ExposedDevice(Message):
     """A device that homebot exposes to other systems, such as Home Assistant.
 
     Attributes:
-        id: Unique in this homebot; keep it the same over restarts.
+        id: Unique in this homebot; keep it the same across restarts.
         is_withdrawn: Whether it is no longer exposed.
     """
 
@@ -46,7 +46,7 @@ class ExposedState(Message):
     """A reported state of an exposed device.
 
     Attributes:
-        readings: The values; kept until there are others.
+        readings: The values; kept until they are replaced.
     """
 
     key_field: ClassVar[str | None] = "id"
@@ -59,7 +59,7 @@ class Exposure:
     """An exposed device, published within a ``with`` block and withdrawn after it; one task reads its commands.
 
     Args:
-        gateway: Name of the gateway that publishes it, where that is switched on.
+        gateway: Name of the gateway that publishes it, if publishing is turned on there.
     """
 
     def __init__(self, node: Node, offer: ExposedDevice, gateway: str = "mqtt") -> None:
@@ -89,7 +89,7 @@ class Exposure:
     async def commands(self) -> AsyncIterator[Command]:
         """Yield the commands of other systems, until the block or the node ends.
 
-        At most 100 wait; the oldest is dropped.
+        At most 100 are queued; the oldest is dropped.
         """
         async for command in self._commands:
             if command.key == self.offer.id:

@@ -1,4 +1,4 @@
-"""Findings of ``homebot doctor``: each of a kind that has a stable code and a next step."""
+"""Findings of ``homebot doctor``, each of a kind with a stable code and a next step."""
 
 from collections.abc import Sequence
 from enum import Enum
@@ -13,10 +13,10 @@ Row: TypeAlias = tuple[str, str]
 
 
 class FindingRow(Message):
-    """One thing of a finding.
+    """One item of a finding.
 
     Attributes:
-        what: Its name, such as that of a device; empty where the finding has but the reason.
+        what: Its name, such as that of a device; empty if the finding has only a reason.
     """
 
     what: str
@@ -24,12 +24,12 @@ class FindingRow(Message):
 
 
 class Finding(Message):
-    """Things of one kind.
+    """Items of one kind.
 
     Attributes:
         where: The part of homebot, such as ``gateway/mqtt``.
-        total: How many there are, if more than the rows.
-        next: The next step; empty where the reason names it.
+        total: How many there are, if more than *rows*.
+        next: The next step; empty if the reason names it.
         hint: How to see the others.
     """
 
@@ -44,12 +44,12 @@ class Finding(Message):
 
 
 class FindingKind(Enum):
-    """The table of all kinds; a code is never given to another kind.
+    """The table of all kinds; a code is never reused.
 
     Attributes:
-        title: With ``{}`` for the part of homebot; empty where the reason says all.
-        next_step: The next step; empty where the reason names it.
-        is_problem: Whether not all is well with it.
+        title: With ``{}`` for the part of homebot; empty if the reason says everything.
+        next_step: The next step; empty if the reason names it.
+        is_problem: Whether it is a problem rather than a note.
     """
 
     CONFIGURATION = "HB101", "wrong configuration", "correct it, then: homebot config check"
@@ -60,17 +60,17 @@ class FindingKind(Enum):
     SECRET = "HB106", "secret", "", False
     NETWORK = "HB107", "not reachable", ""
     TROUBLE = "HB201", "problem of {}", ""
-    GIVEN_UP = "HB202", "given up by {}", "mend the cause in the log; then: homebot app reload APP, or restart homebot"
-    FAILURE = "HB203", "failures in {} since it started", "the log has each with its traceback: report or mend it"
-    LOSS = "HB204", "counted by {} since it started", "homebot journal tells more of commands"
-    QUARANTINE = "HB205", "quarantined by {}, which reads only some of their messages", "mend or remove the sender"
+    GIVEN_UP = "HB202", "given up by {}", "fix the cause in the log, then: homebot app reload APP, or restart homebot"
+    FAILURE = "HB203", "failures in {} since it started", "the log has each with its traceback: report or fix it"
+    LOSS = "HB204", "counted by {} since it started", "homebot journal tells more about commands"
+    QUARANTINE = "HB205", "quarantined by {}, which reads only some of their messages", "fix or remove the sender"
     NOTE = "HB206", "note on {}", "", False
     COUNT = "HB207", "counted by {} since it started", "", False
-    SILENT_GATEWAY = "HB301", "", "wait a minute; then see the log of homebot"
+    SILENT_GATEWAY = "HB301", "", "wait a minute, then see homebot's log"
     GATEWAY = "HB302", "", ""
-    STALE = "HB401", "stale", "battery, power, range? one that is gone for good: homebot forget DEVICE"
+    STALE = "HB401", "stale", "battery, power, range? if it is gone for good: homebot forget DEVICE"
     UNREACHABLE = "HB402", "unreachable", "battery, power, range?"
-    DISPUTED = "HB403", "disputed", "homebot show DEVICE tells both sides; homebot forget DEVICE ends it"
+    DISPUTED = "HB403", "disputed", "homebot show DEVICE shows both sides; homebot forget DEVICE ends it"
     BATTERY = "HB404", "weak battery", "change or charge it", False
     NO_ROOM = "HB405", "without room", "homebot place DEVICE ROOM", False
     NO_GATEWAY = (
@@ -87,7 +87,7 @@ class FindingKind(Enum):
         self.is_problem = is_problem
 
     def finding(self, rows: Sequence[Row], where: str = "", total: int = 0, hint: str = "") -> Finding:
-        """Return the finding of *rows*, and of others if *total* is more."""
+        """Return the finding with *rows*, and with a larger *total* if there are more."""
         return Finding(
             code=self.code,
             is_problem=self.is_problem,

@@ -1,4 +1,4 @@
-"""Live queries: the devices that match now, and then every change of them."""
+"""Live queries: the devices that match now, and then every change."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -26,10 +26,10 @@ __all__ = ["Follow", "LiveQuery"]
 ItemT = TypeVar("ItemT")
 
 _TURN: Final = 100
-"""Changes yielded before other tasks get their turn, should the reader never wait."""
+"""Changes to yield before other tasks get their turn, in case the reader never waits."""
 
 _CHECKED_AFTER: Final = (10.0, 290.0)
-"""Seconds from the start, and then from the first check, until the names in a query are checked."""
+"""Seconds until the names in a query are checked, and then until the second check."""
 
 _ANY: Final = And(())
 NOTHING_FITS: Final = "devices.nothing_fits"
@@ -37,11 +37,11 @@ NO_LONGER: Final = "it no longer matches the query"
 
 
 class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
-    """Iterator over the changes of the house that one reader wants: of each device the newest that it has not read.
+    """Iterator over the changes of the house that one reader wants: for each device, the newest unread one.
 
     Args:
         node: The node that asks; the query ends with it.
-        near: The query by which the directory is asked for what is near a robot; None for none.
+        near: The query for devices near a robot, for the directory; None for none.
     """
 
     def __init__(self, node: Node, names: Query, text: str, near: Query | None = None) -> None:
@@ -67,7 +67,7 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
 
         Raises:
             StopAsyncIteration: The query or its node was closed.
-            UsageError: It has a name that nothing in the house has, but something a similar one.
+            UsageError: Nothing in the house has a name in the query, but there is a similar one.
         """
         view = self._view or self._begin()
         self._turns += 1
@@ -89,7 +89,7 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
         return self._ready.popleft()
 
     def close(self) -> None:
-        """End the query. Twice is fine."""
+        """End the query; idempotent."""
         self._is_closed = True
         self._changed.clear()
         self._ready.clear()
@@ -100,7 +100,7 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
             self._near.close()
 
     async def _check_names(self, view: HouseView) -> None:
-        """End the query if it has a misspelt name, soon and when devices had time to be announced."""
+        """End the query if it has a misspelt name; checks soon, and after devices had time to be announced."""
         is_found = True
         for wait in _CHECKED_AFTER:
             await anyio.sleep(wait)
@@ -115,7 +115,7 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
             self._node.log.warning(NOTHING_FITS, message=message)
 
     def _refuse(self, problem: str) -> None:
-        """End the query with an error: *problem* is its mistake."""
+        """End the query with an error that names its *problem*."""
         self._problem = problem
         self._news.set()
 
@@ -166,22 +166,21 @@ class LiveQuery(HouseWatcher, ABC, Generic[ItemT]):
 
     @abstractmethod
     def _process(self, view: HouseView, change: DeviceChange | StateChange) -> None:
-        """Append to the ready items those that the reader gets of a change."""
+        """Append the items for the reader that follow from a change."""
 
 
 class Follow(LiveQuery[DeviceChange]):
     """A live query for devices: ``async for change in Follow(node, "lights")``.
 
-    Devices that are there already are reported at once. Of each device ``appeared`` comes first and ``removed`` last. A
-    reader that falls behind misses intermediate changes of a device, never the last one. The query waits for a
-    directory that is not running yet; after a restart of the directory it yields the differences. Only one task may
-    read.
+    Known devices are reported at once. For each device, ``appeared`` comes first and ``removed`` last. A reader that
+    falls behind misses intermediate changes of a device, but never the last one. The query waits for a directory that
+    is not running yet; after a restart of the directory it yields the differences. Only one task may read.
 
     Args:
         node: The node that asks; the query ends with it.
         service_type: For example ``lights``; empty for every device. A device that no longer has it is ``removed``.
-        query: A further condition, also as text, for example ``on lights in kitchen``: a device that comes to match
-            ``appeared``, one that no longer does is ``removed``. See :mod:`homebot.devices.query`.
+        query: A further condition, perhaps as text, such as ``on lights in kitchen``: a device ``appeared`` when it
+            begins to match, and is ``removed`` when it no longer does. See :mod:`homebot.devices.query`.
 
     Raises:
         UsageError: The query cannot be parsed.
@@ -202,7 +201,7 @@ class Follow(LiveQuery[DeviceChange]):
         self._matching: set[str] = set()
 
     def on_values(self, change: StateChange) -> None:
-        """Store that the values of a device changed, if the query has conditions on values."""
+        """Record that the values of a device changed, if the query has conditions on values."""
         super().on_values(change)
         if self._asks_for_values and change.device not in self._changed:
             self._changed[change.device] = change
@@ -230,13 +229,13 @@ class Follow(LiveQuery[DeviceChange]):
 
 
 def _is_of_names(query: Query) -> bool:
-    """Return whether nothing but a type, rooms, tags and names is asked for, which do not come and go."""
+    """Return whether the query has only types, rooms, tags and names, which do not come and go."""
     terms = query.terms if isinstance(query, And) else (query,)
     return all(isinstance(one, TypeIs | AreaIs | FactIs | NameIs) for one in terms)
 
 
 def _kind(kind: ChangeKind, *, did_match: bool, does_match: bool) -> ChangeKind:
-    """Return *kind* as the reader gets it: each device appears first and is removed last."""
+    """Return *kind* for the reader: each device appears first and is removed last."""
     if not does_match:
         return "removed"
     if not did_match:

@@ -1,4 +1,4 @@
-"""Messages of gateways: sightings, reports, commands, raw messages and their own state."""
+"""Messages of gateways: sightings, reports, commands, raw messages and gateway states."""
 
 from typing import Annotated, ClassVar, Literal
 
@@ -28,40 +28,39 @@ __all__ = [
 
 
 REACHABLE = "reachable"
-"""Capability of a whole device (part ``""``): whether it can be reached, by its convention."""
+"""Capability of a whole device (part ``""``): whether it can be reached, according to its convention."""
 
 
 class Sighting(Message):
-    """Announcement of a device by a gateway: it appeared, is still there or described anew, or was removed.
+    """Announcement of a device by a gateway: it appeared, is still present or described anew, or was removed.
 
     Attributes:
-        key: The gateway's key of the device, or of one announcement of it, then beginning with its convention, for
-            example ``homeassistant:light/0x17_light``: a device that is announced in several messages, or through
-            several conventions, has as many keys.
-        kind: ``appeared``, ``updated`` (still there, or described anew) or ``removed``.
+        key: The gateway's key of the device, or of one announcement of it, which begins with its convention, for
+            example ``homeassistant:light/0x17_light``. A device that is announced in several messages or conventions
+            has as many keys.
+        kind: ``appeared``, ``updated`` (still present, or described anew) or ``removed``.
         name: The name for people; empty if another announcement of the device may name it.
-        service_type: The advertised type; of a described device that of the first part that is neither setting nor
-            diagnosis.
-        address: The address on which it publishes; of a described device the text address of that part, see
+        service_type: The advertised type; for a described device, that of its first part that is neither a setting nor
+            a diagnostic.
+        address: The address on which it publishes; for a described device, the text address of that part, see
             :func:`homebot.devices.names.text_address`.
-        command_address: The address to which it is subscribed; empty when it takes no commands.
+        command_address: The address to which it is subscribed; empty if it takes no commands.
         metadata: Further facts, for example ``manufacturer``, ``model``, ``sw_version``, ``via_device``.
-        convention: The convention of the announcement; empty if there is one only.
-        native: Whether the device, or the bridge that connects it, announced itself in a convention of its own: that is
-            preferred to an announcement of another program.
-        whole_device: Whether each announcement of the convention is of a whole device: two of them are never about the
-            same one, unless they name one radio address.
+        convention: The convention of the announcement; empty if the gateway has only one.
+        native: Whether the device, or the bridge that connects it, announced itself in its own convention; this is
+            preferred to an announcement by another program.
+        whole_device: Whether each announcement of the convention describes a whole device: two announcements are
+            different devices unless they name the same radio address.
         identifiers: Identifiers of the device; see :func:`homebot.devices.identity.identifiers`.
-        authenticated: Whether the device proved to the gateway that it is one of the owner's, by a secret that it
-            shares with the owner alone, such as an encryption key. All else that it says of itself is a claim.
+        authenticated: Whether the device proved that it is the owner's with a secret that only it and the owner share,
+            such as an encryption key. All its other statements about itself are claims.
         parts: Its parts; empty if only its service type is known.
-        owns: Topics that the device has for itself with all that is below them, by its own place or by its bridge
-            rather than by its announcement; no other device may send commands there.
-        announced_on: The address of the announcement (MQTT: the topic); empty if it only published.
-        expires_at: The time at which it becomes stale unless it is seen again; the gateway alone knows its protocol's
-            habits.
+        owns: Topics that belong to the device, with everything below them, because of its place or its bridge rather
+            than its announcement; no other device's commands may be sent there.
+        announced_on: The address of the announcement (MQTT: the topic); empty if the device only published.
+        expires_at: When it becomes stale unless it is seen again; only the gateway knows its protocol's habits.
         confirmed: Whether the device itself published, rather than a retained message.
-        heard_at: The time in seconds of the monotonic clock, which is never set; 0 if the gateway does not give it.
+        heard_at: The time in seconds of the monotonic clock; 0 if the gateway does not state it.
     """
 
     key_field: ClassVar[str | None] = "key"
@@ -91,7 +90,7 @@ class Sighting(Message):
 
     @property
     def is_plain_text(self) -> bool:
-        """True if it publishes text on an address of its own, as in the thesis's layout."""
+        """True if the device publishes text on its own address, as in the thesis's layout."""
         return bool(self.address) and not is_text_address(self.address)
 
 
@@ -100,12 +99,12 @@ class Report(Message):
 
     Attributes:
         readings: The values, in the order of the parts.
-        address: The address on which they were published (MQTT: the topic); empty for a conclusion of the gateway.
-        stream: Key, address and names of the values in one. The newest report of each is kept for late joiners, so that
-            together they are all that the device reported. Events have reports of their own, each in a stream of its
-            own that is not kept: they happened once.
-        retained: Whether it was a retained message, of the past.
-        heard_at: The same in seconds of the monotonic clock, which is never set; 0 if the gateway does not give it.
+        address: The address on which they were published (MQTT: the topic); empty if the gateway inferred them.
+        stream: The key, the address and the names of the values in one text. The newest report of each stream is kept
+            for late joiners; together they are the last known state of the device. Each event is a report in a stream
+            of its own, which is not kept, because it happened only once.
+        retained: Whether it was a retained message, from the past.
+        heard_at: The same time in seconds of the monotonic clock; 0 if the gateway does not state it.
     """
 
     key_field: ClassVar[str | None] = "stream"
@@ -121,19 +120,19 @@ class Report(Message):
 
 
 class Command(Message):
-    """Order to set a capability to a value. Always absolute: sending it twice has the effect of sending it once.
+    """Command to set a capability to a value. Always absolute: sending it twice has the effect of sending it once.
 
     Attributes:
         transition: Seconds that the change takes, if the device supports that.
-        code: The code that an alarm or a lock requires; a secret, which no text about the command shows.
-        expires_after: Seconds after which the network is not to deliver it any more, if it supports that; 0 for never.
-        id: The id of the command; empty if no caller waits for the device's answer.
-        kept_for: Seconds for which the network may keep it for a device that is away, as it is sent again after that;
-            0 for until it expires.
-        repeated: Whether it was sent before without an answer. A network in which nothing expires delivers it now or
-            never: a device that was away would obey all repetitions when it is back.
-        approved: The digest of the description that the owner approved; a gateway that has another description of the
-            part by now refuses the command. Empty if none was approved.
+        code: The code that an alarm or a lock requires; a secret that no text about the command shows.
+        expires_after: Seconds after which the network must no longer deliver it, if it supports that; 0 for never.
+        id: The id of the command; empty if no caller awaits the device's answer.
+        kept_for: Seconds for which the network may keep it for an unreachable device, because it is sent again
+            afterwards; 0 for until it expires.
+        repeated: Whether it was sent before without an answer. A network without expiry must deliver it now or never: a
+            device that was away would otherwise obey all repetitions when it returns.
+        approved: The digest of the description that the owner approved; a gateway whose description of the part has
+            changed since refuses the command. Empty if none was approved.
         topics: See :attr:`homebot.devices.device.Route.topics`; a gateway that has others by now refuses the command,
             as they may be those of another device. Empty if they are not known.
     """
@@ -155,10 +154,10 @@ class Command(Message):
 
 
 class CommandAnswer(Message):
-    """The answer of a device to a command, in a protocol in which devices answer commands some time later.
+    """The answer of a device to a command, in a protocol whose devices answer commands some time later.
 
     Attributes:
-        success: Whether the device accepted the command; that is no proof that it obeyed.
+        success: Whether the device accepted the command, which does not prove that it obeyed.
     """
 
     gateway: str
@@ -174,11 +173,11 @@ class SendCommandResponse(ServiceAnswer):
     """The gateway's result for a command; it does not prove that the device obeyed.
 
     Attributes:
-        problem: ``refused`` by the part, the gateway or the network, where the same again fails again; ``unreachable``
-            if it was not sent, as the device or its network cannot be reached now; ``unanswered`` if it was sent, and
-            the network has not acknowledged it: it may still have its effect.
-        unable: Whether it was refused because the part cannot do that as it is described there. Nothing was sent then,
-            and another route to the part may do.
+        problem: ``refused`` by the part, the gateway or the network, so repeating it is useless; ``unreachable`` if it
+            was not sent, because the device or its network cannot be reached now; ``unanswered`` if it was sent but the
+            network has not acknowledged it: it may still have an effect.
+        unable: Whether it was refused because the part, as described there, cannot do that. Nothing was sent, and
+            another route to the part may work.
     """
 
     problem: Literal["", "refused", "unreachable", "unanswered"] = ""
@@ -220,9 +219,9 @@ class RawCommand(Message):
     Attributes:
         address: The address to publish it on (MQTT: the topic).
         payload: The text, sent as UTF-8.
-        issuer: The name of the node that publishes it; empty if that is not known.
-        command_id: The id that the control layer gave it, which has noted it in the journal; empty if it did not
-            pass there.
+        issuer: The name of the node that publishes it; empty if unknown.
+        command_id: The id from the control layer, which has recorded it in the journal; empty if it did not pass
+            through that layer.
         approved, topics: As those of a :class:`Command`, if it is a text for a part.
     """
 

@@ -15,8 +15,8 @@ class Quarantine(Message):
     Attributes:
         offender: The source (MQTT: the topic, or ``PREFIX/#`` for all topics of a prefix without an announced device).
         why: The last violated rule, as text.
-        offences: Number of violations since the last calm.
-        until: The end, unless there are further violations.
+        offences: Number of violations since the last quiet period.
+        until: When it ends, unless there are further violations.
     """
 
     key_field: ClassVar[str | None] = "offender"
@@ -31,7 +31,7 @@ class Quarantine(Message):
 
 
 class Count(Message):
-    """One thing that was counted.
+    """A named counter.
 
     Attributes:
         count: Number since the gateway started.
@@ -42,17 +42,17 @@ class Count(Message):
 
     @classmethod
     def each(cls, counts: Mapping[str, int]) -> tuple[Self, ...]:
-        """Return one for each of *counts*, which are by name."""
+        """Return a counter for each name in *counts*."""
         return tuple(cls(name=name, count=count) for name, count in counts.items())
 
 
 class PartFailure(Message):
-    """The failures of one part of the program, as far as is known since it started.
+    """The known failures of one part of the program since it started.
 
     Attributes:
         part: The part: a component's name, or a node's.
         what: The failure, in words: "crashed", "the handler of /topic failed".
-        outcome: The consequence, in words; empty if it simply goes on.
+        outcome: The consequence, in words; empty if it simply continues.
     """
 
     part: str
@@ -64,7 +64,7 @@ class PartFailure(Message):
 
 
 class HealthRequest(Message):
-    """A question for the health of a component."""
+    """Request for the health of a component."""
 
 
 class HealthResponse(Message):
@@ -72,7 +72,7 @@ class HealthResponse(Message):
 
     Attributes:
         troubles: Its present problems, in words; empty if there are none.
-        notes: Its limits in the present setup, in words; nothing is wrong.
+        notes: Its limits in the present setup, in words; these are not problems.
     """
 
     counts: tuple[Count, ...]

@@ -1,4 +1,4 @@
-"""The history of devices, as applications read it."""
+"""Client of the history of devices for applications."""
 
 from typing import TypeVar, final
 
@@ -27,7 +27,7 @@ RequestT = TypeVar("RequestT", bound=Message)
 AnswerT = TypeVar("AnswerT", bound=ServiceAnswer)
 
 _STARTS_WITHIN = 10.0
-_NO_HISTORY = "no history is kept; `[history] enabled = true` in the configuration begins one"
+_NO_HISTORY = "no history is kept; set `[history] enabled = true` in the configuration to start one"
 
 
 @final
@@ -38,11 +38,11 @@ class HistoryClient:
         self._node = node
 
     async def read(self, handle: Handle, capability: str, since: str | float, points: int) -> HistorySeries:
-        """Return the past of *capability* of *handle*; without values where nothing is known."""
+        """Return the history of *capability* of *handle*; without values if nothing is known."""
         if not isinstance(handle, Handle):
             raise UsageError(f"history() takes a handle, as find() returns it, not {handle!r:.60}")
         if type(points) is not int or not 0 <= points <= MOST_POINTS:
-            raise UsageError(f"points: {points!r} is no whole number from 0 to {MOST_POINTS:,}")
+            raise UsageError(f"points: {points!r} is not a whole number from 0 to {MOST_POINTS:,}")
         device, part = handle.device.id, handle.part_id
         request = ReadHistoryRequest(
             device=device, part=part, capability=capability, since=self._begin(since), points=points
@@ -61,7 +61,7 @@ class HistoryClient:
         return Time.from_seconds(max(0.0, self._node.graph.clock.now() - parse_duration(since, "since")))
 
     async def _call(self, service: ServiceType[RequestT, AnswerT], name: str, request: RequestT) -> AnswerT:
-        """Return the answer to *request*; without a history, or to a wrong one, the error is a `UsageError`."""
+        """Return the answer to *request*; raise `UsageError` if it is wrong, or there is no history."""
         client = self._node.create_client(service, name)
         try:
             await client.wait_for_service(_STARTS_WITHIN)

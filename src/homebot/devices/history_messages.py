@@ -22,23 +22,23 @@ __all__ = [
 ]
 
 MOST_POINTS = 5000
-"""Points of a series in one answer."""
+"""The largest number of points of a series in one answer."""
 
 _NO_TIME = Time(sec=0, nanosec=0)
 
 
 class ReadHistoryRequest(Message):
-    """A question for the history of devices.
+    """Request for the history of devices.
 
     Attributes:
-        device: The id of the device, also of one that is gone; empty for those of the *query*.
-        query: The query for devices, as terms; programs outside may send it as text. A capability in it, as in
-            ``temperature in kitchen``, is the only one in the answer.
+        device: The id of the device, even if it is gone; empty for those of the *query*.
+        query: The query for devices, as terms; external programs may send it as text. If it contains a capability, as
+            in ``temperature in kitchen``, the answer has only that capability.
         part: The id of the part; empty for all.
-        capability: The name of the capability; empty for all, but those of settings and self-observations.
-        since: The begin; 0 for a day before the end.
+        capability: The name of the capability; empty for all except those of settings and diagnostics.
+        since: The start; 0 for a day before the end.
         until: The end; 0 for now.
-        points: The number of points of a series at most; 0 for 500.
+        points: The largest number of points of a series; 0 for 500.
     """
 
     device: ShortText = ""
@@ -51,20 +51,20 @@ class ReadHistoryRequest(Message):
 
 
 class HistorySeries(Message):
-    """The history of one value of a device: numbers, or words and flags.
+    """The history of one value of a device: either numbers, or words and flags.
 
     Attributes:
         name: The name of the device; its id if it is gone.
         unit: The unit of the numbers; empty if there is none.
         width: Seconds that each point summarizes; 0 if each is a single value.
-        times: Seconds since the Unix epoch: of each value, or of the begin of the time that it summarizes. A pause is
-            a time in which the value was unknown.
+        times: Seconds since the Unix epoch: when each value was reported, or the start of the period that it
+            summarizes. In a pause the value was unknown.
         values: The numbers, or their means.
         lows: The smallest numbers; empty if each point is a single value.
-        highs: The largest numbers, likewise.
-        words: In place of numbers: the words; ``true`` and ``false`` of a flag.
-        ends: The end of each word; the end of the answer if it lasts.
-        complete: Whether these are all; otherwise the newest.
+        highs: The largest numbers; empty if each point is a single value.
+        words: The words in place of numbers; ``true`` and ``false`` for a flag.
+        ends: When each word ended; the end of the answer if it lasts.
+        complete: Whether these are all values; otherwise they are the newest.
     """
 
     device: str
@@ -86,8 +86,8 @@ class ReadHistoryResponse(ServiceAnswer):
     """The history of the devices that fit.
 
     Attributes:
-        series: The values, by device, part and capability; numbers and words of one each apart.
-        left_out: Further series that fit, which are too many for one answer.
+        series: The values, by device, part and capability; numbers and words of one capability are separate.
+        left_out: The number of further series that fit, but not in one answer.
     """
 
     series: tuple[HistorySeries, ...] = ()
@@ -97,12 +97,12 @@ class ReadHistoryResponse(ServiceAnswer):
 
 
 class ReadEnergyRequest(Message):
-    """A question for the energy by day.
+    """Request for the energy by day.
 
     Attributes:
         device: The id of the device; empty for those of the *query*.
-        query: The query for devices, as of :class:`ReadHistoryRequest`.
-        since: The begin, from the midnight before it on; 0 for six days before the end.
+        query: The query for devices, as for :class:`ReadHistoryRequest`.
+        since: The start, rounded down to midnight; 0 for six days before the end.
         until: The end; 0 for now.
     """
 
@@ -113,7 +113,7 @@ class ReadEnergyRequest(Message):
 
 
 class EnergyOfDay(Message):
-    """The energy that one meter counted in one day of the home.
+    """The energy that one meter counted in one day of the home's time zone.
 
     Attributes:
         day: The date, as in ISO 8601.
@@ -131,7 +131,7 @@ class EnergyOfDay(Message):
 
 
 class ReadEnergyResponse(ServiceAnswer):
-    """The energy by day and device; not of days on which nothing was counted."""
+    """The energy by day and device, without days on which nothing was counted."""
 
     days: tuple[EnergyOfDay, ...] = ()
 

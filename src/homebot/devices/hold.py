@@ -1,4 +1,4 @@
-"""A value of a part that a block of code holds."""
+"""Block of code that holds a value of a part."""
 
 import itertools
 from collections.abc import AsyncIterator
@@ -32,19 +32,19 @@ from homebot.graph import Node
 __all__ = ["Hold", "HoldBlock"]
 
 _LONGEST: Final = 900.0
-"""Seconds after which the control layer has answered: it bounds its waiting itself."""
+"""Seconds after which the control layer has answered: it limits its own waiting."""
 
 _RELEASE: Final = 5.0
 _NUMBERS = itertools.count(1)
 
 
 class Hold:
-    """Value that a block holds, as :meth:`homebot.devices.handles.Handle.hold` gives it.
+    """Value that a block holds; see :meth:`homebot.devices.handles.Handle.hold`.
 
     Attributes:
-        outcome: The outcome of the command; each renewal brings it up to date, so that it is `Contradicted` once a
-            person's hand has changed the device, and `Refused` if another holder holds another value.
-        is_held: Whether it is held, as far as the last answer tells.
+        outcome: The outcome of the command, updated by each renewal: `Contradicted` once a person's hand has changed
+            the device, `Refused` if another holder holds another value.
+        is_held: Whether it is held, according to the last answer.
     """
 
     def __init__(self) -> None:
@@ -53,12 +53,12 @@ class Hold:
 
     @property
     def succeeded(self) -> bool:
-        """True if it is held, and the device was as it is to be when that was last told."""
+        """True if it is held, and the device had the held value at the last answer."""
         return self.is_held and self.outcome.succeeded
 
 
 class HoldBlock(AbstractAsyncContextManager[Hold]):
-    """A block that holds a part; Python warns of one that is never entered, as of a command that is never awaited.
+    """A block that holds a part; Python warns if it is never entered, just as for a command that is never awaited.
 
     See :meth:`homebot.devices.handles.Handle.hold`.
     """
@@ -136,7 +136,7 @@ class _BlockHolder:
         self._may_begin = True
 
     async def begin(self) -> None:
-        """Begin to hold, and wait until the outcome of the command is known."""
+        """Start to hold, and wait until the outcome of the command is known."""
         self._is_beginning = True
         try:
             self._record(await self._begin.call(self._request, timeout=_LONGEST))
@@ -147,7 +147,7 @@ class _BlockHolder:
         self._may_begin = not self.hold.outcome.is_final
 
     async def renew(self) -> None:
-        """Renew until cancelled, also while the first command is on its way; begin anew where the lease was lost."""
+        """Renew until cancelled, even while the first command is pending; start again if the lease was lost."""
         while True:
             await anyio.sleep(self._request.ttl / 3)
             if not self._may_begin:
@@ -166,7 +166,7 @@ class _BlockHolder:
                 await self.begin()
 
     async def end(self) -> None:
-        """End the hold; without an answer, the time of the lease ends it."""
+        """End the hold; without an answer, the lease expires."""
         self.hold.is_held = False
         with anyio.CancelScope(shield=True), suppress(ServiceError):
             await self._release.call(self._key, timeout=_RELEASE)
@@ -186,5 +186,5 @@ def _setting(view: DeviceView, part_id: str, word: str) -> Setting | None:
         return None
     capability, value = decode_command(word, part.part)
     if capability in MOMENTARY or value == "stopped":
-        raise RefusedError(f"holding {word!r}", "it is nothing that lasts")
+        raise RefusedError(f"holding {word!r}", "its effect does not last")
     return Setting(capability=capability, value=Value.of(value))

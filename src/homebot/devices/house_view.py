@@ -1,4 +1,4 @@
-"""The house as one node sees it: the newest description and values of its devices."""
+"""One node's view of the house: the newest description and values of its devices."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ __all__ = ["HouseView", "HouseWatcher"]
 NO_ANSWER = "devices.no_answer"
 
 _PAUSE: Final = 0.5
-"""Seconds until a directory that fails to answer is asked again."""
+"""Seconds until a directory that did not answer is asked again."""
 
 
 class HouseWatcher:
-    """Receiver of the changes of the house, such as a live query; its methods return at once, here without effect."""
+    """Receiver of the changes of the house, such as a live query; its methods do nothing, and must not block."""
 
     def on_device(self, change: DeviceChange) -> None:
         """Handle a device that appeared, changed or was removed."""
@@ -46,7 +46,7 @@ class HouseWatcher:
         """Handle new values of a known device."""
 
     def on_event(self, change: StateChange) -> None:
-        """Handle an event, also of a device that is not described yet."""
+        """Handle an event, perhaps of a device that is not described yet."""
 
     def close(self) -> None:
         """End with the node."""
@@ -54,10 +54,10 @@ class HouseWatcher:
 
 @final
 class HouseView:
-    """The newest description and values of the devices that one node uses; :meth:`of` returns the one of the node.
+    """The newest description and values of the devices that one node uses; :meth:`of` returns the node's view.
 
-    A device is stored for as long as a handle refers to it; every device of the house while there are watchers. After
-    a restart of the directory the watchers receive the differences.
+    A device is stored as long as a handle refers to it, and every device of the house while there are watchers. After a
+    restart of the directory the watchers receive the differences.
 
     Args:
         node: The node; the view is up to date until it ends.
@@ -72,14 +72,14 @@ class HouseView:
         self._watchers: dict[HouseWatcher, None] = {}
         self._watch: anyio.CancelScope | None = None
         self._is_complete = anyio.Event()
-        self._compared = 0  # number of the last change in the last comparison
-        self._changed: dict[str, int] = {}  # since the request for it: number of the last change of each device
+        self._compared = 0  # number of the last change included in the last comparison
+        self._changed: dict[str, int] = {}  # number of each device's last change since the request
         node.create_subscription(DeviceChange, DEVICE_CHANGES, self._on_change, 1, from_node=DIRECTORY_NODE)
         node.create_subscription(StateChange, DEVICE_STATES, self._on_state, 1, from_node=DIRECTORY_NODE)
 
     @classmethod
     def of(cls, node: Node) -> HouseView:
-        """Return the view of *node*, which all its handles and live queries share."""
+        """Return the view of *node*, shared by all its handles and live queries."""
         known = _VIEWS.get(node)
         view = None if known is None else known()
         if view is None:
@@ -103,11 +103,11 @@ class HouseView:
         return await self._find.call(FindDevicesRequest(query=query_terms(query)))
 
     async def find_near(self, query: Query) -> FindDevicesResponse:
-        """Return the devices that match *query*, which asks for what is near a robot, best first.
+        """Return the devices that match *query*, which has a condition to be near a robot, best first.
 
         Raises:
             UsageError: There is no such robot, or another name in it is misspelt.
-            RefusedError: The place of the robot is not known now.
+            RefusedError: The position of the robot is unknown now.
             ServiceError: The directory does not answer.
         """
         answer = await self._query.call(QueryDevicesRequest(query=query_terms(query)))
@@ -118,13 +118,13 @@ class HouseView:
         return FindDevicesResponse(devices=tuple(one.device for one in answer.results), sequence=answer.sequence)
 
     async def check(self, query: Query, text: str) -> bool:
-        """Check the rooms, types and names in *query*, of the call *text* of an app; without an answer all is well.
+        """Check the rooms, types and names in *query*, from the call *text* of an app; passes without an answer.
 
         Returns:
             False if nothing in the house fits it.
 
         Raises:
-            UsageError: Nothing in the house has one of them; says what was probably meant.
+            UsageError: Nothing in the house has one of them; suggests the one that was probably meant.
         """
         with suppress(ServiceError):
             answer = await self._query.call(QueryDevicesRequest(query=query_terms(query), limit=1))
@@ -142,7 +142,7 @@ class HouseView:
         return self._house.get(device_id)
 
     def store(self, device: Device, sequence: int) -> DeviceView:
-        """Return the view that all users of *device* share, updated with this description."""
+        """Return the shared view of *device*, updated with this description."""
         view = self._views.get(device.id)
         if view is None:
             view = self._views[device.id] = DeviceView(device, sequence)
@@ -151,11 +151,11 @@ class HouseView:
         return view
 
     async def wait_until_complete(self) -> None:
-        """Return when the watchers have received all devices that the directory knows."""
+        """Wait until the watchers have received all devices in the directory."""
         await self._is_complete.wait()
 
     def add(self, watcher: HouseWatcher) -> None:
-        """Report the whole house to *watcher*, and then every change until it is removed or the node ends."""
+        """Report the whole house to *watcher*, and then every change, until it is removed or the node ends."""
         self._watchers[watcher] = None
         for view in self._house.values():
             watcher.on_device(_change("appeared", view.current(), view.sequence, "it was already known"))
@@ -164,7 +164,7 @@ class HouseView:
             self._node.create_task(partial(self._follow_directory, self._watch))
 
     def remove(self, watcher: HouseWatcher) -> None:
-        """Report nothing more to *watcher*; twice is fine."""
+        """Stop reporting to *watcher*; idempotent."""
         self._watchers.pop(watcher, None)
         if not self._watchers and self._watch is not None:
             self._watch.cancel()
@@ -197,7 +197,7 @@ class HouseView:
                 await anyio.sleep(_PAUSE)
 
     def _compare(self, found: FindDevicesResponse) -> None:
-        """Report the differences between the house and a snapshot; changes up to its number are old from now on."""
+        """Report the differences between the house and a snapshot; changes up to its number are outdated then."""
         newer = {device for device, sequence in self._changed.items() if sequence > found.sequence}
         for device_id in self._house.keys() - {device.id for device in found.devices} - newer:
             why = "it was removed while the directory was not running"
@@ -221,7 +221,7 @@ class HouseView:
         device = change.device
         known = self._house.get(device.id)
         if change.kind == "appeared" and known is not None and not _differs(known, device):
-            known.update(device, change.sequence)  # a new directory that reads the announcements again
+            known.update(device, change.sequence)  # a restarted directory that reads the announcements again
         elif self._watchers:
             self._report(change)
         elif (view := self._views.get(device.id)) is not None:

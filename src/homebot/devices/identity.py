@@ -1,7 +1,7 @@
-"""Identity of a device: the set of its identifiers, each spelled in one way only. Pure.
+"""Identity of a device: the set of its identifiers, in normal form. Pure.
 
 An identifier is ``mac:aabbccddeeff``, ``eui64:00158d0001abcdef`` or ``id:<text as declared>``. A hardware address at
-the end of another identifier, as in ``zigbee2mqtt_0x00158d0001abcdef``, counts as well. One in its middle does not: a
+the end of another identifier, as in ``zigbee2mqtt_0x00158d0001abcdef``, counts too. One in its middle does not: a
 bridge names its devices ``<bridge>_<address of the bridge>_<device>``. A service of a computer names its host:
 ``id:host nas.local``, see :data:`HOST`.
 """
@@ -12,9 +12,9 @@ from collections.abc import Iterable
 __all__ = ["HOST", "identifiers", "in_pairs"]
 
 HOST = "id:host "
-"""The beginning of the identifier that all services of one host have: its name in the local network, folded.
+"""The beginning of the identifier of all services of one host: its name in the local network, case-folded.
 
-Names of hosts are unique in one local network, so it holds among the announcements of one gateway."""
+Host names are unique in one local network, so it is valid among the announcements of one gateway."""
 
 _PAIRS = re.compile(
     r"(?:.*[^0-9a-f:-])?([0-9a-f]{2}(?:([:-])[0-9a-f]{2})(?:\2[0-9a-f]{2}){4}(?:(?:\2[0-9a-f]{2}){2})?)"
@@ -26,17 +26,17 @@ _PLAIN = re.compile("[0-9A-Fa-f]{12}(?:[0-9A-Fa-f]{4})?")
 _NO_ADDRESS = re.compile(
     r"(?:.*[^0-9a-f])?[0-9a-f]{8}-[0-9a-f]{4}-[3-578][0-9a-f]{3}-[89ab][0-9a-f]{3}-[0-9a-f]{12}", re.DOTALL
 )
-"""A UUID (RFC 9562) that is random or made of a name, of which no digit is an address; version 1 ends with one."""
+"""A UUID (RFC 9562) that is random or derived from a name, without an address; version 1 ends with one."""
 
 _NOBODY = frozenset({"000000000000", "ffffffffffff", "0000000000000000", "ffffffffffffffff"})
 _MAC_DIGITS = 12
 
 
 def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
-    """Return the identifiers that *declared* ones stand for, without repetition, hardware addresses first.
+    """Return the identifiers in *declared* in normal form, without repetition, hardware addresses first.
 
     Args:
-        declared: As the device or its bridge spelled them; empty ones are left out.
+        declared: The spelling of the device or its bridge; empty ones are left out.
     """
     hardware: dict[str, None] = {}
     others: dict[str, None] = {}
@@ -53,17 +53,17 @@ def identifiers(declared: Iterable[str]) -> tuple[str, ...]:
 
 
 def in_pairs(address: str) -> str:
-    """Return the digits of a hardware address with colons, so that decimal digits are not a serial number.
+    """Return the digits of a hardware address with colons, so that decimal digits are not mistaken for a serial number.
 
     Args:
-        address: What the device states as its hardware address; anything but 12 or 16 digits is returned as it is.
+        address: The hardware address that the device states; anything but 12 or 16 digits is returned unchanged.
     """
     is_plain = _PLAIN.fullmatch(address) is not None
     return ":".join(address[at : at + 2] for at in range(0, len(address), 2)) if is_plain else address
 
 
 def _address(text: str) -> str:
-    """Return the hardware address that *text* is or ends with; empty if there is none.
+    """Return the hardware address with which *text* ends; empty if there is none.
 
     Twelve decimal digits without separators are more likely a serial number or a time.
     """

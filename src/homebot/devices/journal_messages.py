@@ -53,17 +53,17 @@ EntryKind: TypeAlias = Literal[
 Finding: TypeAlias = Literal["command", "change", "heard", "retained", "first", "none"]
 
 MOST_ENTRIES = 1000
-"""Entries in one answer."""
+"""The largest number of entries in one answer."""
 
 _EPOCH = Time(sec=0, nanosec=0)
 
 
 class JournalFact(Message):
-    """One fact that a verdict rests on.
+    """One fact behind a verdict.
 
     Attributes:
         name: The name, for example ``occupancy of motion/hall``.
-        since: Since when it has been so; 0 if that is not known.
+        since: When it took that value; 0 if unknown.
     """
 
     name: str
@@ -72,7 +72,7 @@ class JournalFact(Message):
 
 
 class JournalVerdict(Message):
-    """The verdict of one policy about one command."""
+    """The verdict of one policy on one command."""
 
     policy: str
     allowed: bool
@@ -88,28 +88,28 @@ class JournalEntry(Message):
             the gateway, each try is an entry; ``acknowledged``: the network accepted it; ``reported``: the device
             reported a related value; ``outcome``: its outcome became known; ``reverted``: the device went back later;
             ``changed``: the device changed, and no command explains it; ``published``: a raw text was published, by
-            `Devices.tell` or by another program, unverified; ``denied``: a client of the door, or a node that wanted
-            to hold a part, was refused before there was a command; ``held``: a holder began to hold a part;
-            ``released``: it let go; ``ended``: another party, the issuer, ended its lease; ``expired``: its time was
-            over; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: the lease counts again;
+            `Devices.tell` or by another program, unverified; ``denied``: a client of the door, or a node that wanted to
+            hold a part, was refused before any command; ``held``: a holder began to hold a part;
+            ``released``: the holder released it; ``ended``: the issuer, another party, ended its lease; ``expired``:
+            the lease expired; ``outranked``: a hand or a stop command outranks the lease; ``handed_back``: it counts
+            again;
             ``would``: in place of ``sent``, in a dry run or a replay, which send nothing.
-        device: The id of the device; empty for ``denied`` where none is known.
-        command: The id of the command, also of a raw one; empty for ``changed``, ``denied`` and leases.
+        device: The id of the device; empty for ``denied`` if none is known.
+        command: The id of the command, raw or not; empty for ``changed``, ``denied`` and leases.
         issuer: The issuer of the command, or the holder: the name of a node, or ``client:NAME`` for a door client.
         trigger: ``requested`` and ``published``: its cause.
-        settings: ``requested``: the desired values; ``reported`` and ``changed``: the reported values; of a
-            lease the held value.
+        settings: ``requested``: the desired values; ``reported`` and ``changed``: the reported values; for a lease the
+            held value.
         text: ``published``: the payload; ``sent``: empty for the first try, ``again`` for the others;
-            ``acknowledged``: the gateway, of a part that several reach; ``denied``: the command, if it is known;
-            ``held``, ``released``, ``ended`` and ``expired``: the holder, in a word; ``outranked``: the observation.
-        verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, with the facts ``operation``, its
-            ``target``, the ``right`` that is missing, the ``address`` of the client and how many requests it stands for
-            (``count``), or that of ``lease``.
+            ``acknowledged``: the gateway, for a part with several; ``denied``: the command, if known; ``held``,
+            ``released``, ``ended`` and ``expired``: the holder, as a word; ``outranked``: the observation.
+        verdicts: ``judged``: the verdict; ``denied``: that of ``rights``, with the facts ``operation``, ``target``, the
+            missing ``right``, the client's ``address`` and the number of requests (``count``), or that of ``lease``.
         results: ``outcome`` and ``reverted``: the outcome.
         cause: ``reported`` and ``changed``: the cause of a change: ``command``, ``transition``, ``echo``, ``device``,
-            ``person``, or ``unknown``, which is the device or a person; empty if the value is not another one.
-        folded: How many commands like the one that begins here, of the same issuer to the same part and with the same
-            outcome, came in the minute before it and are not kept.
+            ``person``, or ``unknown``, which is the device or a person; empty if the value did not change.
+        folded: The number of commands like the one that begins here (same issuer, part and outcome) that came in the
+            minute before and are not kept.
     """
 
     kind: EntryKind
@@ -128,14 +128,14 @@ class JournalEntry(Message):
 
 
 class ReadJournalRequest(Message):
-    """A question for the newest entries of the journal that fit.
+    """Request for the newest matching entries of the journal.
 
     Attributes:
-        device: Only those of this device, by its id; empty for all.
-        command: Only those of this command; empty for all.
-        since: Only those of this time or later.
-        until: Only those of this time or earlier; 0 for no bound.
-        limit: How many at most, 1 to 1,000; 0 for 1,000.
+        device: Only entries of the device with this id; empty for all.
+        command: Only entries of the command with this id; empty for all.
+        since: Only entries at this time or later.
+        until: Only entries at this time or earlier; 0 for no bound.
+        limit: The largest number of entries, 1 to 1,000; 0 for 1,000.
     """
 
     device: str = ""
@@ -150,11 +150,11 @@ class ReadJournalResponse(Message):
 
     Attributes:
         success: Whether the journal could be read.
-        entries: The newest that fit.
-        complete: Whether these are all that fit; otherwise older ones were left out.
+        entries: The newest matching entries.
+        complete: Whether these are all matching entries; otherwise older ones were left out.
         begins: The time of the oldest entry in the journal; 0 if it is empty.
-        names: The names of the devices in the entries, by id, as far as the directory knows them now; where several
-            parts of a device take commands, those of the parts too, by ``ID#PART``.
+        names: The names, by id, of those devices in the entries that are in the directory now; if several parts of a
+            device take commands, also those of the parts, by ``ID#PART``.
     """
 
     success: bool = True
@@ -166,13 +166,13 @@ class ReadJournalResponse(Message):
 
 
 class ExplainDeviceRequest(Message):
-    """A question for the reason why a device is as it is."""
+    """Request for the reason for the state of a device."""
 
     device: str
 
 
 class DeviceFight(Message):
-    """Two apps that command the same part in turn, each against the other."""
+    """Two apps that alternately command the same part, each undoing the other's command."""
 
     device: str
     part: str = ""
@@ -188,16 +188,16 @@ class ExplainDeviceResponse(Message):
 
     Attributes:
         success: Whether the device is known and the journal could be read.
-        finding: ``command``: a command explains the change; ``change``: none does; ``heard``: it is so since it was
-            first heard; ``retained``: a retained value does not say since when; ``first``: it was so at its first
-            report; ``none``: it reported no change.
+        finding: ``command``: a command explains the change; ``change``: none does; ``heard``: the state is unchanged
+            since the device was first heard; ``retained``: a retained value, of unknown age; ``first``: the state is
+            that of the first report; ``none``: it reported no change.
         changed_at: The time of the change, or of the report; 0 if there is none.
-        entries: The entries of the commands that led to the change, then those of its own, each oldest first; after
-            ``none`` those of the newest command. Entries with the same ``command`` follow each other.
+        entries: The entries of the commands that led to the change, then those of the change itself, each oldest first;
+            for ``none``, those of the newest command. Entries with the same ``command`` are adjacent.
         names: As for `ReadJournal`.
         fights: The fights of apps over the device in the last hour.
-        ineffective: By part, :attr:`homebot.devices.Route.name` of each route that is tried last, as its last commands
-            had no effect.
+        ineffective: By part, :attr:`homebot.devices.Route.name` of each route that is tried last, because its last
+            commands had no effect.
     """
 
     success: bool = True
@@ -211,7 +211,7 @@ class ExplainDeviceResponse(Message):
 
 
 class ExplainMissingStateRequest(Message):
-    """A question for the reason why a device is not in a state.
+    """Request for the reason why a device is not in a state.
 
     Attributes:
         state: The state, such as ``on``, ``40 %`` or ``locked``.
@@ -227,10 +227,10 @@ class ExplainMissingStateResponse(Message):
     Attributes:
         success: Whether the device is known and the journal could be read.
         is_so: Whether the device is in that state.
-        problem: The reason why it never can be, as a sentence; empty if it can.
-        word: The command for the state, such as ``lock``; empty if it takes more than a word.
+        problem: Why it can never be in that state, as a sentence; empty if it can.
+        word: The command for the state, such as ``lock``; empty if it needs more than one word.
         entries: The entries of these commands and of denied requests, oldest command first. Entries with the same
-            ``command`` follow each other.
+            ``command`` are adjacent.
         begins: The time of the oldest entry in the journal; 0 if it is empty.
         names: As for `ReadJournal`.
     """

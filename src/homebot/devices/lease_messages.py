@@ -1,4 +1,4 @@
-"""Services of the control layer that keep a part of a device as it is wanted."""
+"""Services of the control layer that hold a part of a device at a value."""
 
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -44,8 +44,8 @@ class HolderRequest(Message):
     """A holder and its lease, to renew or to release it.
 
     Attributes:
-        lease: The name that the holder gave to its lease.
-        by: The holder, in a word for people.
+        lease: The name that the holder gave its lease.
+        by: The holder, as a word for people.
         issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
     """
 
@@ -55,17 +55,17 @@ class HolderRequest(Message):
 
 
 class HoldRequest(Message):
-    """A wish to have one value of a part, and to keep it.
+    """Request to set a part to a value and hold it.
 
     Attributes:
         device: The id or the name of the device.
-        part: The id of the part; empty for the only one that takes the held setting, parts for configuration aside.
-        lease: A name for the lease that the holder chooses, such as a UUID, unique among its own.
-        by: The holder, in a word for people, such as ``robot``; not blank.
+        part: The id of the part; empty for the only one that takes the held setting, not counting configuration parts.
+        lease: A name for the lease, chosen by the holder, such as a UUID; unique among its leases.
+        by: The holder, as a word for people, such as ``robot``; not blank.
         ttl: Seconds after which the lease ends, unless it is renewed; 1 to 3,600.
-        issuer: The name of the node, or ``client:NAME`` for a client of the door, where the door sets it.
+        issuer: The name of the node, or ``client:NAME`` for a client of the door, set by the door.
         scope: As for :class:`homebot.devices.command_messages.CommandRequest`.
-        trigger: Its cause, as far as the holder knows; passed over of a client of the door.
+        trigger: Its cause, if the holder knows it; ignored for a client of the door.
     """
 
     device: ShortText
@@ -83,7 +83,7 @@ class LeaseState(NamedTuple):
     """The state of a lease.
 
     Attributes:
-        outcome: The outcome of the newest command for it, or that a hand outranks it.
+        outcome: The outcome of the newest command for it, or the fact that a hand outranks it.
     """
 
     held: bool
@@ -98,7 +98,7 @@ class LeaseResponse(Message):
 
     @staticmethod
     def answer_type() -> type[LeaseState]:
-        """Return the type that this message stands for."""
+        """Return the type that this message represents."""
         return LeaseState
 
     @classmethod
@@ -112,7 +112,7 @@ class HolderOfPart(Message):
 
     Attributes:
         issuer: The name of its node, or ``client:NAME`` for a client of the door.
-        until: When its time is over, unless it renews the lease.
+        until: When the lease expires unless it is renewed.
     """
 
     by: str
@@ -125,7 +125,7 @@ class HeldPart(Message):
     """A part that is held.
 
     Attributes:
-        outranked_until: The end of the time in which a hand outranks the lease; 0 if none does.
+        outranked_until: Until when a hand outranks the lease; 0 if none does.
     """
 
     device: str
@@ -137,20 +137,20 @@ class HeldPart(Message):
 
 
 class GetLeasesRequest(Message):
-    """A question for the parts that are held.
+    """Request for the held parts.
 
     Attributes:
-        device: Only those of this device, by its id; empty for all.
+        device: Only parts of the device with this id; empty for all.
     """
 
     device: str = ""
 
 
 class EndLeasesRequest(Message):
-    """An order to end all leases of a part of a device.
+    """Request to end all leases of a part of a device.
 
     Attributes:
-        issuer: The issuer of the order; the door sets it for its clients.
+        issuer: The issuer of the request; the door sets it for its clients.
     """
 
     device: str
@@ -158,7 +158,7 @@ class EndLeasesRequest(Message):
 
 
 class LeasesResponse(Message):
-    """Parts with leases, or parts with leases that were ended, by device."""
+    """Parts with leases, or whose leases were ended, by device."""
 
     parts: tuple[HeldPart, ...] = ()
 

@@ -1,4 +1,4 @@
-"""Misspelt names of a configuration, which nothing in the house has."""
+"""Misspelt names in a configuration: nothing in the house has them."""
 
 from collections.abc import AsyncIterator, Callable, Sequence
 from typing import Final, NamedTuple, final
@@ -20,9 +20,9 @@ from homebot.support.similar import did_you_mean
 __all__ = ["ConfiguredNames", "StatedNames"]
 
 _ANNOUNCED_WITHIN: Final = 300.0
-"""Seconds from a start in which devices may be announced before a name that none has counts as misspelt.
+"""Seconds after the start before a name without a device counts as misspelt.
 
-Bridges announce theirs within a minute, and devices that report at intervals do so every few minutes.
+Bridges announce their devices within a minute, and devices that report at intervals do so every few minutes.
 """
 
 _AGAIN: Final = 60.0
@@ -39,7 +39,7 @@ class StatedNames(NamedTuple):
         rooms: The key and name of each room.
         devices: The key and the id or name of each device.
         queries: The key, the text and the terms of each query that some device must fit.
-        patterns: Likewise of those that need not fit any, such as the commands of a policy.
+        patterns: The same for queries that need not fit any device, such as the commands of a policy.
     """
 
     rooms: Sequence[tuple[str, str]] = ()
@@ -50,10 +50,10 @@ class StatedNames(NamedTuple):
 
 @final
 class ConfiguredNames:
-    """Looks for rooms and devices that a configuration names; if there is none, it is logged once.
+    """Looks for the rooms and devices that a configuration names, and logs missing ones once.
 
     Args:
-        read: Returns the names as they are configured now.
+        read: Returns the currently configured names.
     """
 
     def __init__(self, node: Node, read: Callable[[], StatedNames]) -> None:
@@ -65,7 +65,7 @@ class ConfiguredNames:
         self._places = node.create_client(GetPlaces, GET_PLACES)
 
     async def run(self) -> None:
-        """Wait until devices were announced, and log the names without a device then."""
+        """Wait until devices have been announced, then log the names without a device."""
         await anyio.sleep(_ANNOUNCED_WITHIN)
         while True:
             try:
@@ -80,7 +80,7 @@ class ConfiguredNames:
             self._log.warning(UNKNOWN_NAME, message=f"{problem} (looked for {minutes:g} minutes)")
 
     async def problems(self) -> tuple[str, ...]:
-        """Return in words the names without a device now; none before :meth:`run` has looked, or without an answer."""
+        """Return the names without a device, in words; empty before :meth:`run` has looked, or without an answer."""
         if not self._is_due:
             return ()
         try:
@@ -93,7 +93,7 @@ class ConfiguredNames:
         return HealthResponse(counts=(), troubles=await self.problems())
 
     async def _look(self) -> AsyncIterator[str]:
-        """Yield the first problems; a `ServiceError` if the directory does not answer."""
+        """Yield the first problems; raise `ServiceError` if the directory does not answer."""
         stated = self._read()
         async for problem in self._unknown_rooms(stated.rooms[:_MOST]):
             yield problem

@@ -1,4 +1,4 @@
-"""The names under which the layers meet on the graph, and the reasons for which a gateway sends nothing."""
+"""The names shared by the layers on the graph, and the reasons why a gateway sends nothing."""
 
 from homebot.names import escape_token
 
@@ -55,7 +55,7 @@ COPY_FILES = "/homebot/copy_files"
 READ_RECORDING = "/homebot/recorder/read"
 ACCESS_REFUSALS = "/rosbridge_websocket/refusals"
 POSE_TOPICS = frozenset({"amcl_pose", "odom", "pose", "room", "tf", "tf_static"})
-"""Last parts of the names of those topics on which robots state where they are."""
+"""Last parts of the names of the topics on which robots publish their poses."""
 
 ROBOT_POSES = "/robots/poses"
 WHERE_IS_ROBOT = "/robots/where"
@@ -70,7 +70,7 @@ ROBOTS_NODE = "/robots"
 """The node of the tracker of robots, the only one that publishes their poses."""
 
 THING_DIRECTORY_NODE = "/thing_directory"
-"""The node of homebot's own directory of things, which commands devices for its clients."""
+"""The node of homebot's Thing Description Directory, which commands devices for its clients."""
 
 RUNTIME_NODE = "/homebot"
 """The node of a runtime; all its commands pass the control layer."""
@@ -79,21 +79,21 @@ OWNER = "owner"
 """The convention of facts that the owner states."""
 
 TAG = "tag"
-"""The convention of facts that an NFC tag or a code at the device says."""
+"""The convention of facts from an NFC tag or a code on the device."""
 
 PREFER = "prefer"
-"""The fact of the owner which of the gateways of a device are to take its commands, the best first."""
+"""The owner's fact that names the preferred gateways for commands to a device, best first."""
 
 NEEDS_GATEWAY = "needs_gateway"
-"""The fact which gateway, by its plug-in, would use what was found, and is not configured."""
+"""The fact that names the plug-in of an unconfigured gateway that could use the device."""
 
 NEXT_STEP = "next_step"
-"""The fact what a person can do to have it used."""
+"""The fact that says what a person can do so that it is used."""
 
 _GATEWAYS = "/gateway/"
 
 GATEWAY_READING = frozenset({"health", "read_tag", "scan", "subscribe_to_mqtt_topic", "subscribe_to_topic"})
-"""Last parts of the names of those services of gateways that only read: no device notices a call."""
+"""Last parts of the names of read-only gateway services: no device notices a call."""
 TEXT_SCHEME = "words:"
 """The beginning of a text address."""
 
@@ -115,14 +115,14 @@ class GatewayNames:
         state: Topic of its own state.
         quarantine: Topic of the peers in quarantine, as :class:`homebot.devices.health.Quarantine`.
         health: Service that returns its counters and the peers in quarantine.
-        offers: Topic of the devices that homebot offers to other systems through it, as
+        offers: Topic of the devices that homebot exposes to other systems through it, as
             :class:`homebot.devices.exposure.ExposedDevice`.
-        offer_reports: Topic of the states of these, as :class:`homebot.devices.exposure.ExposedState`.
-        offer_commands: Topic of the commands of those systems, as :class:`homebot.devices.gateway_messages.Command`.
-        send_command: Service that takes commands in the words of the vocabulary.
-        describe_commands: Service that returns the messages that commands would send, as
+        offer_reports: Topic of their states, as :class:`homebot.devices.exposure.ExposedState`.
+        offer_commands: Topic of the commands of these systems, as :class:`homebot.devices.gateway_messages.Command`.
+        send_command: Service that takes commands in terms of the vocabulary.
+        describe_commands: Service that returns the messages that commands would publish, as
             :data:`homebot.devices.approval_messages.DescribeCommands`.
-        subscribe: Service that starts the mirroring of raw messages.
+        subscribe: Service that starts mirroring raw messages.
     """
 
     def __init__(self, gateway: str) -> None:
@@ -144,15 +144,15 @@ class GatewayNames:
         self._received_data = f"{base}/received_data"
 
     def received_data(self, *device: str) -> str:
-        """Return the topic that mirrors a device's raw messages; its name is escaped where it is no legal token."""
+        """Return the topic that mirrors a device's raw messages; illegal tokens in its name are escaped."""
         return "/".join((self._received_data, *(escape_token(part) for part in device)))
 
 
 class TagNames:
-    """The graph names of a gateway of tags beside those that every gateway has.
+    """The additional graph names of a gateway of tags.
 
     Attributes:
-        taps: Topic of the tags that are held to a reader, as :class:`homebot.devices.tags.TagTap`.
+        taps: Topic of the tags that were held to a reader, as :class:`homebot.devices.tags.TagTap`.
         scan: Service :data:`homebot.devices.tags.ScanCode`.
         read_tag: Service :data:`homebot.devices.tags.ReadTag`.
         write_tag: Service :data:`homebot.devices.tags.WriteTag`.
@@ -167,7 +167,7 @@ class TagNames:
 
 
 class PairingNames:
-    """The graph names of a gateway that pairs devices, beside those that every gateway has.
+    """The additional graph names of a gateway that pairs devices.
 
     Attributes:
         pair: Service :data:`homebot.devices.pairing_messages.Pair`.
@@ -181,13 +181,13 @@ class PairingNames:
 
 
 def gateway_of(node: str) -> str:
-    """Return the name of the gateway with the node *node*, a full name; empty if that is no gateway's."""
+    """Return the name of the gateway whose node has the full name *node*; empty if it is not a gateway."""
     name = node.removeprefix(_GATEWAYS)
     return "" if name == node or "/" in name else name
 
 
 def text_address(key: str, part_id: str) -> str:
-    """Return the text address of the part *part_id* of the device that its gateway calls *key*."""
+    """Return the text address of the part *part_id* of the device with the gateway's *key*."""
     if not ("%" in key or "#" in key or "%" in part_id or "#" in part_id):
         return f"{TEXT_SCHEME}{key}#{part_id}"
     return f"{TEXT_SCHEME}{_escape(key)}#{_escape(part_id)}"
@@ -199,7 +199,7 @@ def is_text_address(address: str) -> bool:
 
 
 def read_text_address(address: str) -> tuple[str, str] | None:
-    """Return key and part of a text address; None for any other address."""
+    """Return the key and the part of a text address; None for any other address."""
     if not address.startswith(TEXT_SCHEME) or address.count("#") != 1:
         return None
     key, _, part_id = address[len(TEXT_SCHEME) :].partition("#")

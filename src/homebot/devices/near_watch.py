@@ -1,4 +1,4 @@
-"""The devices near a robot for a live query: asked for again as the robot moves and as doors open and close."""
+"""The devices near a robot for a live query, updated when the robot moves and when doors open or close."""
 
 from collections.abc import Callable, Iterable
 from typing import Final, final
@@ -19,7 +19,7 @@ __all__ = ["NearWatch"]
 NOT_KNOWN: Final = "devices.near_unknown"
 
 _PAUSE: Final = 0.5
-"""Seconds between two questions, but for a door."""
+"""Seconds between two requests, except after a change of a door."""
 
 _DOORS: Final = frozenset({"contact", "lock"})
 _QOS: Final = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -27,7 +27,7 @@ _QOS: Final = QoSProfile(depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 @final
 class NearWatch:
-    """The devices near a robot, for as long as its task runs; none while the place of the robot is not known.
+    """The devices near a robot while its task runs; empty while the position of the robot is unknown.
 
     Args:
         changed: Called with the ids of the devices that came near or left.
@@ -57,16 +57,16 @@ class NearWatch:
         node.create_task(self._run)
 
     def close(self) -> None:
-        """End the questions. Twice is fine."""
+        """End the requests; idempotent."""
         self._scope.cancel()
         self._poses.close()
 
     def ask(self) -> None:
-        """Ask soon: a device changed."""
+        """Schedule a request, because a device changed."""
         self._due.set()
 
     def on_values(self, change: StateChange) -> None:
-        """Ask at once where the values may be those of a door."""
+        """Send a request at once if the values may be those of a door."""
         if any(reading.capability in _DOORS for reading in change.readings):
             self._due.set()
             self._urgent.set()

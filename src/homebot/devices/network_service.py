@@ -1,4 +1,4 @@
-"""Services that homebot itself serves to the network, for gateways that announce them there."""
+"""Services of homebot on the network, for gateways that announce them."""
 
 from typing import ClassVar, Final
 
@@ -9,7 +9,7 @@ from homebot.messages.message import Message, UInt16
 __all__ = ["NETWORK_SERVICES", "NETWORK_SERVICES_QOS", "NetworkService"]
 
 NETWORK_SERVICES = "/network_services"
-"""The topic on which programs that listen on a port announce it."""
+"""The topic on which components that listen on a port announce it."""
 
 NETWORK_SERVICES_QOS: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -19,10 +19,10 @@ class NetworkService(Message):
 
     Attributes:
         service_type: Its type in DNS-SD (RFC 6763): ``_rosbridge._tcp``, perhaps with a subtype.
-        addresses: The addresses that it listens on: ``0.0.0.0`` and ``::`` are all of the computer.
+        addresses: The addresses that it listens on; ``0.0.0.0`` and ``::`` mean all addresses of the computer.
         port: Its TCP or UDP port.
-        facts: Facts for programs that connect, such as a path; no secrets, all programs see them.
-        is_withdrawn: Whether it is no longer served.
+        facts: Facts for programs that connect, such as a path; no secrets, because all programs see them.
+        is_withdrawn: Whether it is no longer available.
     """
 
     key_field: ClassVar[str | None] = "service_type"

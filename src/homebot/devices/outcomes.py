@@ -1,4 +1,4 @@
-"""Outcomes of commands: the result of a command, and how well it is known."""
+"""Outcomes of commands: the result of a command, with the evidence for it."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ NO_CONTROL = "the control layer is not running; it is restarted by itself, see `
 
 
 class Evidence(IntEnum):
-    """Grade of the knowledge that a device obeyed; the higher the better.
+    """Strength of the evidence that a device obeyed; higher is better.
 
-    ``SENT``: it is taken for done, as in a dry run. ``ACKNOWLEDGED``: the network or a bridge accepted it; the report
-    of a bridge that does not wait for the device is no better. ``REPORTED``: the device reported the new value.
+    ``SENT``: it is assumed to be done, as in a dry run. ``ACKNOWLEDGED``: the network or a bridge accepted it; the
+    report of a bridge that does not wait for the device is no better. ``REPORTED``: the device reported the new value.
     ``WITNESSED``: a second, independent device measured the effect.
     """
 
@@ -49,7 +49,7 @@ class Evidence(IntEnum):
     @property
     def text(self) -> str:
         """The grade as one word, for example ``reported``."""
-        return self._name_.lower()  # `name` is a function call more, for each command
+        return self._name_.lower()  # `name` would cost another function call per command
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,15 +58,15 @@ class Outcome:
 
     Attributes:
         kind: Its word on the wire and in the journal.
-        wire: The field of `CommandResult` that carries an attribute, where the two have different names.
-        succeeded: Whether the device is as it was told to be; one that is not makes ``homebot do`` exit with 1.
+        wire: The field of `CommandResult` that carries an attribute, if the two have different names.
+        succeeded: Whether the device is as commanded; if not, ``homebot do`` exits with 1.
         is_failure: Whether the log warns of it, and the page shows it in red.
         may_obey_later: Whether the device may have obeyed, or may yet: the wanted value is then a late answer.
-        is_final: Whether the same command would end so again, for example in the block of a hold.
-        judges_device: Whether it tells how well the device obeys; a refusal, for example, is about the command.
-        explains_reports: Whether the reports before it were changes by the command.
-        command_id: The id of the command, under which the journal has its story.
-        reported: The values that the device reported as they were commanded, by capability; not compared.
+        is_final: Whether repeating the command would have the same outcome, for example during a hold.
+        judges_device: Whether it shows how well the device obeys; a refusal, for example, is about the command.
+        explains_reports: Whether earlier reports were changes made by the command.
+        command_id: The id of the command in the journal.
+        reported: The values that the device reported as commanded, by capability; not compared.
     """
 
     kind: ClassVar[str]
@@ -78,7 +78,7 @@ class Outcome:
     judges_device: ClassVar[bool] = False
     explains_reports: ClassVar[bool] = False
     _was_sent: ClassVar[bool] = True
-    _words: ClassVar[str]  # of `text`, with fields of the outcome
+    _words: ClassVar[str]  # the format of `text`, with fields of the outcome
 
     _: KW_ONLY
     command_id: str = ""
@@ -86,23 +86,23 @@ class Outcome:
 
     @property
     def text(self) -> str:
-        """The outcome as a clause for people, without the device."""
+        """The outcome as a clause for people, without the name of the device."""
         return self._words.format(self)
 
     @property
     def was_sent(self) -> bool:
-        """True if the answer of the device, or its silence, decided it, and nothing before."""
+        """True if it was decided by the answer of the device, or its silence, rather than before sending."""
         return self._was_sent
 
 
 @dataclass(frozen=True, slots=True)
 class Confirmed(Outcome):
-    """The device obeyed; with the evidence ``ACKNOWLEDGED`` its network accepted the command, and it may be away.
+    """The device obeyed; with the evidence ``ACKNOWLEDGED`` only its network accepted the command.
 
     Attributes:
         latency: Seconds from sending to the evidence.
-        evidence: How well it is known.
-        witness: The name of the device that saw it; empty if none did.
+        evidence: The evidence for it.
+        witness: The name of the device that observed it; empty if none did.
     """
 
     kind: ClassVar[str] = "confirmed"
@@ -118,7 +118,7 @@ class Confirmed(Outcome):
     def text(self) -> str:
         """As for :class:`Outcome`."""
         if self.evidence is Evidence.SENT:
-            return "not sent, and taken for done"
+            return "not sent, and assumed to be done"
         by = f" by {self.witness}" if self.witness else ""
         verb = "accepted by the network" if self.evidence is Evidence.ACKNOWLEDGED else "confirmed"
         return f"{verb} after {_seconds_text(self.latency)} s ({self.evidence.text}{by})"
@@ -126,9 +126,9 @@ class Confirmed(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class AlreadySo(Outcome):
-    """The device had reported that it is so, and nothing contradicted it.
+    """The device had already reported the value, and nothing contradicted it.
 
-    If that was in the last minute, nothing was sent, except for stop and opening a latch.
+    If that was in the last minute, nothing was sent, except to stop or to open a latch.
     """
 
     kind: ClassVar[str] = "already_so"
@@ -144,7 +144,7 @@ class Contradicted(Outcome):
 
     Attributes:
         saw: The report, as text, for example ``on_off is on``, or the observation of a witness.
-        witness: The name of the device that saw it; empty if the commanded one itself reports it.
+        witness: The name of the device that observed it; empty if the commanded device itself reports it.
     """
 
     kind: ClassVar[str] = "contradicted"
@@ -157,11 +157,11 @@ class Contradicted(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Reverted(Outcome):
-    """The device obeyed, and reported another value soon after, without another command.
+    """The device obeyed, but reported another value soon after, without another command.
 
     Attributes:
-        after: Seconds after it had obeyed.
-        cause: ``device`` if it does so after each command, ``unknown`` if it may be a person as well.
+        after: Seconds after it obeyed.
+        cause: ``device`` if it does so after each command, ``unknown`` if it may also have been a person.
     """
 
     kind: ClassVar[str] = "reverted"
@@ -184,7 +184,7 @@ class NoAnswer(Outcome):
     Attributes:
         waited: Seconds.
         reason: Why it could not be sent, as text; empty if it was sent.
-        is_unacknowledged: Whether it was sent, and its network has not acknowledged it, so that it may arrive later.
+        is_unacknowledged: Whether it was sent but not acknowledged by its network, so it may arrive later.
     """
 
     kind: ClassVar[str] = "no_answer"
@@ -211,7 +211,7 @@ class NoAnswer(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Superseded(Outcome):
-    """A newer command to the same part took its place.
+    """A newer command to the same part replaced it.
 
     Attributes:
         by: The id of the newer command.
@@ -226,7 +226,7 @@ class Superseded(Outcome):
 
 @dataclass(frozen=True, slots=True)
 class Refused(Outcome):
-    """A policy, a lease, the gateway or the device said no.
+    """A policy, a lease, the gateway or the device refused it.
 
     Attributes:
         policy: The name of the policy that refused, or ``gateway`` or ``device``.
@@ -245,7 +245,7 @@ class Gone(Outcome):
     """The device or its part was removed, before or during the wait.
 
     Attributes:
-        reason: What there is not, as text; empty if it was there before.
+        reason: The missing thing, as text; empty if it existed before.
     """
 
     kind: ClassVar[str] = "gone"
@@ -259,21 +259,21 @@ class Gone(Outcome):
         return self.reason or "the device was removed"
 
 
-# A new outcome is a class, its place here, and an import in `homebot`: the wire, the journal, replays, all clients
-# and the reference read the rest from the class.
+# A new outcome needs a class, its place here, and an import in `homebot`: messages, journal, replays, all clients and
+# the reference read the rest from the class.
 _BEST_FIRST: Final = (AlreadySo, Confirmed, Superseded, Reverted, Contradicted, NoAnswer, Refused, Gone)
 
 OUTCOMES: Final[Mapping[str, type[Outcome]]] = MappingProxyType({one.kind: one for one in _BEST_FIRST})
-"""All of them, by their word, the best first."""
+"""All outcomes by kind, best first."""
 
 
 def has_succeeded(kind: str) -> bool:
-    """Return whether *kind*, the word of an outcome, is a success; False for one of a newer homebot."""
+    """Return whether the outcome *kind* is a success; False for one of a newer homebot."""
     return kind in OUTCOMES and OUTCOMES[kind].succeeded
 
 
 def worst(outcomes: tuple[Outcome, ...]) -> Outcome:
-    """Return the worst of *outcomes*, at least one; of two confirmed ones the one that is known less well."""
+    """Return the worst of *outcomes*, at least one; of two confirmed ones, the one with weaker evidence."""
     return max(outcomes, key=_badness)
 
 
@@ -283,7 +283,7 @@ def _badness(outcome: Outcome) -> tuple[int, int]:
 
 
 def _seconds_text(seconds: float) -> str:
-    """Return *seconds* with two digits, or all before the point."""
+    """Return *seconds* with two significant digits, or all digits before the point."""
     if 0 < seconds < 0.001:
         return "less than 0.001"
     return f"{seconds:.2g}" if seconds < 10 else f"{seconds:.0f}"

@@ -1,4 +1,4 @@
-"""Services of gateways whose devices serve only programs that they are paired with."""
+"""Services of gateways whose devices serve only paired programs."""
 
 from typing import Annotated, Literal
 
@@ -14,8 +14,8 @@ class PairRequest(Message):
 
     Attributes:
         device: The gateway's key of the device.
-        code: The code on the device; empty where a button is pressed instead. It is a secret, which is used and
-            forgotten: no text shows it.
+        code: The code on the device; empty if a button is pressed instead. It is a secret that is used once and never
+            shown.
     """
 
     model_config = ConfigDict(hide_input_in_errors=True)

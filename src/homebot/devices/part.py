@@ -1,4 +1,4 @@
-"""Parts of devices that can be used by themselves, with their capabilities and the values that these accept."""
+"""Parts of devices, with their capabilities and the values that these accept."""
 
 import math
 from collections.abc import Iterable
@@ -17,11 +17,11 @@ __all__ = ["Capability", "Category", "Part", "accepted_values", "check_setting",
 Category: TypeAlias = Literal["", "config", "diagnostic"]
 
 _EACH = 32
-"""Bytes that a text takes beside its characters, about."""
+"""The approximate overhead of a text, in bytes."""
 
 _HUE, _SATURATION = 360, 100
 _COLOR: Final = "hue (0 to 360) and saturation (0 to 100), such as 0,100 for red or 240,50 for pale blue"
-"""The accepted values of every colour, the one capability with several numbers."""
+"""The accepted values of a colour, the only capability with several numbers."""
 
 
 class Capability(Message):
@@ -29,12 +29,12 @@ class Capability(Message):
 
     Attributes:
         name: From the vocabulary, for example ``on_off``; see :data:`homebot.devices.capabilities.CAPABILITIES`.
-        readable: Whether the part reports it; if not, its state is never known (*optimistic*).
+        readable: Whether the part reports it; if not, its state is unknown (*optimistic*).
         unit: The unit of its values, for example ``°C``; empty if there is none, or it is that of the vocabulary.
-        bounds: The smallest and the largest value; empty where unknown.
+        bounds: The smallest and the largest value; empty if unknown.
         options: The texts that it accepts or reports; empty for any.
-        echoed: Whether it is declared that a report of it may only repeat a command, before the device obeyed: such a
-            report proves nothing.
+        echoed: Whether its reports are declared to repeat a command before the device obeyed, so that they prove
+            nothing.
     """
 
     name: str
@@ -50,19 +50,19 @@ class Part(Message):
     """One function of a device: a lamp, one of two relays, a thermometer.
 
     Attributes:
-        id: Unique in its device, and lasting; empty for the only part of a simple device.
-        name: The name for people, if the part has one of its own.
+        id: Unique in its device, and permanent; empty for the only part of a simple device.
+        name: The name for people, if the part has its own.
         service_type: A device type of the vocabulary, for example ``light``; see
             :data:`homebot.devices.device_types.DEVICE_TYPES`.
-        advertised: The type in the words of its announcement, for example ``lights`` or ``cover``.
-        tag: The kind within its type, for example ``window`` or ``blind``; empty if it declares none.
-        category: ``config`` for a setting, ``diagnostic`` for a self-observation; empty for a main function.
+        advertised: The type in its announcement's own word, for example ``lights`` or ``cover``.
+        tag: The kind within its type, for example ``window`` or ``blind``; empty if none is declared.
+        category: ``config`` for a setting, ``diagnostic`` for a diagnostic; empty for a main function.
         guessed: Whether the service type was guessed rather than declared.
         capabilities: The values that it reports and the commands that it accepts.
         reads: The addresses on which it reports (MQTT: topic filters).
         writes: The addresses on which it accepts commands (MQTT: topics).
-        payloads: A digest of the command payloads in the announcement; empty if they follow from the
-            other fields, as in a protocol that leaves no choice.
+        payloads: A digest of the command payloads in the announcement; empty if the other fields determine them, as in
+            a protocol that leaves no choice.
     """
 
     id: str
@@ -78,18 +78,18 @@ class Part(Message):
     payloads: str = ""
 
     def is_below(self, places: Iterable[str]) -> bool:
-        """Return whether it has one of the topics *places*, or one below them."""
+        """Return whether one of its topics is in *places* or below one of them."""
         return any(f"{one}/".startswith(f"{place}/") for place in places for one in (*self.reads, *self.writes))
 
 
 def size_of_texts(texts: Iterable[str]) -> int:
-    """Return the size of *texts* in bytes, about."""
+    """Return the approximate size of *texts* in bytes."""
     known = texts if isinstance(texts, list) else tuple(texts)
     return len("".join(known)) + _EACH * len(known)
 
 
 def texts_of(part: Part) -> list[str]:
-    """Return the topics and options of *part*, which make it long or short."""
+    """Return the topics and options of *part*, which dominate its size."""
     texts = [*part.reads, *part.writes]
     for capability in part.capabilities:
         if capability.options:
@@ -98,7 +98,7 @@ def texts_of(part: Part) -> list[str]:
 
 
 def check_setting(target: str, part: Part, capability: str, value: "PlainValue") -> None:
-    """Refuse *value* for *capability* where the part does not accept it.
+    """Refuse *value* for *capability* if the part does not accept it.
 
     Args:
         target: The id of the part, for the error.
@@ -143,7 +143,7 @@ def _accepted(capability: Capability) -> str:
 
 
 def _is_taken(capability: Capability, value: "PlainValue") -> bool:
-    """Return whether *value* is of the kind of *capability*, and one that it accepts; that of an own one may be any."""
+    """Return whether *value* has the right kind for *capability* and is accepted; an unknown capability accepts any."""
     known = CAPABILITIES.get(capability.name, OWN)
     kind = known.kind
     match value:

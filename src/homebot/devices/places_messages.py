@@ -1,4 +1,4 @@
-"""The services by which the owner states the rooms and names of devices."""
+"""Services with which the owner states the rooms and names of devices."""
 
 from typing import Annotated
 
@@ -28,15 +28,15 @@ _LONGEST = 800_000
 
 
 class PlaceDeviceRequest(Message):
-    """State the room that a device is in; the directory remembers that over a restart.
+    """State the room of a device; the directory remembers it across restarts.
 
     Attributes:
-        device: The id of the device; of one that is not there yet also its name or a hardware address.
-        room: The room, or a floor; empty to take back a statement of this service or an import.
-        is_new: Whether it may be a room with a name one typo away from that of another.
-        may_be_absent: Whether the device need not be there yet: it is placed when it appears.
-        at: Its position in metres, ``X,Y[,FLOOR][ ±ERROR m]``; empty for none. Without a room it is in the one that is
-            there.
+        device: The id of the device; for an absent device, its name or a hardware address is possible too.
+        room: The room, or a floor; empty to withdraw a statement of this service or an import.
+        is_new: Whether a new room may have a name that is one typo away from another's.
+        may_be_absent: Whether the device may be absent: it is placed when it appears.
+        at: Its position in metres, ``X,Y[,FLOOR][ ±ERROR m]``; empty for none. Without a room it is in the room at that
+            position.
     """
 
     device: str
@@ -50,8 +50,8 @@ class PlaceDeviceResponse(ServiceAnswer):
     """The result of placing a device.
 
     Attributes:
-        room: The room that the device is in now, or will be; empty for none.
-        absent: The id or hardware address by which a device that is not there yet will be known; empty for one that is.
+        room: The room of the device, now or when it appears; empty for none.
+        absent: The id or hardware address by which an absent device will be recognised; empty for a present one.
     """
 
     room: str = ""
@@ -59,10 +59,10 @@ class PlaceDeviceResponse(ServiceAnswer):
 
 
 class AliasDeviceRequest(Message):
-    """Give a device a further name, which is shown from now on; the directory remembers that over a restart.
+    """Give a device another name, which is shown from now on; the directory remembers it across restarts.
 
     Attributes:
-        remove: Whether to take it back instead.
+        remove: Whether to remove the name instead.
     """
 
     device: str
@@ -74,17 +74,17 @@ class AliasDeviceResponse(ServiceAnswer):
     """The result of naming a device.
 
     Attributes:
-        aliases: All names that the owner gave it, the one that is shown first.
+        aliases: All names that the owner gave it, the displayed one first.
     """
 
     aliases: tuple[str, ...] = ()
 
 
 class TagDeviceRequest(Message):
-    """Tag a device with a word by which it is found; the directory remembers that over a restart.
+    """Tag a device with a word by which it is found; the directory remembers it across restarts.
 
     Attributes:
-        remove: Whether to take it back instead.
+        remove: Whether to remove the tag instead.
     """
 
     device: str
@@ -99,7 +99,7 @@ class TagDeviceResponse(ServiceAnswer):
 
 
 class GetPlacesRequest(Message):
-    """A question for the rooms of the house."""
+    """Request for the rooms of the house."""
 
 
 class AreaRing(Message):
@@ -119,9 +119,9 @@ class RoomInfo(Message):
     """A room.
 
     Attributes:
-        floor: The floor that it is on; empty if none is stated.
-        doors: The rooms that a door joins it to.
-        areas: Its area; empty if that is not known.
+        floor: Its floor; empty if none is stated.
+        doors: The rooms to which a door connects it.
+        areas: Its area; empty if unknown.
     """
 
     name: str
@@ -134,9 +134,9 @@ class DoorInfo(Message):
     """A door, an opening, or a stair, between two rooms.
 
     Attributes:
-        x: Metres of its two ends, or of its centre; empty if that is not known.
-        y: Likewise.
-        width: Metres; only for a centre.
+        x: The coordinates of its two ends, or of its centre, in metres; empty if unknown.
+        y: As for *x*.
+        width: Metres; only with a centre.
         contact: The device that reports whether it is open; empty for none.
         lock: The device that locks it; empty for none.
     """
@@ -154,8 +154,8 @@ class GetPlacesResponse(Message):
     """The rooms of the house, as the owner states them.
 
     Attributes:
-        home: The name of the home, in which all rooms are.
-        absent: The rooms of devices that are not there, by their ids or hardware addresses; at most 1,000.
+        home: The name of the home, which contains all rooms.
+        absent: The rooms of absent devices, by id or hardware address; at most 1,000.
     """
 
     home: str
@@ -165,11 +165,11 @@ class GetPlacesResponse(Message):
 
 
 class TeachPlaceRequest(Message):
-    """The room of a device, as a tag says that is at it; it counts where neither the owner nor the device says one.
+    """The room of a device according to a tag on it; it counts if neither the owner nor the device states one.
 
     Attributes:
         tag: The key of the tag; empty for a code.
-        room: The room that the tag or code says; the one that the tag is in, as far as that is known, counts more.
+        room: The room that the tag or code states; the room of the tag itself, if known, takes precedence.
     """
 
     device: str
@@ -182,7 +182,7 @@ class TeachPlaceResponse(ServiceAnswer):
     """The result of teaching a room.
 
     Attributes:
-        is_new: Whether the tag taught another room before, or none.
+        is_new: Whether the tag stated another room before, or none.
     """
 
     room: str = ""
@@ -190,7 +190,7 @@ class TeachPlaceResponse(ServiceAnswer):
 
 
 class ChangeRoomRequest(Message):
-    """An order to rename or remove a room that was imported, or to rename one in which devices were placed.
+    """Request to rename or remove an imported room, or to rename one in which devices were placed.
 
     Attributes:
         name: Its new name; empty to remove it.
@@ -207,7 +207,7 @@ class ChangeRoomResponse(ServiceAnswer):
 
 
 class ExportPlacesRequest(Message):
-    """A request for all rooms and all that the owner states of devices, as the text of a places file."""
+    """Request for all rooms and all the owner's facts about devices, as the text of a places file."""
 
 
 class ExportPlacesResponse(Message):
@@ -217,11 +217,11 @@ class ExportPlacesResponse(Message):
 
 
 class ImportPlacesRequest(Message):
-    """Take over a places file: all of it or, with a mistake in it, nothing. Facts that it leaves out stay.
+    """Import a places file: all of it or, if it has a mistake, nothing. Facts that it leaves out stay.
 
     Attributes:
-        replaces: Whether its room of a device wins over one that was stated here before.
-        source: The robot whose map the areas of its rooms are from; empty for the owner's word.
+        replaces: Whether its room for a device replaces one that was stated here before.
+        source: The robot whose map the room areas come from; empty for the owner.
     """
 
     text: Annotated[str, Field(max_length=_LONGEST)]
@@ -233,8 +233,8 @@ class ImportPlacesResponse(ServiceAnswer):
     """The result of an import; the message names key and value of the first mistake.
 
     Attributes:
-        added: Rooms, and devices of which something is new, as text.
-        kept: Rooms of devices that stayed although the file has others, as text.
+        added: New rooms, and devices with new facts, as text.
+        kept: Rooms of devices that were kept although the file has others, as text.
     """
 
     added: tuple[str, ...] = ()
@@ -242,7 +242,7 @@ class ImportPlacesResponse(ServiceAnswer):
 
 
 class OwnerRequest(Message):
-    """A request to the directory that states something of devices or rooms, or decides on them.
+    """Request of the owner to the directory: a statement or decision about devices or rooms.
 
     Attributes:
         service: The name of the service, one of the services of the owner.

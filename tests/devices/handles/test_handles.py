@@ -199,7 +199,7 @@ async def test_a_handle_has_the_values_of_its_part(
     ("capability", "problem"),
     [
         ("vibratoin", "'vibratoin' is not a capability; did you mean vibration?"),
-        ("xyz", "'xyz' is not a capability; a tells on_off"),
+        ("xyz", "'xyz' is not a capability; a reports on_off"),
         ("press", "press is an event, not a state"),
     ],
 )

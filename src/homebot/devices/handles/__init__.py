@@ -1,6 +1,6 @@
 """Typed handles: one class for each kind of thing in a house, with its latest values and its commands.
 
-Each name is imported when it is first asked for: an app has handles of few kinds.
+Each name is imported on first use, because an app uses few kinds of handles.
 """
 
 from typing import TYPE_CHECKING
@@ -57,7 +57,7 @@ __all__ = [
     "WindowCovering",
 ]
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {

@@ -1,4 +1,4 @@
-"""Handles for appliances that work by themselves: thermostats, air conditioners, vacuum cleaners and mowers."""
+"""Handles for appliances that work on their own: thermostats, air conditioners, vacuum cleaners and mowers."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["AirConditioner", "LawnMower", "RoboticVacuumCleaner", "Thermostat"]
 
 
 class Thermostat(Handle):
-    """A thermostat, or another device that holds a room at a temperature."""
+    """A thermostat, or another device that keeps a room at a temperature."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"thermostat"})
 
@@ -27,7 +27,7 @@ class Thermostat(Handle):
         mode: str | None = None,
         **filters: Unpack[CommonFilters],
     ) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             above: It measures more than this, in °C.
@@ -95,7 +95,7 @@ class Thermostat(Handle):
             mode: One of the options of its ``thermostat_mode``.
 
         Raises:
-            RefusedError: It has no such mode; the message lists those it has.
+            RefusedError: It has no such mode; the message lists its modes.
         """
         return await self.command("thermostat_mode", mode)
 
@@ -113,7 +113,7 @@ class RoboticVacuumCleaner(Handle):
 
     @classmethod
     def where(cls, *, state: str | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             state: The activity that it reports; see :attr:`state`.
@@ -154,7 +154,7 @@ class LawnMower(Handle):
 
     @classmethod
     def where(cls, *, state: str | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             state: The activity that it reports: ``mowing``, ``paused``, ``docked``, ``returning`` or ``error``.

@@ -1,4 +1,4 @@
-"""A live query for handles: those that match now, and then every change of them."""
+"""Live queries for handles: those that match now, and then every change."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ HandleT_co = TypeVar("HandleT_co", bound=Handle, covariant=True)
 _Kind: TypeAlias = Literal["appeared", "changed", "event", "message", "removed"]
 
 _MAX_EVENTS: Final = 1000
-"""Events that wait for a slow reader; the oldest is dropped and counted."""
+"""Events queued for a slow reader; the oldest is dropped and counted."""
 
 _MAX_EARLY: Final = 100
-"""Events that wait for the description of their device; the oldest is dropped."""
+"""Events queued until their device is described; the oldest is dropped."""
 
 _EARLY: Final = 5.0
 """Seconds for which an event waits for the description of its device."""
@@ -51,11 +51,11 @@ class HandleChange(Generic[HandleT_co]):
 
     Attributes:
         kind: ``appeared``: it matches the query from now on; ``changed``: its description or a value changed;
-            ``event``: something happened that has no duration, such as a button press; ``removed``: it is gone or no
-            longer matches. ``message`` comes from :meth:`homebot.devices.Devices.messages` alone.
+            ``event``: something without a duration happened, such as a button press; ``removed``: it is gone or no
+            longer matches. Only :meth:`homebot.devices.Devices.messages` yields ``message``.
         handle: The handle of the part, the same object each time.
         event: The event, in ``event.capability`` and ``event.value``; None for the other kinds.
-        message: The raw message; likewise.
+        message: The raw message; None for the other kinds.
     """
 
     kind: _Kind
@@ -65,17 +65,17 @@ class HandleChange(Generic[HandleT_co]):
 
     @property
     def text(self) -> str:
-        """The raw message without spaces around it, in lower case; empty for the other kinds, and if it is no text."""
+        """The raw message, stripped and in lower case; empty if it is not text, and for the other kinds."""
         return "" if self.message is None else self.message.payload.decode(errors="ignore").strip().lower()
 
 
 class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
     """A live query for handles: ``async for change in devices.follow(Light, area="kitchen", on=True)``.
 
-    Every handle that matches now is reported as ``appeared``, later ones when they appear. Of each handle
-    ``appeared`` comes first and ``removed`` last. Changes of one handle that happen while the reader is busy are
-    reported as one, so that nothing piles up; every event is reported, once. If the directory is not running, the query
-    waits for it. Only one task may read.
+    Every handle that matches now is reported as ``appeared``, later ones when they appear. For each handle,
+    ``appeared`` comes first and ``removed`` last. Changes of one handle while the reader is busy are reported as one,
+    so that nothing piles up; every event is reported exactly once. If the directory is not running, the query waits for
+    it. Only one task may read.
 
     Args:
         node: The node that asks; the query ends with it.
@@ -88,15 +88,15 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         super().__init__(node, And(query.names), text, query.near_search)
         self._query = query
         self._text = text
-        self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, ready as "changed"
-        self._compared: dict[str, Device] = {}  # by the description alone, if no new value changes the matches
+        self._reported: dict[str, dict[str, HandleChange[HandleT]]] = {}  # by device and part, prepared as "changed"
+        self._compared: dict[str, Device] = {}  # the compared description, if new values cannot change the matches
         self._clock = node.graph.clock
         self._events: deque[StateChange] = deque()
         self._early_events: deque[tuple[float, StateChange]] = deque(maxlen=_MAX_EARLY)
         self.events_lost = 0
 
     def only(self, *kinds: _Kind) -> AsyncIterator[HandleChange[HandleT]]:
-        """Return an iterator over the changes of these kinds alone: ``only("event")`` for presses of buttons.
+        """Return an iterator over the changes of these kinds: ``only("event")`` for button presses.
 
         Raises:
             UsageError: There is no such kind, or none is given.
@@ -112,18 +112,18 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
                 yield change
 
     def became(self, *, lasting: str | float | timedelta = 0.0, **conditions: object) -> Became[HandleT]:
-        """Return a live query that yields ``appeared`` each time that a handle comes to meet further conditions.
+        """Return a live query that yields ``appeared`` each time a handle begins to meet further conditions.
 
-        Those that meet them at the beginning count.
+        Handles that already meet them count too.
 
         Args:
-            lasting: How long they must be met first, such as ``"5m"``. The time runs on over what else changes; after
-                a restart it begins anew, unless the device has reported these values for longer.
-            conditions: For example ``occupied=False``, as :meth:`homebot.devices.Devices.find` takes them.
+            lasting: How long the conditions must be met first, such as ``"5m"``. Other changes do not interrupt the
+                time; after a restart it begins anew, unless the device has reported these values for longer.
+            conditions: The conditions, as for :meth:`homebot.devices.Devices.find`, such as ``occupied=False``.
 
         Raises:
             TypeError: The kind has no such condition; the message suggests the nearest.
-            UsageError: *lasting* is no duration.
+            UsageError: *lasting* is not a duration.
         """
         more = self._query.kind.where(**conditions)  # type: ignore[arg-type]  # checked there
         given = ", ".join(f"{key}={value!r}" for key, value in conditions.items())
@@ -131,24 +131,24 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
         return Became(follow, more.exact_values, parse_duration(lasting, "lasting"), self._clock)
 
     def close(self) -> None:
-        """End the query. Twice is fine."""
+        """End the query; idempotent."""
         self._events.clear()
         super().close()
 
     def on_device(self, change: DeviceChange) -> None:
-        """Store the newest change of a device for the reader, and the events that waited for its description."""
+        """Store the newest change of a device for the reader, and the events that awaited its description."""
         super().on_device(change)
         if self._early_events:
             self._add_early(change.device.id)
 
     def on_values(self, change: StateChange) -> None:
-        """Store that the values of a device changed."""
+        """Record that the values of a device changed."""
         super().on_values(change)
         self._changed[change.device] = change
         self._news.set()
 
     def on_event(self, change: StateChange) -> None:
-        """Store an event; the one that makes a device known comes on another topic than its description."""
+        """Store an event; the event that reveals a device arrives on a different topic from its description."""
         if self._view is not None and self._view.get(change.device) is not None:
             self._add_event(change)
         else:
@@ -182,7 +182,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
             self._ready.append(HandleChange("event", known.handle, change.states[0]))
 
     def _compare(self, view: HouseView, device_id: str) -> None:
-        """Compare the handles of a device that the reader has with those that match now."""
+        """Compare the handles of a device that were reported with those that match now."""
         known = view.get(device_id)
         reported = self._reported.pop(device_id, {})
         if known is None:
@@ -206,7 +206,7 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
             self._reported[device_id] = matching
 
     def _parts_now(self, known: DeviceView, reported: Iterable[str]) -> list[str]:
-        """Return the parts that match now; if nothing that the query asks for changed, those that are *reported*."""
+        """Return the parts that match now; the *reported* ones if nothing relevant to the query changed."""
         query, device_id = self._query, known.device.id
         is_same = self._compared.get(device_id) is known.device
         if is_same and query.near is None and not query.asks_for_values:
@@ -219,11 +219,11 @@ class FollowHandles(LiveQuery[HandleChange[HandleT]], Generic[HandleT]):
 class Became(Generic[HandleT]):
     """Iterator over the handles that have matched a live query for a while; see :meth:`FollowHandles.became`.
 
-    The cause of a command that it leads to is the change with which the handle came to match.
+    The cause of a command in response to it is the change with which the handle began to match.
 
     Args:
-        values: The capabilities that are to have one value: if one of them had another one meanwhile, which a reader
-            that is busy misses, the time begins anew.
+        values: The capabilities that must have an exact value: if one had another value meanwhile, which a busy reader
+            misses, the time begins anew.
         lasting: Seconds.
     """
 
@@ -237,7 +237,7 @@ class Became(Generic[HandleT]):
 
     @property
     def waiting(self) -> Iterator[tuple[str, float]]:
-        """The names of handles that match, and will have for long enough in so many seconds."""
+        """The names of matching handles, with the seconds until they have matched for long enough."""
         for handle in self._since:
             if (due := self._due.time_of(handle)) is not None:
                 yield handle.name, due - self._clock.monotonic()
@@ -256,14 +256,14 @@ class Became(Generic[HandleT]):
             due = self._due.next()
             wait = math.inf if due is None else due - self._clock.monotonic()
             with anyio.CancelScope(deadline=anyio.current_time() + wait) as scope:
-                self._record(await anext(self._follow))  # first, as what was reported meanwhile may end the wait
+                self._record(await anext(self._follow))  # first, because a change reported meanwhile may end the wait
             if scope.cancelled_caught and (found := self._due.pop(self._clock.monotonic())) is not None:
                 _, (change, cause) = found
                 CURRENT_CAUSE.set(cause)
                 return change
 
     def close(self) -> None:
-        """End the query. Twice is fine."""
+        """End the query; idempotent."""
         self._follow.close()
 
     def _record(self, change: HandleChange[HandleT]) -> None:
@@ -280,5 +280,5 @@ class Became(Generic[HandleT]):
                 self._due.set(handle, self._clock.monotonic() + self._lasting - max(0.0, proven), begun)
 
     def _known_since(self, handle: HandleT) -> float:
-        """Return since when the handle has reported the values, in seconds since the Unix epoch; 0 if not known."""
+        """Return since when the handle has reported the values, in seconds since the Unix epoch; 0 if unknown."""
         return max(map(handle.since, self._values), default=0.0) if handle.freshness == "fresh" else 0.0

@@ -1,4 +1,4 @@
-"""A handle: one part of one device, with its latest values and its commands."""
+"""Handle: one part of one device, with its latest values and its commands."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ _NONE: Mapping[str, Any] = MappingProxyType({})
 class Handle:
     """One part of a device; the base class of all kinds. ``find(Handle)`` finds parts of every type.
 
-    Its properties are the latest values that the device reported, and ``None`` where nothing is known. A command
-    does not change them, the report of the device does. Two handles of the same part and kind are equal.
+    Its properties are the latest values that the device reported, or ``None`` if unknown. A command does not change
+    them; the device's report does. Two handles of the same part and kind are equal.
 
-    A command raises `RefusedError` if the part does not take it, or not this value. A *code* is for an alarm or a lock
-    that requires one; it is never logged or shown in an error.
+    A command raises `RefusedError` if the part does not accept it, or its value. A *code* is for an alarm or lock that
+    requires one; it is never logged or shown in an error.
 
     Attributes:
         service_types: The device types of this kind; empty for any.
@@ -45,19 +45,19 @@ class Handle:
     service_types: ClassVar[frozenset[str]] = frozenset()
 
     def __init__(self, view: DeviceView, part_id: str, house: HouseView) -> None:
-        """Take the result of :meth:`homebot.devices.Devices.find`; not for use by hand."""
+        """For internal use: :meth:`homebot.devices.Devices.find` returns handles."""
         self._view = view
         self._part_id = part_id
         self._house = house
 
     @classmethod
     def where(cls, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             filters: ``area``: the room; ``name``: a name of the device or part; ``reachable``: whether it can be
-                reached; ``fresh``: whether it reported lately; ``category``: ``config`` for settings or ``diagnostic``
-                for self-observations, which are left out otherwise.
+                reached; ``fresh``: whether it reported recently; ``category``: ``config`` for settings or
+                ``diagnostic`` for diagnostics, which are left out otherwise.
         """
         return HandleQuery(cls, filters)
 
@@ -72,7 +72,7 @@ class Handle:
 
     @property
     def id(self) -> str:
-        """The id of the device, with ``#`` and the id of the part where it has one; renaming does not change it."""
+        """The id of the device, with ``#`` and the id of the part if it has one; renaming does not change it."""
         return f"{self._view.device.id}#{self._part_id}" if self._part_id else self._view.device.id
 
     @property
@@ -82,34 +82,34 @@ class Handle:
 
     @property
     def name(self) -> str:
-        """The name for people: the device's, followed by the part's where it has one."""
+        """The name for people: the device's, followed by the part's if it has one."""
         part = self._view.device.part(self._part_id)
         own = part.part.name if part else ""
         return f"{self._view.device.name} {own}" if own else self._view.device.name
 
     @property
     def area(self) -> str:
-        """The room that the device is in; empty if none is known."""
+        """The room of the device; empty if unknown."""
         return self._view.device.area
 
     @property
     def device(self) -> Device:
-        """The device that it belongs to, as last announced."""
+        """The device of the part, as last announced."""
         return self._view.device
 
     @property
     def is_gone(self) -> bool:
-        """True once the device was removed or no longer has this part; commands end with `Gone` then."""
+        """True once the device was removed or no longer has this part; then commands end with `Gone`."""
         return self._view.is_gone or self._view.device.part(self._part_id) is None
 
     @property
     def is_commanded(self) -> bool:
-        """True until a second after the outcome of a command of this app to it: a report may be the effect of that."""
+        """True until a second after the outcome of this app's command to it: a report may be the command's effect."""
         return self._house.commander.is_commanding(self._view.device.id, self._part_id)
 
     @property
     def reachable(self) -> bool | None:
-        """True if it can be reached, as the part or else the device reports; None if neither reports it."""
+        """True if it can be reached, as reported by the part or else the device; None if neither reports it."""
         device = self._view.device
         return False if self._part_id in device.offline_parts else _REACHABLE[device.reachable.state]
 
@@ -138,7 +138,7 @@ class Handle:
         return self._view.value(self._part_id, capability)
 
     def since(self, capability: str) -> float:
-        """Return since when *capability* has had its value, in seconds since the Unix epoch; 0 if that is unknown."""
+        """Return since when *capability* has had its value, in seconds since the Unix epoch; 0 if unknown."""
         state = self._view.state(self._part_id, capability)
         return 0.0 if state is None else state.since.to_seconds()
 
@@ -150,9 +150,9 @@ class Handle:
     async def command(self, capability: str, value: PlainValue, *, transition: float = 0.0, code: str = "") -> Outcome:
         """Set *capability* to *value*. Commands are absolute: sending one twice has the effect of sending it once.
 
-        It returns when the outcome is known: mostly when the device has reported the new value, at the latest when the
-        time is over in which it usually does. A failure of a device or its network is an outcome; an error is raised if
-        a command makes no sense, and nothing is sent then.
+        It returns when the outcome is known: mostly when the device has reported the new value, at the latest when its
+        usual response time is over. A failure of a device or its network is an outcome; a command that makes no sense
+        raises an error, and nothing is sent.
 
         Args:
             capability: For example ``level``.
@@ -161,13 +161,13 @@ class Handle:
             code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support this, or not this value. The message names the accepted values.
+            RefusedError: It does not support the capability or the value; the message names the accepted values.
         """
         plain = {capability: plain_value(value)}
         return await self._house.commander.perform(self._view, self._part_id, plain, transition, code)
 
     async def commands(self, settings: Mapping[str, PlainValue], *, transition: float = 0.0, code: str = "") -> Outcome:
-        """Set several capabilities in this order, as one command with one outcome; see :meth:`command`.
+        """Set several capabilities in order, as one command with one outcome; see :meth:`command`.
 
         Args:
             settings: The values by capability, at least one.
@@ -175,7 +175,7 @@ class Handle:
             code: The code of an alarm or a lock; never logged or shown in an error.
 
         Raises:
-            RefusedError: It does not support one of these, or not this value; nothing was sent.
+            RefusedError: It does not support one of the capabilities or values; nothing was sent.
         """
         plain = {capability: plain_value(value) for capability, value in settings.items()}
         return await self._house.commander.perform(self._view, self._part_id, plain, transition, code)
@@ -183,18 +183,18 @@ class Handle:
     def hold(self, value: str, *, by: str, ttl: float = 10.0) -> AbstractAsyncContextManager[Hold]:
         """Command *value* and keep it while the block runs: ``async with door.hold("open", by="robot") as hold``.
 
-        Meanwhile every command that would change it is refused, from any issuer; only stop commands pass. Others may
-        hold the same value. The block begins when the outcome of the command is known, good or bad: look at
-        ``hold.succeeded`` or ``hold.outcome``. Leaving the block releases it.
+        Meanwhile every command that would change it is refused, from any issuer, except stop commands. Others may hold
+        the same value. The block begins once the outcome of the command is known, good or bad: check ``hold.succeeded``
+        or ``hold.outcome``. Leaving the block releases the part.
 
         Args:
-            value: A word that the part takes, as for ``homebot do``: ``open``, ``on``, ``locked``, ``0.4``.
+            value: A word that the part accepts, as for ``homebot do``: ``open``, ``on``, ``locked``, ``0.4``.
             by: The holder, for people; not empty.
-            ttl: Seconds after which it is free should this program die, 1 to 3,600; renewed while the block runs.
+            ttl: Seconds after which the part is free if this program dies, 1 to 3,600; renewed while the block runs.
 
         Raises:
             UsageError: *by* is empty or *ttl* out of range.
-            RefusedError: It does not take this word, or the word is nothing that lasts, such as ``press``.
+            RefusedError: The part does not accept the word, or its effect does not last, as for ``press``.
         """
         return self._house.commander.hold(self._view, self._part_id, value, by, ttl)
 
@@ -203,7 +203,7 @@ class Handle:
             raise UsageError(f"{capability} is an event, not a state; use `follow` to receive events")
         if capability not in CAPABILITIES and not any(one.name == capability for one in self.capabilities):
             known = ", ".join(one.name for one in self.capabilities) or "nothing"
-            hint = did_you_mean(capability, CAPABILITIES, f"{self.id} tells {known}", cutoff=0.7)
+            hint = did_you_mean(capability, CAPABILITIES, f"{self.id} reports {known}", cutoff=0.7)
             raise UsageError(f"{capability!r} is not a capability; {hint}")
 
     def _flag(self, capability: str) -> bool | None:
@@ -215,7 +215,7 @@ class Handle:
         return value if isinstance(value, float) else None
 
     def _number_of_device(self, capability: str) -> float | None:
-        """Return the result of :meth:`_number`; if the part has none, the value of the only part that has one."""
+        """Return the number of the part, or else that of the only part of the device that has one."""
         if any(one.name == capability for one in self.capabilities):
             return self._number(capability)
         value = self._view.only_value(capability)
@@ -235,7 +235,7 @@ class Handle:
         below: Mapping[str, float | None] = _NONE,
         settable: Mapping[str, bool | None] = _NONE,
     ) -> HandleQuery[Self]:
-        """Return the query with conditions by capability; those that are None are not asked for."""
+        """Return the query with conditions by capability; conditions that are None are left out."""
         found = list(terms)
         comparisons: tuple[tuple[Operator, Mapping[str, PlainValue]], ...] = (("=", states), (">", above), ("<", below))
         for operator, wanted in comparisons:

@@ -1,4 +1,4 @@
-"""Query for handles: a kind, and conditions on its parts. Pure."""
+"""Queries for handles: a kind, and conditions on its parts. Pure."""
 
 from __future__ import annotations
 
@@ -60,16 +60,16 @@ class CommonFilters(TypedDict, total=False):
     """Filters that apply to every kind.
 
     Attributes:
-        area: The room of the device, or its floor or home, without regard to case and accents; empty for a
-            device without a room.
-        name: A name of the device or part, likewise.
-        tag: A tag of the device, likewise.
+        area: The room of the device, or its floor or home, ignoring case and accents; empty for a device without a
+            room.
+        name: A name of the device or part, ignoring case and accents.
+        tag: A tag of the device, ignoring case and accents.
         reachable: Whether it reports that it can be reached.
-        fresh: Whether it reported lately.
-        category: ``"config"`` for settings and ``"diagnostic"`` for self-observations instead of the main functions of
-            devices: "turn off all switches" does not mean the one of a lamp's own indicator.
-        near: The name of a robot; ``find`` returns what is nearest to it first.
-        within: The most metres of the way from that robot, through doors.
+        fresh: Whether it reported recently.
+        category: ``"config"`` for settings and ``"diagnostic"`` for diagnostics, instead of the main functions of
+            devices: "turn off all switches" does not mean the switch of a lamp's own indicator.
+        near: The name of a robot; ``find`` returns the nearest handles first.
+        within: The longest way from that robot through doors, in metres.
     """
 
     area: str
@@ -97,13 +97,13 @@ class HandleQuery(Generic[HandleT]):
 
     Attributes:
         search: The query for the devices that may have such parts; :meth:`parts` decides.
-        asks_for_values: Whether there is a condition on a value, so that each new one may change the matches.
-        near: The condition to be near a robot, which the directory alone can judge; None if there is none.
+        asks_for_values: Whether there is a condition on a value, so that each new value may change the matches.
+        near: The condition to be near a robot, which only the directory can check; None if there is none.
         names: The conditions with names that may be misspelt: an area, a tag, a name of a device.
 
     Raises:
         TypeError: A filter is unknown, or a value is of another type.
-        ValueError: There is no such category, or *within* is no length or of nothing.
+        ValueError: There is no such category, or *within* is not a length or has no robot.
     """
 
     def __init__(self, kind: type[HandleT], filters: CommonFilters, terms: tuple[Term, ...] = ()) -> None:
@@ -122,37 +122,37 @@ class HandleQuery(Generic[HandleT]):
         self._filters: Final = filters
         self._terms: Final = terms
         self.kind: Final = kind
-        named = places[1:] if filters.get("area") == "" else places  # the empty name is that of no room
+        named = places[1:] if filters.get("area") == "" else places  # the empty name means no room
         self.names: Final = (*named, *names)
         self.near: Final = _near(filters) if "near" in filters or "within" in filters else None
         self.search: Final[Query] = self._search(types, places, terms)
         self.asks_for_values: Final = bool(terms) and _have_values(terms)
 
     def _search(self, types: list[Query], places: list[Query], terms: tuple[Term, ...]) -> Query:
-        """Return the query for the devices that may have such a part; an own category gives no type."""
-        found: list[Query] = [one for one in terms if not isinstance(one, Not)]  # another part may match that
+        """Return the query for the devices that may have such a part; with a category, no type is required."""
+        found: list[Query] = [one for one in terms if not isinstance(one, Not)]  # another part may match it
         found += [FactIs("category", self._category)] if self._category else types
         return And((*found, *places) if self.near is None else (*found, *places, self.near))
 
     def narrowed(self, more: HandleQuery[HandleT]) -> HandleQuery[HandleT]:
-        """Return the query with the conditions of *more* as well."""
+        """Return the query with the additional conditions of *more*."""
         return HandleQuery(self.kind, {**self._filters, **more._filters}, (*self._terms, *more._terms))
 
     @property
     def exact_values(self) -> tuple[str, ...]:
-        """The capabilities that are to have one value."""
+        """The capabilities that must have an exact value."""
         return tuple([one.capability for one in self._terms if isinstance(one, StateIs) and one.operator == "="])
 
     @property
     def near_search(self) -> Query | None:
-        """The query for the devices of the kind that are near enough, whatever their values; None for any place."""
+        """The query for the devices of the kind that are near enough, regardless of values; None for any position."""
         kinds = [term for term in self._part_terms if isinstance(term, TypeIs)]
         return None if self.near is None else And((*kinds, self.near))
 
     def parts(self, device: Device) -> list[str]:
         """Return the ids of the parts of *device* that match.
 
-        Settings and self-observations count unasked only where there is nothing else.
+        Unless a category is given, settings and diagnostics match only if the device has no other parts.
         """
         matching: list[str] = []
         if not device.parts:
@@ -193,7 +193,7 @@ def _near(filters: CommonFilters) -> IsNear | None:
 
 
 class HandleType(Protocol[P, HandleT]):
-    """A class of handles, as ``find`` and ``follow`` take it: its ``where`` names its conditions."""
+    """A class of handles for ``find`` and ``follow``: the parameters of ``where`` are its conditions."""
 
     def where(self, *args: P.args, **kwargs: P.kwargs) -> HandleQuery[HandleT]:
         """Return the query with these conditions."""
@@ -201,7 +201,7 @@ class HandleType(Protocol[P, HandleT]):
 
 
 def _check(kind: type[Handle], filters: CommonFilters, terms: tuple[Term, ...]) -> None:
-    """Refuse an unknown condition, which would otherwise find the whole house."""
+    """Refuse an unknown condition, which would otherwise match the whole house."""
     for name, value in filters.items():
         if name not in _FILTER_TYPES:
             raise TypeError(f"{kind.__name__} cannot be filtered by {name!r}: {_hint(kind, name)}")

@@ -21,7 +21,7 @@ __all__ = ["HandleMessages"]
 HandleT = TypeVar("HandleT", bound=Handle)
 
 _MOST: Final = 1000
-"""Messages that wait for a slow reader; the oldest is dropped and counted."""
+"""Messages queued for a slow reader; the oldest is dropped and counted."""
 
 
 @final
@@ -30,7 +30,7 @@ class HandleMessages(Generic[HandleT]):
 
     Args:
         node: The node that asks; the query ends with it.
-        listen: Has a function called with the messages of a device.
+        listen: Registers a function to be called with the messages of a device.
 
     Attributes:
         lost: Number of messages dropped because 1,000 were waiting for the reader.
@@ -91,7 +91,7 @@ class HandleMessages(Generic[HandleT]):
         self._news.set()
 
     async def _listen_to(self, device: Device) -> None:
-        with suppress(RefusedError, ServiceError):  # its changes can be followed all the same
+        with suppress(RefusedError, ServiceError):  # its changes can still be followed
             await self._listen(device, partial(self._add, device.id))
 
     def _add(self, device_id: str, message: RawMessage) -> None:

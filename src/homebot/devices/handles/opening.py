@@ -19,10 +19,10 @@ class _Opening(Handle):
 
     @classmethod
     def where(cls, *, closed: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
-            closed: Whether it reports that it is closed; one with an unknown state matches neither.
+            closed: Whether it reports that it is closed; an unknown state matches neither.
         """
         is_closed = StateIs(cls.moves_by, "=" if closed else "!=", "closed")
         return cls._where(filters, *(() if closed is None else (is_closed,)))
@@ -58,7 +58,7 @@ class _Opening(Handle):
         return await self.command("position", position)
 
     async def _move(self, movement: str, position: float) -> Outcome:
-        for capability in () if self.can(self.moves_by) else ("position", "tilt"):  # some have slats alone
+        for capability in () if self.can(self.moves_by) else ("position", "tilt"):  # some only have slats
             if self.can(capability):
                 return await self.command(capability, position)
         return await self.command(self.moves_by, movement)
@@ -103,10 +103,10 @@ class DoorLock(Handle):
 
     @classmethod
     def where(cls, *, locked: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
-            locked: Whether it reports that it is locked; one that is jammed or moving is not.
+            locked: Whether it reports that it is locked; a jammed or moving lock does not count as locked.
         """
         is_locked = StateIs("lock", "=" if locked else "!=", "locked")
         return cls._where(filters, *(() if locked is None else (is_locked,)))
@@ -141,7 +141,7 @@ class AlarmPanel(Handle):
 
     @classmethod
     def where(cls, *, state: str | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             state: The state that it reports, for example ``disarmed``.

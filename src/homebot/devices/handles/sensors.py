@@ -1,4 +1,4 @@
-"""Handles for sensors of a condition that is true or false, and for sensors of a number."""
+"""Handles for binary sensors and for sensors that measure a number."""
 
 from typing import ClassVar, Self, Unpack
 
@@ -25,7 +25,7 @@ class ContactSensor(Handle):
 
     @classmethod
     def where(cls, *, is_open: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             is_open: Whether it reports that the door or window is open.
@@ -45,7 +45,7 @@ class OccupancySensor(Handle):
 
     @classmethod
     def where(cls, *, occupied: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             occupied: Whether it reports presence or motion.
@@ -65,7 +65,7 @@ class WaterLeakDetector(Handle):
 
     @classmethod
     def where(cls, *, wet: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments."""
+        """Return the query that ``find`` and ``follow`` build from these arguments."""
         return cls._where(filters, states={"water_leak": wet})
 
     @property
@@ -81,7 +81,7 @@ class SmokeAlarm(Handle):
 
     @classmethod
     def where(cls, *, smoke: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments."""
+        """Return the query that ``find`` and ``follow`` build from these arguments."""
         return cls._where(filters, states={"smoke": smoke})
 
     @property
@@ -108,11 +108,11 @@ class _Measuring(Handle):
     def where(
         cls, *, above: float | None = None, below: float | None = None, **filters: Unpack[CommonFilters]
     ) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
             above: It measures more than this, in the unit of its property.
-            below: It measures less than this, likewise.
+            below: It measures less than this, in the same unit.
         """
         return cls._where(filters, above={cls.measures: above}, below={cls.measures: below})
 

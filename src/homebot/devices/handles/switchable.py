@@ -18,7 +18,7 @@ _OFF = "off"
 
 
 class Light(Handle):
-    """A lamp that is on or off and, if it supports it, has a brightness, a colour temperature and a colour."""
+    """A lamp, which may also have a brightness, a colour temperature and a colour."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"light"})
 
@@ -32,10 +32,10 @@ class Light(Handle):
         colored: bool | None = None,
         **filters: Unpack[CommonFilters],
     ) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
-            on: Whether it reports that it is on; one with an unknown state matches neither.
+            on: Whether it reports that it is on; an unknown state matches neither.
             dimmable: Whether its brightness can be set.
             tunable: Whether its colour temperature can be set.
             colored: Whether its colour can be set.
@@ -83,14 +83,14 @@ class Light(Handle):
         effect: str | None = None,
         transition: float = 0.0,
     ) -> Outcome:
-        """Turn it on, by its brightness if it has no switch. Settings that are not given stay as they are.
+        """Turn it on, by its brightness if it has no switch. Omitted settings stay as they are.
 
         Args:
             level: The brightness in percent, above 0 and up to 100.
             kelvin: The colour temperature in kelvin, within the bounds of the lamp's ``color_temperature``.
             color: The hue in degrees, 0 to 360, and the saturation in percent, 0 to 100.
             effect: One of the options of its ``effect``.
-            transition: Seconds that the change takes, where the lamp supports that; 0 or more.
+            transition: Seconds that the change takes, if the lamp supports that; 0 or more.
 
         Raises:
             RefusedError: It does not support one of these, or a value is out of range; nothing was sent.
@@ -125,10 +125,10 @@ class Light(Handle):
 class _Switchable(Handle):
     @classmethod
     def where(cls, *, on: bool | None = None, **filters: Unpack[CommonFilters]) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
-            on: Whether it reports that it is on; one with an unknown state matches neither.
+            on: Whether it reports that it is on; an unknown state matches neither.
         """
         return cls._where(filters, states={"on_off": on})
 
@@ -158,7 +158,7 @@ class Plug(_Switchable):
 
 
 class Switch(_Switchable):
-    """A relay or switch; the kind for an output with an unknown load."""
+    """A relay or switch: an output with an unknown load."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"switch"})
 
@@ -226,7 +226,7 @@ class Fan(_Switchable):
         return await self.command("fan_speed", speed)
 
     def _mode_off(self) -> str | None:
-        """Return the one of its own speeds that is off; None if there is none."""
+        """Return the preset that means off; None if there is none."""
         options = [word for one in self.capabilities if one.name == "fan_mode" and one.settable for word in one.options]
         return next((word for word in options if word.casefold() == _OFF), None)
 
@@ -240,10 +240,10 @@ class MediaPlayer(_Switchable):
     def where(
         cls, *, on: bool | None = None, state: str | None = None, **filters: Unpack[CommonFilters]
     ) -> HandleQuery[Self]:
-        """Return the query that ``find`` and ``follow`` make of these arguments.
+        """Return the query that ``find`` and ``follow`` build from these arguments.
 
         Args:
-            on: Whether it reports that it is on; one with an unknown state matches neither.
+            on: Whether it reports that it is on; an unknown state matches neither.
             state: The activity that it reports; see :attr:`state`.
         """
         return cls._where(filters, states={"on_off": on, "playback": state})
@@ -264,7 +264,7 @@ class MediaPlayer(_Switchable):
         return self._flag("muted")
 
     async def play(self) -> Outcome:
-        """Play, or go on after a pause."""
+        """Play, or resume after a pause."""
         return await self.command("playback", "playing")
 
     async def pause(self) -> Outcome:
@@ -276,7 +276,7 @@ class MediaPlayer(_Switchable):
         return await self.command("playback", "stopped")
 
     async def mute(self, muted: bool = True) -> Outcome:  # noqa: FBT001, FBT002 - the value
-        """Mute its sound, or let it sound again."""
+        """Mute or unmute its sound."""
         return await self.command("muted", muted)
 
     async def set_volume(self, volume: float) -> Outcome:

@@ -1,4 +1,4 @@
-"""Queries for devices: their terms, their text form, and the test whether a device matches. Pure."""
+"""Queries for devices: their terms, their text form, and matching against devices. Pure."""
 
 from homebot.support.lazy_names import lazy_names
 
@@ -68,7 +68,7 @@ __all__ = [
     "type_is",
 ]
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {
