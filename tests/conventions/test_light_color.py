@@ -2,7 +2,14 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from homebot.conventions.light_color import CHANNELS, Channels, from_hue_saturation, kelvin_mired, to_hue_saturation
+from homebot.conventions.light_color import (
+    CHANNELS,
+    Channels,
+    from_hue_saturation,
+    kelvin_mired,
+    mired_bounds,
+    to_hue_saturation,
+)
 
 WHITE = (2_000, 6_535)
 MODES = sorted(CHANNELS)
@@ -30,6 +37,11 @@ def test_any_channels_are_some_colour(mode: str, parts: list[float]) -> None:
 @pytest.mark.parametrize(("value", "converted"), [(370, 2702), (2700, 370), (153, 6535), (1, 1_000_000)])
 def test_kelvin_and_mired_are_rounded_down(value: float, converted: int) -> None:
     assert kelvin_mired(value) == converted
+
+
+@pytest.mark.parametrize(("most", "lowest"), [(500, 1997.0), (65_279, 1000.0)], ids=["usual", "Namron 1402768"])
+def test_no_lamp_has_a_white_below_any_flame(most: int, lowest: float) -> None:
+    assert mired_bounds(250, most) == (lowest, 4000.0)
 
 
 @pytest.mark.parametrize(
