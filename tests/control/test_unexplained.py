@@ -38,6 +38,16 @@ async def test_a_hand_at_the_switch_is_in_the_journal(home: Home) -> None:
     assert (change.command, change.issuer, change.trigger.kind) == ("", "", "")
 
 
+async def test_a_value_that_is_unknown_for_a_while_is_no_change(home: Home) -> None:
+    """Home Assistant knows no states of MQTT when it has just started."""
+    home.put("lamp", "light", "on_off")
+    for value in (False, None, False, None, True):
+        await anyio.sleep(1)
+        await home.report("lamp", "on_off", value)
+    (change,) = await changes(home)
+    assert [one.value.plain() for one in change.settings] == [True]
+
+
 async def test_what_a_command_does_is_explained_and_what_comes_later_is_not(home: Home) -> None:
     home.put("lamp", "light", "on_off", "level")
     await home.report("lamp", "on_off", False)

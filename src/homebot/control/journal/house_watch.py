@@ -118,6 +118,8 @@ class HouseWatch:
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
             place, value, at = (change.device, change.part, change.capability), change.value.plain(), change.told_at
+            if value is None:
+                continue  # it says nothing; the known value counts until the next
             known = self._values.get(place)
             self._values[place] = value, at.to_seconds()
             if known is None or not _is_change(known, value, at.to_seconds()):
