@@ -1,1 +1,1 @@
-"""MQTT itself: packets, topics, a client port and a broker; nothing of homes or devices in it."""
+"""MQTT itself: packets, topics, clients and a broker, independent of homes and devices."""

@@ -1,4 +1,4 @@
-"""A certificate and key for this side of TLS, and their errors."""
+"""Loading of a certificate and key for this side of TLS."""
 
 import ssl
 from pathlib import Path
@@ -14,14 +14,14 @@ _NO_PASSPHRASE: Final = "-"  # noqa: S105 - no secret; given none, OpenSSL asks 
 def load_certificate(
     context: ssl.SSLContext, cert_file: Path, key_file: Path | None, *, what: str, key_option: str
 ) -> None:
-    """Have *context* show the certificate in *cert_file*.
+    """Let *context* present the certificate in *cert_file*.
 
     Args:
-        key_file: Its key in PEM form, without a passphrase; None where *cert_file* holds it too.
+        key_file: Its key in PEM form, without a passphrase; None if *cert_file* contains it too.
         what: Name of the certificate in errors, such as ``client certificate``.
 
     Raises:
-        UsageError: A file cannot be read or has invalid content; names the file.
+        UsageError: A file cannot be read or is invalid; the message names it.
     """
     certificate = _read(what, cert_file)
     key = certificate if key_file is None else _read(f"key of the {what}", key_file)

@@ -1,4 +1,4 @@
-"""Clients by their names in a configuration, and a broker in this process as its clients see it."""
+"""MQTT clients by their names in the configuration, and a broker in this process."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class HostedBroker:
 
     Attributes:
         url: Its address, as ``mqtt://host:port``.
-        make_client: Makes the clients that reach it; None where any client does, because it listens on a socket.
-        computer: The name of the computer in topics of status; empty for the one that the system gives.
+        make_client: Makes clients that reach it; None if it listens on a socket, so that any client does.
+        computer: The computer's name in status topics; empty for the name given by the system.
     """
 
     url: str
@@ -43,5 +43,5 @@ class HostedBroker:
 
     @classmethod
     def in_memory(cls, broker: MemoryBroker) -> HostedBroker:
-        """Return *broker* as such, which is reached without a socket."""
+        """Return the *broker* as a hosted one, reached without a socket."""
         return cls(broker.url, broker.make_client, broker.host)

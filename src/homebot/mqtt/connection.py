@@ -1,8 +1,8 @@
-"""Keep one MQTT connection up: connect, subscribe, announce, and start again when the link breaks.
+"""An MQTT connection that is kept up: it connects, subscribes, announces itself, and reconnects when the link breaks.
 
-Knows no library; it drives a `MqttClient`. One supervising task owns the link. Messages of all links come out of one
-`receive`; subscriptions are remembered and made again; a publish while the link is down fails at once, because a
-command that fires minutes late is worse than one that fails.
+It is independent of any library and drives a `MqttClient`. One supervising task owns the link. `receive` returns the
+messages of all links; subscriptions are made again on each; publishing without a link fails at once, because a command
+that fires minutes late is worse than one that fails.
 """
 
 import enum
@@ -37,14 +37,14 @@ OFFLINE: Final = b"offline"
 """The status of a client on its broker."""
 
 _OFFLINE_WITHIN = 1.0
-"""Seconds for the last "offline" at a clean close; the broker publishes it otherwise, as the will."""
+"""Seconds for the last "offline" at a clean close; otherwise the broker publishes it as the will."""
 
 _STABLE = 5.0
-"""A link that broke sooner than this many seconds counts as a failed try, so that a broker which throws us out right
-after the login is not asked in a hot loop."""
+"""A link that lasted fewer seconds counts as a failed attempt, so that a broker that disconnects us right after the
+login is not asked in a tight loop."""
 
 _BACK_WITHIN = 10.0
-"""Seconds after a loss that others on the broker may need to come back."""
+"""Seconds that others on the broker may need to come back after a loss."""
 
 _FILTER = attrgetter("filter")
 
@@ -66,10 +66,10 @@ class ConnectionState(NamedTuple):
     """A phase and its cause.
 
     Attributes:
-        phase: WAITING waits for the next try after a failure of the link; REFUSED likewise, but the broker said no
-            and a person has to mend something.
-        reason: The failure in words, without secrets; empty where all is well.
-        retry_in: Seconds from the beginning of the phase to the next try; None where none is planned.
+        phase: WAITING waits for the next attempt after the link failed; so does REFUSED, but the broker refused and a
+            person has to fix something.
+        reason: The failure in words, without secrets; empty if all is well.
+        retry_in: Seconds from the beginning of the phase to the next attempt; None if there is none.
     """
 
     phase: LinkPhase
@@ -79,19 +79,18 @@ class ConnectionState(NamedTuple):
 
 @final
 class MqttConnection:
-    """One connection to one broker that mends itself; use it as ``async with`` inside a running event loop.
+    """A self-healing connection to one broker; use it as ``async with`` inside a running event loop.
 
-    Entering starts the supervision and does not wait for the broker (`wait_connected` does). Leaving publishes
-    "offline", then disconnects; after that it may be entered again. Changes of the link are states, and logged at debug
-    level only: the level that they deserve is for the owner to choose.
+    Entering starts the supervisor without waiting for the broker (`wait_connected` does). Leaving publishes "offline",
+    then disconnects; after that it may be entered again. Changes of the link are states, logged at debug level only, so
+    that the owner can choose a level for them.
 
     Args:
         status_topic: Retained "online" and "offline" are published there, the latter also by the broker as this
             client's will; by default ``homebot/<client id>/status``, with "+" and "#" of the client id made "_". None
             announces nothing.
-        is_paced: Whether the messages that the broker keeps are asked for bit by bit: one filter with a wildcard at a
-            time, the next when they have come. Some brokers drop messages that a client reads too
-            slowly; the embedded one waits for the client.
+        is_paced: Whether retained messages are requested gradually: one filter with a wildcard at a time, the next
+            after they have arrived. Some brokers drop messages that a client reads too slowly; the embedded one waits.
 
     Attributes:
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
@@ -135,10 +134,10 @@ class MqttConnection:
 
     @property
     def refused(self) -> Mapping[str, str]:
-        """The subscriptions that the broker refuses on the current link: the reasons by their filters.
+        """The subscriptions refused on the current link: the reasons by filter, a copy.
 
-        Complete when the phase becomes CONNECTED. The next link asks for them again; it is for the owner to say
-        whether the connection is of use without them. A copy.
+        Complete when the phase becomes CONNECTED. The next link requests them again; whether the connection is of use
+        without them is up to its owner.
         """
         return self._standing.refused
 
@@ -148,7 +147,7 @@ class MqttConnection:
         return self._protocol == "5"
 
     async def states(self) -> AsyncIterator[ConnectionState]:
-        """Yield the state now and each later one, until CLOSED; a slow reader misses some but never the latest."""
+        """Yield the current and each later state, until CLOSED; a slow reader misses some, never the latest."""
         seen: ConnectionState | None = None
         while True:
             if self.state is seen:
@@ -160,10 +159,10 @@ class MqttConnection:
                 return
 
     async def wait_connected(self) -> None:
-        """Wait until the link is up and the subscriptions are made.
+        """Wait until the link is up and its subscriptions are made.
 
         Raises:
-            RefusedError: The broker refused; the supervisor goes on trying, slowly.
+            RefusedError: The broker refused; the supervisor keeps trying, slowly.
             ClosedError: The connection is closed.
         """
         while self.state.phase is not LinkPhase.CONNECTED:
@@ -174,14 +173,14 @@ class MqttConnection:
             await self._changed.wait()
 
     async def require_peer(self, heard_at: float, answers: Callable[[], bool]) -> None:
-        """Check that an answer of a peer on the broker would be received, and that the peer may exist.
+        """Check that the answer of a peer on the broker would be received, and that the peer is not known to be absent.
 
         Args:
-            answers: Returns whether its answer would show anyway that it is there.
+            answers: Returns whether an answer would prove its presence anyway.
 
         Raises:
-            LinkError: The link is down, or its subscriptions are not made; or it was made again in the last 10 s, and
-                the peer was not heard since: it may not be back.
+            LinkError: The link is down, or its subscriptions are not made yet. Or it was restored in the last 10 s and
+                the peer has not been heard since, so that it may not be back.
         """
         problem, since = "", self._made_again_at
         if self.state.phase is not LinkPhase.CONNECTED:
@@ -195,16 +194,16 @@ class MqttConnection:
     async def subscribe(self, *subscriptions: MqttSubscription, every_link: bool = False) -> None:
         """Subscribe now and on every later link; a second subscription to the same filter replaces the first.
 
-        While the link is down they are only remembered. Refused filters are in `refused` and are
-        requested again on every later link, until `unsubscribe`.
+        Without a link they are only remembered. Refused filters are in `refused`, and are requested again on every
+        later link until `unsubscribe`.
 
         Args:
-            every_link: Ask for them on every later link also where the broker still has them in a resumed session, for
-                the messages that it keeps. Those of QoS 0 that came while the link was down are lost otherwise.
+            every_link: Whether to subscribe again even if a resumed session still has them, to receive retained
+                messages. Otherwise those that changed at QoS 0 while the link was down are lost.
 
         Raises:
             InvalidNameError: A filter is not a topic filter; nothing is remembered.
-            RefusedError: At least one was refused; the text names them. The others stand.
+            RefusedError: At least one was refused; the message names them. The others are valid.
         """
         for subscription in subscriptions:
             validate_filter(subscription.filter)
@@ -217,13 +216,13 @@ class MqttConnection:
             raise _join(refused)
 
     async def unsubscribe(self, *filters: str) -> None:
-        """Take subscriptions back, now and for every later link."""
+        """Remove subscriptions, now and for every later link."""
         self._standing.drop(filters)
         with suppress(LinkError):
             await self._standing.unsubscribe_from(filters)
 
     async def receive(self) -> list[MqttMessage]:
-        """Return all received messages in order, from any link; wait for the first.
+        """Return all received messages of any link in order; wait for the first.
 
         Raises:
             ClosedError: The connection is closed and all messages are read.
@@ -238,12 +237,12 @@ class MqttConnection:
                 await changed.wait()
 
     async def announce_online(self) -> None:
-        """Publish "online" again, as where another client of the same status topic left; nothing without a link."""
-        with suppress(LinkError):  # it is published on the next link
+        """Publish "online" again, as after another client with the same status topic has left; needs a link."""
+        with suppress(LinkError):  # the next link publishes it
             await self._publish_status(ONLINE)
 
     def drop(self) -> None:
-        """Cut the link without a DISCONNECT, as a power failure does; the next try is made as after any loss."""
+        """Cut the link without a DISCONNECT, as a power failure does, and reconnect as after any loss."""
         self._client.drop()
 
     async def __aenter__(self) -> Self:
@@ -280,7 +279,7 @@ class MqttConnection:
             self._enter(LinkPhase.CLOSED)
 
     async def _try_once(self) -> float:
-        """Run one link from its making to its end; return the seconds to wait before the next."""
+        """Run one link from start to end; return the seconds to wait before the next."""
         up_since: float | None = None
         reason: HomebotError
         try:
@@ -318,7 +317,7 @@ class MqttConnection:
         await self._publish_status(ONLINE)
 
     async def _publish_status(self, status: bytes) -> None:
-        """Publish *status*; a refusal is only logged: being visible is a courtesy, and all else still works."""
+        """Publish *status*; a refusal is only logged, because everything else still works."""
         if self.status_topic is None:
             return
         try:
@@ -332,7 +331,7 @@ class MqttConnection:
             )
 
     async def _publish_offline(self) -> None:
-        """Publish "offline" at a clean close, also where it was cancelled; without a link the will is published."""
+        """Publish "offline" at a clean close, even if cancelled; without a link the broker publishes the will."""
         with anyio.CancelScope(shield=True), anyio.move_on_after(_OFFLINE_WITHIN), suppress(LinkError):
             await self._publish_status(OFFLINE)
 

@@ -19,10 +19,10 @@ class _FilterNode(Generic[Key, Value]):
 
 @final
 class FilterTree(Generic[Key, Value]):
-    """Any number of values for each filter, by keys.
+    """Any number of keyed values for each filter.
 
     Attributes:
-        nodes: Levels of all filters, those counted once that filters begin with alike.
+        nodes: Levels of all filters; common first levels count once.
     """
 
     def __init__(self) -> None:
@@ -73,7 +73,7 @@ class FilterTree(Generic[Key, Value]):
         self._prune(path, levels)
 
     def _prune(self, path: Sequence[_FilterNode[Key, Value]], levels: Sequence[str]) -> None:
-        """Remove the nodes at the end of *path* that hold nothing."""
+        """Remove the empty nodes at the end of *path*."""
         for place in range(len(levels) - 1, -1, -1):
             child, parent = path[place + 1], path[place]
             if child.children or child.values or parent.children is None:
@@ -84,7 +84,7 @@ class FilterTree(Generic[Key, Value]):
                 parent.children = None
 
     def matching(self, topic: Sequence[str]) -> list[dict[Key, Value]]:
-        """Return the values of all filters that match a topic of these levels."""
+        """Return the values of all filters that match the topic."""
         found: list[dict[Key, Value]] = []
         nodes = [self._root]
         wild = not topic[0].startswith("$")
@@ -120,18 +120,18 @@ def has_wildcard(topic_filter: str) -> bool:
 
 @final
 class FilterIndex(Generic[Key]):
-    """Items by valid topic filters. A topic finds each of its items once, those of exact filters first.
+    """Items by valid topic filters; a topic finds each of its items once, those of exact filters first.
 
     Source: MQTT Version 5.0, section 4.7.
     """
 
     def __init__(self) -> None:
-        self._exact: dict[str, Key] = {}  # most topics have one item: that alone
-        self._shared: dict[str, dict[Key, None]] = {}  # those of the topics that have more
+        self._exact: dict[str, Key] = {}  # most topics have a single item
+        self._shared: dict[str, dict[Key, None]] = {}  # topics with more items
         self._wild: FilterTree[Key, None] = FilterTree()
 
     def add(self, topic_filter: str, item: Key) -> None:
-        """Have *item* found by every topic that *topic_filter* matches; twice is once."""
+        """Add *item* for every topic that *topic_filter* matches. Idempotent."""
         if "+" in topic_filter or "#" in topic_filter:
             self._wild.add(topic_filter.split("/"), item, None)
         elif topic_filter in self._shared:
@@ -141,7 +141,7 @@ class FilterIndex(Generic[Key]):
             del self._exact[topic_filter]
 
     def remove(self, topic_filter: str, item: Key) -> None:
-        """Remove an addition, if it was made."""
+        """Remove an item, if it was added."""
         if has_wildcard(topic_filter):
             self._wild.remove(topic_filter.split("/"), item)
         elif items := self._shared.get(topic_filter):

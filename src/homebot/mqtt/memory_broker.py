@@ -1,7 +1,7 @@
 """The embedded broker without sockets: the same state machines as :class:`homebot.mqtt.broker.Broker`, in memory.
 
-It runs wherever an event loop does, also where time is virtual: then keep-alive, session expiry and delayed wills
-come due as soon as nothing else is to be done.
+It also runs in virtual time: keep-alive, session expiry and delayed wills are then due as soon as there is nothing else
+to do.
 """
 
 from collections.abc import Mapping
@@ -29,15 +29,15 @@ _LINKS_PER_CLIENT = 2  # as many as the broker on TCP has sockets
 
 @final
 class MemoryBroker(EmbeddedBroker):
-    """A broker for 3.1, 3.1.1 and 5 that is reached by :meth:`dial` alone; used like ``Broker``.
+    """A broker for 3.1, 3.1.1 and 5 that is only reached by :meth:`dial`; otherwise used like ``Broker``.
 
     Args:
-        clock: As for :class:`EmbeddedBroker`, as all arguments that are not listed here.
-        random: Where assigned client ids and its clients' first packet identifiers come from; a seeded one makes every
-            run the same.
+        clock: As for :class:`EmbeddedBroker`, like all arguments not listed here.
+        random: The source of assigned client ids and of its clients' first packet identifiers; seeded for reproducible
+            runs.
 
     Attributes:
-        host: A name to put into options, which nothing on a network answers to.
+        host: A name for options, which does not exist on any network.
 
     Raises:
         UsageError: An argument is out of its range.
@@ -69,14 +69,14 @@ class MemoryBroker(EmbeddedBroker):
 
     @property
     def links(self) -> tuple[MemoryLink, ...]:
-        """The open links, oldest first; a test may cut or freeze them."""
+        """The open links, oldest first; tests may cut or freeze them."""
         return tuple(self._links)
 
     def link_of(self, client_id: str) -> MemoryLink:
         """Return the link of a logged-in client.
 
         Raises:
-            UsageError: No such client is connected; names those that are.
+            UsageError: No such client is connected; the message names those that are.
         """
         by_name = {link.peer.client_id: link for link in self._links if link.peer.client_id is not None}
         if client_id not in by_name:
@@ -84,17 +84,17 @@ class MemoryBroker(EmbeddedBroker):
         return by_name[client_id]
 
     def make_client(self, options: MqttOptions) -> NativeClient:
-        """Make a client of this broker, as :class:`homebot.mqtt.connection.MqttConnection` asks for it.
+        """Make a client of this broker for :class:`homebot.mqtt.connection.MqttConnection`.
 
         Raises:
-            UsageError: The options ask for TLS, which there is not in memory.
+            UsageError: The options ask for TLS, which does not exist in memory.
         """
         if options.tls:
             raise UsageError("a link in memory has no TLS: write mqtt:// instead of mqtts://")
         return NativeClient(options, self._dial_for, clock=self._clock, random=self._client_random)
 
     def dial(self, host: str, port: int, user: TransportUser) -> MemorySocket:
-        """Open a link; nothing is sent on it yet.
+        """Open a link, without sending anything.
 
         Raises:
             LinkError: The address is not this broker's, it is not running, or it has too many links.

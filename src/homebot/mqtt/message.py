@@ -1,4 +1,4 @@
-"""Received message of an application, as a value."""
+"""A received message, as a value."""
 
 from typing import NamedTuple
 
@@ -14,10 +14,10 @@ class MqttMessage(NamedTuple):
         topic: Topic name, without wildcards and never empty.
         qos: Delivery level of this delivery: 0, 1 or 2.
         retain: True if the broker sent it from its store, False if it is live
-            (or as published, where the subscription asked for that).
+            (or as published, if the subscription asked for that).
         properties: MQTT 5 only.
-        receipt: Receipt for the acknowledgement by the delivering client; 0 for none.
-            No part of the message: two messages with different receipts are equal.
+        receipt: Receipt for the acknowledgement by the delivering client; 0 for none. Not part of the message: messages
+            that differ only in it are equal.
     """
 
     topic: str
@@ -32,7 +32,7 @@ class MqttMessage(NamedTuple):
         return self[:5] == other[:5] if isinstance(other, MqttMessage) else NotImplemented
 
     def __ne__(self, other: object) -> bool:
-        """Return whether *other* says anything else."""
+        """Return whether *other* has different content."""
         return not self == other
 
     def __hash__(self) -> int:

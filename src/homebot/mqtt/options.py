@@ -1,4 +1,4 @@
-"""Address of a broker and options of the connection: one value, read once."""
+"""The address of a broker and the options of a connection."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _PORTS: Final = {"mqtt": 1883, "mqtts": 8883}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MqttOptions:
-    """Address, login and limits of one MQTT connection; checked where it is made.
+    """Address, login and limits of one MQTT connection, validated on construction.
 
     Attributes:
         port: TCP port, 1 to 65535.
@@ -30,24 +30,24 @@ class MqttOptions:
         ca_file: PEM file of the authorities to trust; None trusts those of the system.
         cert_file: PEM file of the client's certificate; None sends none.
         key_file: PEM file of the client certificate's key; None looks for it in `cert_file`.
-        user: Login name; None logs in without.
+        user: Login name; None for none.
         password: Never shown by repr, logs or errors.
         client_id: Name of the client at the broker, unique there; the default is random, so a session
             that should outlive the process needs a stable one.
-        keep_alive: Longest silence in seconds before the link is checked, 5 to 65535; a link that carries nothing any
-            more is found out after one and a half times this.
+        keep_alive: Longest silence in seconds before the link is checked, 5 to 65535; a dead link is noticed after one
+            and a half times this.
         timeout: Longest wait in seconds for the broker's answer to one request.
         session_expiry: Seconds that the broker keeps subscriptions and unacknowledged messages after the
-            link is gone, 0 to 4294967295. 0 starts clean each time. MQTT 3.1.1 knows only 0 and for ever.
-        session_ends_on_close: Whether a close in good order ends the session at once, for a client id that will not
-            come again. A link that breaks leaves it in any case.
-        maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are sent it; a larger one all
-            the same is dropped and counted.
+            link is gone, 0 to 4294967295. 0 starts clean each time. MQTT 3.1.1 only has 0 and forever.
+        session_ends_on_close: Whether a clean close ends the session at once, for a client id that is not used again. A
+            broken link leaves the session in any case.
+        maximum_packet_size: Largest packet to accept, in bytes. MQTT 5 brokers are told; larger packets are dropped and
+            counted.
         receive_maximum: Most messages of QoS 1 and 2 that may wait for acknowledgement, 1 to 65535. MQTT
             3.1.1 has no field for it; there the broker's own window is the bound.
         inbox_messages: Most messages of QoS 0 that wait to be read; the oldest is dropped and counted.
         inbox_bytes: Most bytes of such messages, in topics and payloads; likewise.
-        protocol: "auto" tries 5 and falls back to 3.1.1 where the broker does not speak 5.
+        protocol: "auto" tries 5 and falls back to 3.1.1 if the broker does not speak 5.
 
     Raises:
         UsageError: A value is out of its range, or contradicts another.
@@ -98,11 +98,11 @@ class MqttOptions:
 
         Args:
             url: The address; special characters of user and password are percent-encoded.
-            settings: Further fields by name; they win over the same fact in the address.
+            settings: Further fields by name; they override the address.
 
         Raises:
-            UsageError: The address cannot be read, or a value is out of range. The text names the culprit and
-                never holds the password.
+            UsageError: The address is invalid, or a value is out of range. The message names it, but
+                never shows the password.
         """
         parts = _split(url)
         options = cls(
@@ -125,7 +125,7 @@ def _is_host(value: str) -> bool:
     try:
         return bool(value.encode("idna")) and not any(
             map(str.isspace, value)
-        )  # as the resolver does later, with a less clear error
+        )  # the resolver would, with a less clear error
     except UnicodeError:
         return False
 

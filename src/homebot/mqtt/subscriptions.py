@@ -1,4 +1,4 @@
-"""The subscriptions that one connection is to have on every link, and which of them it has on this one."""
+"""The subscriptions that a connection should have on every link, and those that it has on the current one."""
 
 from collections.abc import Iterable, Mapping
 from typing import final
@@ -15,7 +15,7 @@ MOST_CHARACTERS = 16_384
 
 _ROUND = 0.01
 _BURST = 20
-"""Messages in a round of 10 ms that are a burst: kept ones, which the broker sends as fast as it can."""
+"""Messages within 10 ms that count as a burst: retained ones, sent as fast as the broker can."""
 _MOST_ROUNDS = 100
 
 
@@ -24,7 +24,7 @@ class SubscriptionSet:
     """The set of filters that are wanted, made and refused.
 
     Args:
-        is_paced: Whether the messages that the broker keeps are asked for a filter at a time; see `MqttConnection`.
+        is_paced: Whether retained messages are requested one filter at a time; see `MqttConnection`.
     """
 
     def __init__(self, client: MqttClient, *, is_paced: bool = True) -> None:
@@ -39,14 +39,14 @@ class SubscriptionSet:
 
     @property
     def refused(self) -> Mapping[str, str]:
-        """Reasons of the filters of this link that are refused; a copy."""
+        """The reasons by refused filter of the current link; a copy."""
         return dict(self._refused)
 
     def want(self, subscriptions: Iterable[MqttSubscription], *, every_link: bool) -> None:
-        """Have *subscriptions* from now on; one takes the place of another to the same filter.
+        """Add *subscriptions*, each replacing an earlier one to the same filter.
 
         Args:
-            every_link: Whether to make them anew on each link, also where the broker still has them.
+            every_link: Whether to make them again on each link, even if the broker still has them.
         """
         for one in subscriptions:
             self._wanted[one.filter] = one
@@ -58,7 +58,7 @@ class SubscriptionSet:
                 self._renewed.discard(one.filter)
 
     def drop(self, filters: Iterable[str]) -> None:
-        """Have *filters* no more."""
+        """Remove *filters*."""
         for name in filters:
             self._wanted.pop(name, None)
             self._renewed.discard(name)
@@ -67,7 +67,7 @@ class SubscriptionSet:
             self._unwanted[name] = None
 
     def link_ended(self) -> None:
-        """Forget refusals after the link is lost."""
+        """Forget the refusals of a lost link."""
         self._refused.clear()
 
     async def begin_link(self, *, resumed: bool) -> dict[str, RefusedError]:
@@ -92,7 +92,7 @@ class SubscriptionSet:
                 if len(batch) == 1:
                     refused[batch[0].filter] = error
                     self._refused[batch[0].filter] = error.reason
-                else:  # a no is for one
+                else:  # a refusal concerns one filter
                     for one in batch:
                         refused |= await self.make([one.filter])
             else:
@@ -108,7 +108,7 @@ class SubscriptionSet:
             self._unwanted.pop(name, None)
 
     async def _subscribe(self, *batch: MqttSubscription) -> None:
-        """Subscribe, again if no answer comes, and wait for the retained messages.
+        """Subscribe, repeating it if there is no answer, and wait for the retained messages.
 
         Some brokers, such as Mosquitto 2.0, drop packets that a client reads too slowly: QoS 0 messages, and even the
         answer to its next request.
@@ -123,7 +123,7 @@ class SubscriptionSet:
             await self._wait_for_quiet(counters, before)
 
     async def _wait_for_quiet(self, counters: MqttCounters, before: int) -> None:
-        """Wait while messages come in a burst; one that does not end within a second is no burst."""
+        """Wait for the end of a burst of messages, for at most a second."""
         for _ in range(_MOST_ROUNDS if self._bursts_end else 0):
             now = counters.received
             if now - before < _BURST:
@@ -134,10 +134,10 @@ class SubscriptionSet:
 
 
 def batches(subscriptions: Iterable[MqttSubscription], *, is_paced: bool) -> list[tuple[MqttSubscription, ...]]:
-    """Return *subscriptions* in their order, those together that one request may make, at most 100.
+    """Return *subscriptions* in order, grouped into requests of at most 100.
 
-    Where it is paced, a filter with a wildcard stands alone, because a broker sends all the messages that it keeps for
-    it at once, and so does one of QoS 1 or 2. The others have at most one kept message each.
+    If *is_paced*, a filter with a wildcard, or of QoS 1 or 2, has its own request, because a broker sends all retained
+    messages for it at once. The others have at most one retained message each.
     """
     found: list[list[MqttSubscription]] = []
     room = characters = 0

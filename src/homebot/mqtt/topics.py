@@ -1,4 +1,4 @@
-"""Topic names and topic filters: validity and matching.
+"""Topic names and topic filters: validation and matching. Pure.
 
 Pure functions. Source for all rules: MQTT 5.0 section 4.7 (names, filters, ``$`` topics) and section 4.8.2
 (shared subscriptions); MQTT 3.1.1 section 4.7 says the same.
@@ -24,14 +24,14 @@ MAX_TOPIC_BYTES = 65_535
 
 _SHORT = MAX_TOPIC_BYTES // 4
 _SHARE_PREFIX = "$share/"
-_PLAIN_TEXT = re.compile(r"[ -\"%-*,-~]{1,1024}").fullmatch  # as nearly every topic is: no rule can find a fault
+_PLAIN_TEXT = re.compile(r"[ -\"%-*,-~]{1,1024}").fullmatch  # as nearly every topic is: no rule applies
 _PLAIN_FILTER = re.compile(r"(?:(?:\+|[^/+#]*)/)*(?:\+|#|[^/+#]*)").fullmatch  # level by level takes far longer
 _TOPIC = "topic"
 _FILTER = "topic filter"
 
 _KNOWN = 64
-"""Topics that were valid and need not be looked at again: on its way a topic is checked by each layer, where it comes
-from outside. They are few, because each may have 65,535 bytes."""
+"""Size of the cache of valid topics, as each layer checks topics from outside. It is small, because each may have
+65,535 bytes."""
 
 
 class SharedFilter(NamedTuple):
@@ -47,10 +47,10 @@ class SharedFilter(NamedTuple):
 
 @lru_cache(maxsize=_KNOWN)
 def validate_topic(topic: str) -> None:
-    """Accept a name that a message can be published under.
+    """Check that *topic* is a valid topic name.
 
     Raises:
-        InvalidNameError: The name is empty, longer than 65,535 bytes in UTF-8, or holds a wildcard, U+0000 or
+        InvalidNameError: The name is empty, longer than 65,535 bytes in UTF-8, or contains a wildcard, U+0000 or
             a surrogate.
     """
     if _PLAIN_TEXT(topic) is not None:
@@ -63,10 +63,10 @@ def validate_topic(topic: str) -> None:
 
 @lru_cache(maxsize=_KNOWN)
 def validate_filter(filter: str) -> None:  # noqa: A002 - the protocol's own word
-    """Accept a filter that can be subscribed to, ``$share/GROUP/FILTER`` included.
+    """Check that *filter* is a valid topic filter, ``$share/GROUP/FILTER`` included.
 
     Raises:
-        InvalidNameError: The filter is empty, longer than 65,535 bytes in UTF-8, holds U+0000 or a surrogate,
+        InvalidNameError: The filter is empty, longer than 65,535 bytes in UTF-8, contains U+0000 or a surrogate,
             has a wildcard that is not a whole level, has ``#`` before the last level, or starts with
             ``$share/`` without a usable group and filter behind it.
     """
@@ -83,7 +83,7 @@ def topic_matches(filter: str, topic: str) -> bool:  # noqa: A002 - the protocol
     """Return whether a valid *filter* matches a valid *topic* name.
 
     A filter that starts with a wildcard does not match a topic that starts with ``$``. For a shared filter
-    only the part behind the group counts.
+    only the part after the group counts.
     """
     if filter.startswith(_SHARE_PREFIX):
         filter = filter.split("/", 2)[2]  # noqa: A001 - as above

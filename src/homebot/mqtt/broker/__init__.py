@@ -1,4 +1,4 @@
-"""A real MQTT broker on asyncio, for tests and for homes: 3.1, 3.1.1 and 5, standard library only.
+"""An MQTT broker on asyncio, for tests and homes: 3.1, 3.1.1 and 5, using only the standard library.
 
 Three parts: the codec (:mod:`homebot.mqtt.packets`), the broker's state without I/O (:class:`BrokerState` and its
 parts), and the server (:class:`Broker`).

@@ -1,4 +1,4 @@
-"""Authentication of clients: passwords, a growing delay for hosts that guess them, and how many may wait. No I/O."""
+"""Authentication of clients: passwords, growing delays for hosts that guess them, waiting logins. No I/O."""
 
 import hmac
 import secrets
@@ -22,7 +22,7 @@ class Authentication:
     """Checks user name and password; never shows them.
 
     Args:
-        credentials: Passwords by user name; None or empty lets everybody in.
+        credentials: Passwords by user name; None or empty admits everyone.
     """
 
     __slots__ = ("_digests", "_key")
@@ -37,9 +37,9 @@ class Authentication:
         return bool(self._digests)
 
     def check(self, username: str | None, password: bytes | None) -> ReasonCode:
-        """Return success, 0x87 where nothing was presented, or 0x86.
+        """Return success, 0x87 if nothing was presented, or 0x86.
 
-        The check takes as long for an unknown user and for any password.
+        The check takes equally long for unknown users and for any password.
         """
         if not self._digests:
             return ReasonCode.SUCCESS
@@ -55,18 +55,18 @@ class Authentication:
         return hmac.digest(self._key, password, "sha256")
 
 
-_FREE: Final = 3  # wrong passwords that delay nothing: people mistype
+_FREE: Final = 3  # wrong passwords without a delay: people mistype
 _FIRST: Final = 0.5
 _LONGEST: Final = 8.0
-"""Seconds; less than a CONNECT may wait, so that an honest client of the same host has its chances."""
+"""Seconds; less than a CONNECT may wait, so that an honest client on the same host gets its chance."""
 _FORGOTTEN: Final = 600.0  # seconds after the last wrong password
 _MOST_HOSTS: Final = 1000
 _MOST_KNOWN: Final = 2000
-_LONG: Final = 16  # bytes of a password that is too long to be guessed
+_LONG: Final = 16  # bytes of a password too long to guess
 
 
 class Applicant(NamedTuple):
-    """A client that wants to log in."""
+    """A client that asks to log in."""
 
     host: str
     username: str | None
@@ -83,28 +83,27 @@ class _Guesser:
 
 @final
 class LoginThrottle:
-    """Keeps how long an attempt to log in has to wait, by its host.
+    """The delays of login attempts, by host.
 
-    After three wrong passwords from one host each further one delays all new attempts from there, half a second at
-    first, twice as long each time, eight seconds at most. A client that has logged in from there before does not wait,
-    until its password is wrong once; with a long one it does not wait then either, for those who guess may call
-    themselves as it does. Both are remembered of a bounded number; the one that failed, or came, longest ago is
-    forgotten first.
+    After three wrong passwords from a host, each further one delays all new attempts from there: by half a second at
+    first, twice as long each time, at most eight seconds. A client that has logged in from there before does not wait
+    until its password is wrong once; with a long password it never waits, because guessers may use its name. The
+    numbers of remembered hosts and clients are bounded; the least recent are forgotten first.
     """
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._guessers: BoundedMap[str, _Guesser] = BoundedMap(_MOST_HOSTS)
-        self._known: BoundedMap[Applicant, bool] = BoundedMap(_MOST_KNOWN)  # whether it was not wrong since
+        self._known: BoundedMap[Applicant, bool] = BoundedMap(_MOST_KNOWN)  # whether it has been right since
 
     def __len__(self) -> int:
         return len(self._guessers)
 
     def until(self, applicant: Applicant, right: bytes) -> float:
-        """Return when the attempt may be checked, on the clock's monotonic scale; may be past.
+        """Return when the attempt may be checked, on the monotonic clock; may be in the past.
 
         Args:
-            right: Its password if that is right, else empty.
+            right: Its password if correct, otherwise empty.
         """
         guesser, was_right = self._guessers.get(applicant.host), self._known.get(applicant)
         if guesser is None or was_right or (was_right is not None and len(right) >= _LONG):
@@ -112,7 +111,7 @@ class LoginThrottle:
         return guesser.until
 
     def failed(self, applicant: Applicant) -> tuple[int, float]:
-        """Note a wrong password; return how many were from this host, and how long the next attempt has to wait."""
+        """Record a wrong password; return the number from this host, and the delay of its next attempt."""
         now = self._clock.monotonic()
         if applicant in self._known:
             self._known[applicant] = False
@@ -128,16 +127,16 @@ class LoginThrottle:
         return guesser.failures, delay
 
     def succeeded(self, applicant: Applicant) -> None:
-        """Note that a password was right."""
+        """Record a correct password."""
         self._known[applicant] = True
 
 
 @final
 class WaitingLogins:
-    """The connections that have not logged in, oldest first.
+    """The connections that have not logged in yet, oldest first.
 
-    One more than the bound costs the oldest one of the host that has most of them, so that a flood from one host
-    keeps no other host out.
+    Beyond the limit the host with the most loses its oldest one, so that a flood from one host
+    does not keep others out.
     """
 
     def __init__(self, most: int) -> None:
@@ -151,13 +150,13 @@ class WaitingLogins:
         return iter(self._candidates)
 
     def add(self, candidate: ConnectedClient) -> None:
-        """Add a connection that was opened."""
+        """Add an opened connection."""
         if len(self._candidates) >= self._most:
             self._make_room()
         self._candidates[candidate] = None
 
     def discard(self, candidate: ConnectedClient) -> None:
-        """Remove a connection that has logged in, or has gone."""
+        """Remove a connection that has logged in or closed."""
         self._candidates.pop(candidate, None)
 
     def _make_room(self) -> None:
@@ -169,5 +168,5 @@ class WaitingLogins:
 
 
 def host_of(address: str) -> str:
-    """Return the host of ``HOST:PORT``, as far as one owner has it."""
+    """Return the host of ``HOST:PORT``; of IPv6, the part that belongs to one owner."""
     return network_of(address.rpartition(":")[0])

@@ -1,9 +1,9 @@
-"""Holds a publisher back while a subscriber is slow, instead of losing messages. No I/O.
+"""Backpressure: a publisher is held back while a subscriber is slow, instead of losing messages. No I/O.
 
-While it is held back, its packets wait here in their order; when too many wait, its socket is not read. The wait has
-an end: after ``limits.hold_time`` the slow sessions are marked overrun and the publisher goes on; messages without
-room are refused. One that cannot be refused (before MQTT 5) waits for room as long as the slow session settles at least
-``limits.max_inflight`` messages in that time; the connection of a session that does not is closed.
+Meanwhile its packets wait here in order; if there are too many, its socket is not read. After ``limits.hold_time`` the
+slow sessions are marked as overrun and the publisher continues; messages without room are refused. Before MQTT 5 they
+cannot be refused, and wait as long as the slow session settles at least ``limits.max_inflight`` messages in that time;
+otherwise its connection is closed.
 """
 
 from collections import deque
@@ -21,13 +21,13 @@ __all__ = ["Backpressure"]
 
 @final
 class Backpressure:
-    """The waiting packets of one publisher and the session they wait for.
+    """The waiting packets of one publisher, and the sessions for which they wait.
 
     Args:
-        go_on: Called, not from within another call, when the wait is over; it takes the packets.
+        go_on: Called, never from within another call, at the end of the wait; it handles the packets.
 
     Attributes:
-        messages: How many of them are messages at QoS 1 or 2.
+        messages: The number of waiting messages at QoS 1 or 2.
         size: The bytes of their topics and payloads.
     """
 
@@ -40,20 +40,20 @@ class Backpressure:
         self._state = state
         self._link = link
         self._go_on = go_on
-        self._slow: dict[BrokerSession, int] = {}  # with the settled messages at the start of the wait
+        self._slow: dict[BrokerSession, int] = {}  # with the number of settled messages at the start of the wait
         self._is_endless = False
         self._end: Deadline | None = None
 
     @property
     def active(self) -> bool:
-        """True if packets must wait: for a slow session, or behind others that have waited."""
+        """True if packets must wait: for a slow session, or behind waiting packets."""
         return self._end is not None or bool(self.packets) or self.paused
 
     def wait_for(self, slow: Iterable[BrokerSession], *, endless: bool = False) -> None:
-        """Wait until every one of *slow* has caught up or gone.
+        """Wait until all of *slow* have caught up or left.
 
         Args:
-            endless: Wait longer than the time allows, and let those go that do nothing with it.
+            endless: Wait beyond the time limit, except for sessions that make no progress.
         """
         self._is_endless = endless
         for session in slow:
@@ -78,7 +78,7 @@ class Backpressure:
             self._link.pause_reading()
 
     def pop(self) -> Packet | None:
-        """Return the packet that waited longest, or None while the wait goes on or when nothing waits."""
+        """Remove and return the oldest packet; None during the wait or if there is none."""
         if self._slow or self.paused or not self.packets:
             return None
         packet = self.packets.popleft()
@@ -91,14 +91,14 @@ class Backpressure:
         return packet
 
     def caught_up(self, session: BrokerSession) -> None:
-        """Stop waiting for *session*, which has room again or has gone."""
+        """Stop waiting for *session*, which has room again or has left."""
         self._slow.pop(session, None)
         if not self._slow and self._end is not None:
             self._end.cancel()
             self._end = self._state.deadlines.at(self._state.clock.monotonic(), self._over)
 
     def stop(self) -> None:
-        """End the wait; the waiting packets remain."""
+        """End the wait; the packets remain."""
         for session in self._slow:
             session.held_publishers.pop(self.caught_up, None)
         self._slow.clear()

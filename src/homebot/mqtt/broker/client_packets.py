@@ -1,7 +1,7 @@
-"""The packets of one client that has logged in, without a socket: its messages, with their aliases and answers.
+"""The packets of one logged-in client: its messages, with their aliases and answers. No I/O.
 
-Order: packets are handled one after the other as they come. While a publisher is held back for a slow subscriber,
-its acknowledgements and pings are still handled, everything else waits in its order.
+Packets are handled in order. While a publisher is held back for a slow subscriber, its acknowledgements and pings are
+still handled; everything else waits in order.
 """
 
 from collections.abc import Callable, Iterator
@@ -39,17 +39,17 @@ from homebot.mqtt.packets import (
 __all__ = ["ClientPackets"]
 
 _REFUSED: Final = Receipt(ReasonCode.NOT_AUTHORIZED)
-_UNCHECKED: Final = 8  # packets that are handled before the clock is read
+_UNCHECKED: Final = 8  # packets handled before the clock is read
 
 
 @final
 class ClientPackets:
-    """Carries out each packet.
+    """The handler of a client's packets.
 
     Args:
-        on_disconnect: Called when the client takes its leave, with whether its will is to be published; it calls
+        on_disconnect: Called when the client disconnects, with whether to publish its will; it calls
             :meth:`stop`.
-        on_failure: Called with the fault of a packet that had to wait.
+        on_failure: Called with the error of a packet that had to wait.
     """
 
     def __init__(
@@ -70,7 +70,7 @@ class ClientPackets:
         self._stopped = False
         self._aliases: dict[int, str] = {}
         self._alias_text = 0
-        self._open: set[int] = set()  # QoS 2 ids taken on this connection and not released
+        self._open: set[int] = set()  # QoS 2 ids received on this connection and not released
         self._is_v5 = outbound.version is ProtocolVersion.V5
         self._max_levels = state.limits.max_topic_levels
         self._holding = Backpressure(state, outbound.link, self._go_on)
@@ -82,10 +82,10 @@ class ClientPackets:
         return self._holding.reading
 
     def handle_all(self, reader: PacketReader) -> bool:
-        """Handle the packets that are complete; one call of ``pump`` is for all PUBACK that follow each other.
+        """Handle the complete packets; consecutive PUBACKs share one call of ``pump``.
 
         Returns:
-            False if there was no time for all of them in this turn.
+            False if this turn had no time for all of them.
 
         Raises:
             PacketError: The client must not have sent this.
@@ -94,7 +94,7 @@ class ClientPackets:
         has_time = self._state.turn.has_time
         freed, unchecked = False, _UNCHECKED
         while (packet := pop()) is not None:
-            if type(packet) is Puback:  # comes once for each message sent, and never waits
+            if type(packet) is Puback:  # there is one for each message sent, and it never waits
                 acknowledged(packet[0])
                 freed = True
                 continue
@@ -130,7 +130,7 @@ class ClientPackets:
             self._act(packet)
 
     def stop(self) -> None:
-        """End with the connection; the messages that were held back are left to :meth:`forward_held`."""
+        """End with the connection, leaving the messages held back to :meth:`forward_held`."""
         self._stopped = True
         self._holding.stop()
         self._holding.paused = False
@@ -138,9 +138,9 @@ class ClientPackets:
         self._filters.stop()
 
     def forward_held(self) -> Iterator[None]:
-        """Forward the messages that were held back, one in each step, as far as there is room.
+        """Forward the messages held back, one in each step, as far as there is room.
 
-        Their publisher has gone and cannot wait any more.
+        Their publisher has left and can no longer wait.
 
         Raises:
             PacketError: The client must not have sent one of them.
@@ -184,7 +184,7 @@ class ClientPackets:
                 raise _protocol_error(f"a client must not send {type(packet).__name__}")
 
     def _wait_for_room(self, packet: Publish) -> bool:
-        """Return whether *packet* has to wait because a queue is full; before MQTT 5 it cannot be refused."""
+        """Return whether *packet* must wait for a full queue; before MQTT 5 it cannot be refused."""
         full = self._state.exchange.without_room(self._resolve(packet)) if packet.qos else ()
         slow = tuple(session for session in full if not (self._is_v5 and session.overrun))
         if slow:
@@ -193,7 +193,7 @@ class ClientPackets:
         return bool(slow)
 
     def _check_quota(self, packet: Publish) -> None:
-        """Make sure that an MQTT 5 client keeps to the broker's Receive Maximum, with all that waits."""
+        """Check that an MQTT 5 client respects the broker's Receive Maximum, waiting messages included."""
         if not self._is_v5 or not packet.qos:
             return
         if self._holding.messages + len(self._open) >= self._state.limits.receive_maximum:
@@ -205,7 +205,7 @@ class ClientPackets:
             )
 
     def _publish(self, packet: Publish) -> tuple[BrokerSession, ...]:
-        """Take a PUBLISH, answer it, and return the sessions that are now too slow for more."""
+        """Handle and answer a PUBLISH; return the sessions that are now too slow for more."""
         self._state.counters.messages_received += 1
         qos = packet.qos
         if qos == 2:
@@ -229,7 +229,7 @@ class ClientPackets:
     def _publish_qos2(self, packet: Publish) -> tuple[BrokerSession, ...]:
         packet_id = packet.packet_id or 0
         session = self._session
-        if packet_id in session.received:  # sent again: it was forwarded the first time
+        if packet_id in session.received:  # a repetition: it was forwarded the first time
             self._resolve(packet)
             self._open.add(packet_id)
             self._outbound.send(Pubrec(packet_id))
@@ -264,7 +264,7 @@ class ClientPackets:
         )
 
     def _resolve(self, packet: Publish) -> str:
-        """Return the topic a PUBLISH means, noting a topic alias."""
+        """Return the topic of a PUBLISH, and record its topic alias."""
         properties = packet.properties
         if properties.subscription_identifiers:
             raise PacketError("a client must not send a subscription identifier", code=ReasonCode.PROTOCOL_ERROR)
@@ -296,7 +296,7 @@ class ClientPackets:
         self._on_disconnect(packet.reason is not ReasonCode.SUCCESS)
 
     def _resume(self) -> None:
-        """Handle the packets that waited behind one that took long."""
+        """Handle the packets that waited behind a long one."""
         if self._holding.paused and not self._filters.active:
             self._holding.paused = False
             self._go_on()

@@ -1,4 +1,4 @@
-"""Sockets of the clients: joins the writes of one loop turn, and closes without losing the reason."""
+"""The sockets of clients: writes of one loop turn are joined, and closing does not lose the reason."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from homebot.support.byte_account import ByteAccount
 __all__ = ["BrokerConnection", "Sockets"]
 
 _READ_AT_MOST = 16 * 1024
-_PER_CLIENT = 2  # those not logged in must not keep the others out, nor be without bound
+_PER_CLIENT = 2  # logins must not keep others out, but need a bound
 
 
 @final
 class Sockets:
-    """The open sockets; those that only wait for their end make room for new ones.
+    """The open sockets; those that are being closed make room for new ones.
 
     Attributes:
-        unsent: The bytes that wait for all sockets.
-        read_buffer: Where bytes arrive, one place for all: they are taken before the next socket is read.
+        unsent: The bytes waiting for all sockets.
+        read_buffer: The buffer for incoming bytes, shared because it is emptied before the next socket is read.
     """
 
     def __init__(self, max_unsent: int) -> None:
@@ -44,7 +44,7 @@ class Sockets:
         return iter(list(self._open))
 
     def admit(self, socket: BrokerConnection, state: BrokerState) -> bool:
-        """Count *socket*; False where there are too many, and it has to be cut."""
+        """Count *socket*; False if there are too many and it has to be cut."""
         if len(self._open) >= _PER_CLIENT * state.limits.max_connections and not self._end_one():
             state.warn(
                 "broker.too_many_sockets",
@@ -59,12 +59,12 @@ class Sockets:
         return True
 
     def ends(self, socket: BrokerConnection) -> None:
-        """Note that *socket* is only kept so that its client can read why it was closed."""
+        """Record that *socket* only stays open so that its client can read the reason for closing."""
         if socket in self._open:
             self._ending[socket] = None
 
     def lost(self, socket: BrokerConnection) -> None:
-        """Forget *socket*, which is closed."""
+        """Remove the closed *socket*."""
         self._open.pop(socket, None)
         self._ending.pop(socket, None)
         if self._empty is not None and not self._open:
@@ -86,14 +86,14 @@ class Sockets:
         return True
 
 
-_WORTH_COUNTING = 16 * 1024  # bytes that wait for one socket
-_JOIN_AT_MOST = 128 * 1024  # larger data is written at once, so that the transport's limit counts
-_TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linux has it
+_WORTH_COUNTING = 16 * 1024  # bytes waiting for one socket
+_JOIN_AT_MOST = 128 * 1024  # larger data is written at once, so that the transport's limit applies
+_TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # only on Linux
 
 
 @final
 class BrokerConnection(asyncio.BufferedProtocol):
-    """Carries bytes between a transport and a :class:`Peer`; fills the :class:`Transport` port."""
+    """A connection between an asyncio transport and a :class:`Peer`; a :class:`Transport`."""
 
     def __init__(
         self,
@@ -114,12 +114,12 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._out: list[bytes] = []
         self._out_size = 0
         self._closing = False
-        self._large = 0  # bytes of a message that fills the buffer alone; others have room behind it
-        self._counted = 0  # bytes, among those that wait for all sockets
+        self._large = 0  # bytes of a message that fills the buffer alone
+        self._counted = 0  # bytes, as counted in those of all sockets
         self._lingering: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the open socket."""
+        """Set up the open socket."""
         self._transport = transport = cast("asyncio.Transport", transport)
         address = transport.get_extra_info("peername")
         if isinstance(address, tuple):
@@ -134,21 +134,21 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._tcp = sock
 
     def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - asyncio's signature
-        """Return the buffer for the next bytes: one for all connections, since it is emptied before the next read."""
+        """Return the buffer for the next bytes, which all connections share."""
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Handle bytes that came; a fault of ours costs this connection only."""
+        """Handle received bytes; an error of homebot's only costs this connection."""
         self._state.receive(self.peer, bytes(self._buffer[:nbytes]), self.address)
         if nbytes < len(self._buffer) and not self._out:
             self._acknowledge()
 
     def eof_received(self) -> bool:
-        """Return False, so that the socket is closed: the far side sends no more."""
+        """Return False to close the socket, as the peer sends nothing more."""
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002 - why does not matter
-        """Let go of the socket, which is closed."""
+        """Clean up after the closed socket."""
         self._closing = True
         if self._lingering is not None:
             self._lingering.cancel()
@@ -157,17 +157,17 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._sockets.lost(self)
 
     def pause_writing(self) -> None:
-        """Note that the socket takes bytes slower than they come."""
+        """Record that the socket accepts bytes more slowly than they are written."""
         self.write_blocked = True
 
     def resume_writing(self) -> None:
-        """Go on: the socket's buffer is almost empty again."""
+        """Continue writing: the socket's buffer is almost empty again."""
         self.write_blocked = False
         self.count_unsent()
         self.peer.writable()
 
     def write(self, data: bytes) -> None:
-        """Send *data* with all else of this turn of the loop."""
+        """Send *data* together with other writes of this turn of the loop."""
         if self._closing:
             return
         if not self._out:
@@ -178,7 +178,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._flush()
 
     def pause_reading(self) -> None:
-        """Leave incoming data in the kernel, so that the far side waits."""
+        """Leave incoming data in the kernel, so that the peer waits."""
         if self._transport is not None and not self._closing:
             self._transport.pause_reading()
 
@@ -188,7 +188,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
             self._transport.resume_reading()
 
     def close(self, *, linger: bool) -> None:
-        """Send all written data and close.
+        """Close after sending all written data.
 
         A socket closed with unread bytes makes the kernel reset the connection, and the peer loses the reason;
         so with *linger* only the sending half is closed, and incoming bytes are discarded for a moment.
@@ -210,11 +210,11 @@ class BrokerConnection(asyncio.BufferedProtocol):
             return
         try:
             self._transport.write_eof()
-        except OSError:  # the far side has reset the connection and cannot read the reason
+        except OSError:  # the peer has reset the connection and cannot read the reason
             self._transport.abort()
 
     def end(self, reason: ReasonCode) -> None:
-        """Close it in order; MQTT 5 clients are sent *reason*, and no will is published."""
+        """Close the connection cleanly: MQTT 5 clients get *reason*, and no will is published."""
         self.peer.end(reason, publish_will=False)
 
     def abort(self) -> None:
@@ -225,11 +225,11 @@ class BrokerConnection(asyncio.BufferedProtocol):
 
     @property
     def unsent(self) -> int:
-        """The bytes that wait for the socket."""
+        """The bytes waiting for the socket."""
         return 0 if self._transport is None else self._transport.get_write_buffer_size()
 
     def cut_slow(self) -> None:
-        """Cut the connection of a client that takes too little."""
+        """Cut the connection of a client that reads too slowly."""
         self._state.counters.clients_stalled += 1
         self._state.warn(
             "broker.client_stalled",
@@ -242,7 +242,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._discount_unsent()
 
     def report_tls_failure(self, reason: str) -> None:
-        """Log that the client did not speak TLS as it should."""
+        """Log that the TLS handshake with the client failed."""
         self._state.counters.connections_failed += 1
         self._state.warn(
             "broker.tls_failed",
@@ -252,7 +252,7 @@ class BrokerConnection(asyncio.BufferedProtocol):
         )
 
     def count_unsent(self) -> int:
-        """Count the bytes that wait for the socket among those of all; return them."""
+        """Update the total by the bytes waiting for the socket; return these."""
         size = self.unsent
         if size < _WORTH_COUNTING:
             size = 0
@@ -266,9 +266,10 @@ class BrokerConnection(asyncio.BufferedProtocol):
         self._counted = 0
 
     def _acknowledge(self) -> None:
-        """Have TCP acknowledge received data, which gets no MQTT response.
+        """Make TCP acknowledge received data that gets no MQTT response.
 
-        Linux waits up to 40 ms, and a client with Nagle's algorithm on, as paho has it, sends nothing small meanwhile.
+        Linux delays that by up to 40 ms, during which a client with Nagle's algorithm, such as paho, sends nothing
+        small.
         """
         if self._tcp is not None and _TCP_QUICKACK is not None and not self._closing:
             self._tcp.setsockopt(socket.IPPROTO_TCP, _TCP_QUICKACK, 1)

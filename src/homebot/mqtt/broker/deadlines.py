@@ -1,4 +1,4 @@
-"""Work for a later time, run by the owner of the clock. No I/O."""
+"""Work for later, run by the owner of the clock. No I/O."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["BrokerTimers", "Deadline"]
 
 @final
 class Deadline:
-    """One thing to do at one time."""
+    """A callback and its time."""
 
     __slots__ = ("_queue", "action", "when")
 
@@ -23,7 +23,7 @@ class Deadline:
         self._queue = queue
 
     def cancel(self) -> None:
-        """Do not do it; harmless afterwards."""
+        """Cancel the callback; does nothing after the call."""
         self.action = None
         self._queue.discard(self)
 
@@ -33,7 +33,7 @@ class BrokerTimers:
     """A timer queue of deadlines.
 
     Args:
-        wake: Called with the time of the earliest deadline whenever it moves forward.
+        wake: Called with the time of the earliest deadline whenever that becomes earlier.
     """
 
     def __init__(self, wake: Callable[[float], None] | None = None) -> None:
@@ -42,11 +42,11 @@ class BrokerTimers:
 
     @property
     def earliest(self) -> float | None:
-        """Time of the next deadline, on the clock's monotonic scale, or None."""
+        """The time of the next deadline, on the monotonic clock, or None."""
         return self._queue.next()
 
     def at(self, when: float, action: Callable[[], None]) -> Deadline:
-        """Have *action* called once *when* has come."""
+        """Schedule *action* for the time *when*."""
         earliest = self._queue.next()
         deadline = Deadline(when, action, self._queue)
         self._queue.set(deadline, when, None)
@@ -55,7 +55,7 @@ class BrokerTimers:
         return deadline
 
     def run(self, now: float) -> None:
-        """Do all work due at *now*, in order of time; work added meanwhile waits for the next run."""
+        """Run the callbacks due at *now*, in order; those added meanwhile wait for the next run."""
         due: deque[Deadline] = deque()
         while (found := self._queue.pop(now)) is not None:
             due.append(found[0])

@@ -1,4 +1,4 @@
-"""Base of the two brokers, on a TCP port and in memory: the state, its deadlines, starting and stopping."""
+"""The base of the brokers on a TCP port and in memory: state, deadlines, starting and stopping."""
 
 import asyncio
 from abc import ABC, abstractmethod
@@ -23,14 +23,14 @@ _log = get_logger()
 
 
 class EmbeddedBroker(ABC):
-    """A broker in this process and on this event loop; ``async with broker:`` runs it inside the block.
+    """A broker in this process and event loop; ``async with broker:`` runs it inside the block.
 
-    Its sessions and retained messages stay from one start to the next; nothing is written to disk.
+    Sessions and retained messages survive a stop and start; nothing is written to disk.
 
     Args:
-        clock: The time to go by; the loop's by default.
-        credentials: Passwords by user name; None lets everybody in.
-        keep_alive: The longest keep-alive interval an MQTT 5 client may have, in seconds; a longer one, or none,
+        clock: The clock; by default that of the loop.
+        credentials: Passwords by user name; None admits everyone.
+        keep_alive: The longest keep-alive interval of MQTT 5 clients in seconds; a longer one, or none,
             is replaced.
         on_message: Called with each message that is forwarded, wills included; must not raise.
         random: Source of assigned client ids; by default unpredictable.
@@ -67,20 +67,20 @@ class EmbeddedBroker(ABC):
 
     @abstractmethod
     async def _open(self, state: BrokerState) -> None:
-        """Take connections."""
+        """Accept connections."""
 
     @abstractmethod
     async def _close(self, *, abrupt: bool) -> None:
-        """Take no more connections, and end those that there are."""
+        """Stop accepting connections, and end the open ones."""
 
     @property
     def running(self) -> bool:
-        """True while it takes connections."""
+        """True while it accepts connections."""
         return self._is_running
 
     @property
     def stats(self) -> BrokerStats:
-        """A snapshot of all counts; they go on over restarts.
+        """A snapshot of the counters, which continue across restarts.
 
         Raises:
             UsageError: The broker was never started.
@@ -89,7 +89,7 @@ class EmbeddedBroker(ABC):
 
     @property
     def state(self) -> BrokerState:
-        """The broker's state; it stays over restarts.
+        """The broker's state, which survives restarts.
 
         Raises:
             UsageError: The broker was never started.
@@ -108,7 +108,7 @@ class EmbeddedBroker(ABC):
         await self.stop()
 
     async def start(self) -> None:
-        """Take connections, with the sessions and retained messages that :meth:`stop` left; nothing where it runs."""
+        """Accept connections, with the sessions and retained messages of the last run. Idempotent."""
         if self._is_running:
             return
         if self._state is None:
@@ -129,12 +129,12 @@ class EmbeddedBroker(ABC):
         _log.debug("broker.listening", url=self.url)
 
     async def stop(self, *, abrupt: bool = False) -> None:
-        """Close all connections; sessions and retained messages stay for the next start.
+        """Close all connections; sessions and retained messages are kept for the next start.
 
-        Wills of the closed clients are not published: there are no receivers left.
+        Wills of the closed clients are not published, as there are no receivers left.
 
         Args:
-            abrupt: As if the process were killed: no DISCONNECT, buffers thrown away. Otherwise MQTT 5 clients
+            abrupt: As if the process were killed: no DISCONNECT, buffers discarded. Otherwise MQTT 5 clients
                 get a DISCONNECT with 0x8B.
         """
         if not self._is_running:
@@ -147,10 +147,10 @@ class EmbeddedBroker(ABC):
         _log.debug("broker.stopped", url=self.url)
 
     async def restart(self, *, keep_sessions: bool, abrupt: bool = False) -> None:
-        """Stop, and start again at the same address.
+        """Stop and start again at the same address.
 
         Args:
-            keep_sessions: Whether sessions, their queues and the retained messages live on.
+            keep_sessions: Whether to keep sessions, their queues and the retained messages.
             abrupt: As in :meth:`stop`.
         """
         await self.stop(abrupt=abrupt)
@@ -159,7 +159,7 @@ class EmbeddedBroker(ABC):
         await self.start()
 
     def tick(self) -> None:
-        """Do the work due by the clock; needed only with a manual clock."""
+        """Run the work that is due; needed only with a manual clock."""
         deadlines = self.state.deadlines
         try:
             deadlines.run(self.state.clock.monotonic())

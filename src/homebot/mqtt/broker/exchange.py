@@ -1,4 +1,4 @@
-"""Router of published messages to subscriptions. No I/O."""
+"""The router of published messages to subscriptions. No I/O."""
 
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple, final
@@ -23,7 +23,7 @@ class Receipt(NamedTuple):
 
     Attributes:
         reason: Success, 0x10 without subscribers, or 0x97 if a subscriber or the retained store had no room.
-        slow: Connected sessions with long queues; their publishers should wait.
+        slow: Connected sessions with long queues, for which the publisher should wait.
     """
 
     reason: ReasonCode
@@ -37,11 +37,11 @@ _UNMATCHED = Receipt(ReasonCode.NO_MATCHING_SUBSCRIBERS)
 
 @final
 class MessageRouter:
-    """Takes messages and subscriptions and brings them together.
+    """Routes messages to subscriptions.
 
     Attributes:
-        crowded: Connected sessions with a queue three quarters full, until it is half empty.
-        ended: Sessions that have ended and of which something is left.
+        crowded: Connected sessions whose queue was three quarters full, until it is half empty.
+        ended: Ended sessions that are not completely removed yet.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class MessageRouter:
         self.retained = RetainedMessages(limits.max_retained_messages, limits.max_retained_bytes)
 
     def publish(self, message: BrokerMessage) -> Receipt:
-        """Send *message* to all subscribers of its topic, and retain it on request."""
+        """Send *message* to all subscribers of its topic, and retain it if requested."""
         if self._on_message is not None:
             self._on_message(message)
         retained = not message.retain or self._retain(message)
@@ -86,7 +86,7 @@ class MessageRouter:
         return _DELIVERED if targets or groups else _UNMATCHED
 
     def without_room(self, topic: str) -> tuple[BrokerSession, ...]:
-        """Return connected sessions with a full queue that subscribe to *topic* at QoS 1 or 2."""
+        """Return the connected sessions with a full queue that subscribe to *topic* at QoS 1 or 2."""
         if not self.crowded:
             return ()
         self._forget_drained()
@@ -101,14 +101,14 @@ class MessageRouter:
         return tuple(found)
 
     def _forget_drained(self) -> None:
-        """Remove from the crowded sessions those that have left or wait for little."""
+        """Remove crowded sessions that have left or have few messages waiting."""
         for session in [each for each in self.crowded if each.outbound is None or not each.backlogged]:
             del self.crowded[session]
 
     def subscribe(
         self, session: BrokerSession, request: MqttSubscription, identifier: int, replay: Replay
     ) -> ReasonCode:
-        """Add a subscription, or put it in place of the one with the same filter.
+        """Add a subscription, replacing one with the same filter.
 
         Args:
             identifier: The subscription identifier; 0 is none.
@@ -133,7 +133,7 @@ class MessageRouter:
         return _GRANTED[request.qos]
 
     def unsubscribe(self, session: BrokerSession, name: str) -> ReasonCode:
-        """Remove a subscription; success, or 0x11 where there was none."""
+        """Remove a subscription; return success, or 0x11 if there was none."""
         subscription = session.subscriptions.pop(name, None)
         if subscription is None:
             return ReasonCode.NO_SUBSCRIPTION_EXISTED
@@ -141,9 +141,9 @@ class MessageRouter:
         return ReasonCode.SUCCESS
 
     def forget(self, session: BrokerSession) -> None:
-        """Remove all of a session that has ended; shared messages it did not finish go to others of the group.
+        """Remove an ended session; its unfinished shared messages go to others of the group.
 
-        It gets nothing more; of many subscriptions and messages most are removed later, a few at a time.
+        It gets nothing more; large numbers of subscriptions and messages are removed later, a few at a time.
         """
         self.crowded.pop(session, None)
         session.has_ended = True

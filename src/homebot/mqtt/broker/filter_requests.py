@@ -1,4 +1,4 @@
-"""SUBSCRIBE and UNSUBSCRIBE, taken a few filters at a time. No I/O."""
+"""SUBSCRIBE and UNSUBSCRIBE, handled a few filters at a time. No I/O."""
 
 from collections.abc import Callable, Generator
 from typing import final
@@ -15,7 +15,7 @@ __all__ = ["FilterRequests"]
 
 @final
 class FilterRequests:
-    """Carries out the SUBSCRIBE and UNSUBSCRIBE packets of one client, one after the other.
+    """The handler of one client's SUBSCRIBE and UNSUBSCRIBE packets, one after the other.
 
     Args:
         is_bridge: Whether the client is another broker: it is not sent its own messages, and the retain flag is kept;
@@ -42,7 +42,7 @@ class FilterRequests:
 
     @property
     def active(self) -> bool:
-        """True if a packet is under way."""
+        """True while a packet is being handled."""
         return self._work is not None
 
     def subscribe(self, packet: Subscribe) -> None:
@@ -58,7 +58,7 @@ class FilterRequests:
         self._go_on()
 
     def stop(self) -> None:
-        """Stop after the client has left; finished work stays."""
+        """Stop after the client has left, keeping finished work."""
         self._work = None
         self._state.turn.forget(self._go_on)
 
@@ -93,7 +93,7 @@ class FilterRequests:
             while not state.turn.has_time():
                 if is_queued:
                     session.replay_grew(replay)
-                else:  # now, so that nothing that comes meanwhile overtakes it
+                else:  # now, so that later messages do not overtake it
                     session.replay(replay)
                     is_queued = True
                 yield

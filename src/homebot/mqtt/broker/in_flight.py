@@ -1,7 +1,7 @@
-"""The messages that were sent to one client at QoS 1 and 2, until it has acknowledged them. No I/O.
+"""The messages sent to one client at QoS 1 and 2, until it has acknowledged them. No I/O.
 
-A message is *in flight* from the moment it is written until then; the number in flight is bounded by the client's
-Receive Maximum. When the client comes back to its session, everything in flight is sent again, in the first order.
+A message is *in flight* from when it is written until then; their number is bounded by the client's Receive Maximum.
+When the client resumes its session, everything in flight is sent again in the original order.
 """
 
 from collections import deque
@@ -14,7 +14,7 @@ from homebot.mqtt.packets import PacketError, Pubrel, ReasonCode
 
 __all__ = ["InFlight"]
 
-_SMALL: Final = 1024  # bytes; messages up to this are not counted, because there are few of them
+_SMALL: Final = 1024  # bytes; smaller messages are not counted, because there are few
 
 
 @final
@@ -22,8 +22,8 @@ class InFlight:
     """The messages that one client has not acknowledged.
 
     Attributes:
-        messages: By packet id; None once PUBREC has come. Only to be looked at, as the others.
-        size: The bytes of the large ones.
+        messages: By packet id; None after PUBREC. Read-only, like the other attributes.
+        size: The bytes of the large messages.
     """
 
     __slots__ = ("_count_bytes", "_last_id", "messages", "resend", "settled", "size", "window")
@@ -39,11 +39,11 @@ class InFlight:
 
     @property
     def full(self) -> bool:
-        """True if the client has to acknowledge something first."""
+        """True if nothing more can be sent until the client acknowledges something."""
         return len(self.messages) >= self.window
 
     def send(self, outbound: Outbound, queued: QueuedMessage) -> None:
-        """Send a message with an id of its own; there must be room for it."""
+        """Send a message with a new packet id; there must be room for it."""
         packet_id = self._last_id
         while True:
             packet_id = packet_id % 65_535 + 1
@@ -56,7 +56,7 @@ class InFlight:
                 self._count(queued, 1)
 
     def send_again(self, outbound: Outbound) -> None:
-        """Send the next of those that are to be sent again."""
+        """Send the next message that has to be repeated."""
         packet_id = self.resend.popleft()
         queued = self.messages[packet_id]
         if queued is not None and not outbound.publish(queued, packet_id, dup=True):
@@ -64,7 +64,7 @@ class InFlight:
             self._count(queued, -1)
 
     def resume(self, outbound: Outbound, window: int) -> None:
-        """Send PUBREL again to the connected client, and mark the other messages for repetition."""
+        """Repeat PUBREL to the connected client, and mark the other messages for repetition."""
         self.window = window
         self.resend.clear()
         for packet_id, queued in self.messages.items():
@@ -92,7 +92,7 @@ class InFlight:
             self._cancel_resend(packet_id)
 
     def received(self, packet_id: int, reason: ReasonCode) -> ReasonCode:
-        """Handle a PUBREC; return the reason that PUBREL is to carry: 0, or 0x92 for an unknown id.
+        """Handle a PUBREC; return the reason for PUBREL: 0, or 0x92 for an unknown id.
 
         Raises:
             PacketError: 0x82, the message was not sent at QoS 2.
@@ -121,7 +121,7 @@ class InFlight:
             self._cancel_resend(packet_id)
 
     def clear(self) -> list[QueuedMessage]:
-        """Take all that the client has not taken."""
+        """Remove and return all messages that the client has not received."""
         messages = [each for each in self.messages.values() if each is not None]
         for queued in messages:
             self._count(queued, -1)
@@ -136,5 +136,5 @@ class InFlight:
             (message.hold if sign > 0 else message.release)(self._count_bytes)
 
     def _cancel_resend(self, packet_id: int) -> None:
-        if packet_id in self.resend:  # it was answered before it was sent again
+        if packet_id in self.resend:  # it was answered before its repetition
             self.resend.remove(packet_id)

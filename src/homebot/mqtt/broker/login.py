@@ -1,4 +1,4 @@
-"""Answer of the broker to a CONNECT. No I/O."""
+"""The broker's answer to a CONNECT. No I/O."""
 
 from math import inf
 from typing import NamedTuple
@@ -18,19 +18,19 @@ from homebot.mqtt.packets import (
 
 __all__ = ["ConnectRequest", "accept", "connack", "expiry_of", "may_try_at", "refusal"]
 
-_SMALL_WILL = 1024  # bytes; those of all clients together are not worth the counting
+_SMALL_WILL = 1024  # bytes; smaller wills are not worth counting
 _NEVER = 0xFFFF_FFFF
 _DEFAULT_RECEIVE_MAXIMUM = 65_535
 
 
 class ConnectRequest(NamedTuple):
-    """A client's CONNECT, with the protocol's defaults filled in.
+    """A client's CONNECT, completed by the protocol's defaults.
 
     Attributes:
-        expiry: Seconds its session is kept after the connection; infinite for ever.
+        expiry: Seconds for which its session outlives the connection; may be infinite.
         keep_alive: The longest silence in seconds; 0 is no limit.
-        receive_maximum: QoS 1 and 2 messages the client takes unanswered.
-        max_packet_size: The largest packet it takes, in bytes.
+        receive_maximum: Most unanswered QoS 1 and 2 messages for the client.
+        max_packet_size: The largest packet that it accepts, in bytes.
     """
 
     client_id: str
@@ -45,7 +45,7 @@ class ConnectRequest(NamedTuple):
 
 
 def may_try_at(connect: Connect, state: BrokerState, address: str) -> float:
-    """Return when the password of *connect* may be looked at, on the clock's monotonic scale; often that is past."""
+    """Return when the password of *connect* may be checked, on the monotonic clock; often in the past."""
     applicant = _applicant(connect, state, address)
     if applicant is None:
         return 0.0
@@ -54,7 +54,7 @@ def may_try_at(connect: Connect, state: BrokerState, address: str) -> float:
 
 
 def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
-    """Return the reason why *connect* is refused; success where it is not."""
+    """Return the reason for refusing *connect*; success if it is accepted."""
     if connect.properties.authentication_method is not None:
         return ReasonCode.BAD_AUTHENTICATION_METHOD
     if connect.properties.authentication_data is not None:
@@ -72,7 +72,7 @@ def refusal(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
 
 
 def _authenticate(connect: Connect, state: BrokerState, address: str) -> ReasonCode:
-    """Check user and password, and count the wrong ones of an address."""
+    """Check user and password, and count wrong ones by address."""
     verdict = state.authentication.check(connect.username, connect.password)
     applicant = _applicant(connect, state, address)
     if applicant is not None and verdict.failed:
@@ -89,7 +89,7 @@ def _will_refusal(client_id: str, topic: str, state: BrokerState) -> ReasonCode:
 
 
 def accept(connect: Connect, state: BrokerState) -> ConnectRequest:
-    """Fill in missing values of *connect*."""
+    """Complete *connect* by default values."""
     properties = connect.properties
     is_v5 = connect.version is ProtocolVersion.V5
     keep_alive, limit = connect.keep_alive, state.keep_alive
@@ -133,7 +133,7 @@ def connack(login: ConnectRequest, state: BrokerState, *, session_present: bool)
 
 
 def expiry_of(seconds: int) -> float:
-    """Return a session expiry interval as a number to count with: 0xFFFFFFFF is infinite."""
+    """Return a session expiry interval as seconds: 0xFFFFFFFF is infinite."""
     return inf if seconds == _NEVER else float(seconds)
 
 
@@ -152,7 +152,7 @@ def _has_room(connect: Connect, state: BrokerState) -> bool:
 
 
 def _applicant(connect: Connect, state: BrokerState, address: str) -> Applicant | None:
-    """Return the name and address that show a password to a broker that asks for one."""
+    """Return the name and address that present a password, if the broker asks for one."""
     if connect.username is None or not state.authentication.required:
         return None
     return Applicant(host_of(address), connect.username, connect.client_id)
@@ -172,7 +172,7 @@ def _record_wrong_password(applicant: Applicant, state: BrokerState) -> None:
 
 
 def _can_be_welcomed(connect: Connect, state: BrokerState) -> bool:
-    """Return whether the client takes packets of the size of its CONNACK, without which it cannot know our limits."""
+    """Return whether the client accepts packets of the size of its CONNACK, which tells it our limits."""
     limit = connect.properties.maximum_packet_size
     if limit is None:
         return True

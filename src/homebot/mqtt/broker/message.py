@@ -1,4 +1,4 @@
-"""A message on its way through the broker, encoded once for all receivers of the same bytes."""
+"""A message in the broker, encoded once for all receivers of the same bytes."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,16 +11,16 @@ from homebot.mqtt.packets.publish import encode_publish_parts
 
 __all__ = ["BULKY", "ENTRY", "BrokerMessage", "size_of"]
 
-_PAIR = 160  # bytes that a user property takes beside its text
+_PAIR = 160  # bytes of a user property in addition to its text
 BULKY: Final = 8 * 1024
-"""Bytes of a message whose copies are not made all at once, and that is not kept encoded while it waits: it would take
-twice the memory it is counted with."""
+"""Bytes from which copies of a message are not made all at once, nor kept encoded while it waits, as that would take
+twice its counted memory."""
 
 ENTRY: Final = 200
-"""Bytes that a place in a queue takes, about."""
+"""Estimated bytes of a place in a queue."""
 
-_OVERHEAD = 600  # bytes that a message takes beside its topic, payload and properties, about
-_MAX_ENCODED = 7  # and the first: two versions at three QoS, and some for subscription identifiers
+_OVERHEAD = 600  # estimated bytes of a message beside topic, payload and properties
+_MAX_ENCODED = 7  # after the first: two versions at three QoS, and some for subscription identifiers
 _NOTHING = (b"", b"")
 
 
@@ -30,12 +30,12 @@ class BrokerMessage:
 
     Attributes:
         properties: Properties for subscribers: no topic alias, no subscription identifiers.
-        expires_at: When it is worthless, on the clock's monotonic scale, or None.
-        kind: The use of :attr:`encoded`: protocol version, QoS and retain flag, as :meth:`parts` joins them; -1 where
-            nothing is kept. Receivers alike are served from there without a call.
+        expires_at: When it expires, on the monotonic clock, or None.
+        kind: The key of :attr:`encoded`: protocol version, QoS and retain flag, as combined by :meth:`parts`; -1 if
+            there is none. Receivers with the same key need no call.
         encoded: First result of :meth:`parts`, for receivers without subscription identifiers.
-        order: Its number among the retained messages; only they have one.
-        size: About its bytes (topic, payload and properties), for the bounds.
+        order: Its number among the retained messages.
+        size: Estimated bytes of topic, payload and properties, for the limits.
     """
 
     __slots__ = (
@@ -88,13 +88,13 @@ class BrokerMessage:
         identifiers: tuple[int, ...] = (),
         now: float = 0.0,
     ) -> tuple[bytes, bytes]:
-        """Return the PUBLISH packet before and behind the packet id; at QoS 0 all of it and nothing.
+        """Return the PUBLISH packet before and after the packet id; at QoS 0, the whole packet and nothing.
 
-        Bytes with the retain flag are not kept: replays come one at a time, and a retained message must
-        not take several times the memory it is counted with.
+        Bytes with the retain flag are not kept, as replays are rare and retained messages must not exceed their counted
+        memory several times.
 
         Args:
-            now: Monotonic time; an expiring message is sent with the rest of its interval.
+            now: Monotonic time; an expiring message is sent with the remaining interval.
         """
         is_v5 = version is ProtocolVersion.V5
         kind = is_v5 << 3 | qos << 1 | retain
@@ -116,23 +116,23 @@ class BrokerMessage:
         return parts
 
     def hold(self, count: Callable[[int], None]) -> None:
-        """Count one more place of the message in a queue; in many places it counts once."""
+        """Add places in queues; a message in several queues counts once."""
         count(ENTRY if self.holders else ENTRY + _OVERHEAD + self.size)
         self.holders += 1
 
     def release(self, count: Callable[[int], None]) -> None:
-        """Count one place less."""
+        """Remove a place in a queue."""
         self.holders -= 1
         count(-ENTRY if self.holders else -ENTRY - _OVERHEAD - self.size)
 
     def forget_encoded(self) -> None:
-        """Free the bytes kept by :meth:`parts` after the last receiver."""
+        """Free the bytes cached by :meth:`parts`, after the last receiver."""
         self.kind = -1
         self.encoded = _NOTHING
         self._more = None
 
     def properties_for(self, identifiers: tuple[int, ...], now: float) -> Properties:
-        """Return the MQTT 5 properties as one receiver gets them; arguments as for :meth:`parts`."""
+        """Return the MQTT 5 properties for one receiver; arguments as for :meth:`parts`."""
         left = self._left(now)
         if not identifiers and left is None:
             return self.properties
@@ -156,7 +156,7 @@ class BrokerMessage:
 
 
 def size_of(properties: Properties) -> int:
-    """Return about how many bytes *properties* take."""
+    """Return the estimated bytes of *properties*."""
     texts = (properties.content_type, properties.response_topic, properties.correlation_data)
     pairs = sum(_PAIR + len(name) + len(value) for name, value in properties.user_properties)
     return pairs + sum(len(text) for text in texts if text is not None)

@@ -1,4 +1,4 @@
-"""Writes packets to one client: in its protocol version, within its size limit, with its topic aliases. No I/O."""
+"""The writer of packets to one client, in its protocol version, size limit and topic aliases. No I/O."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,8 +33,8 @@ class Outbound:
     """The writing half of one connection.
 
     Args:
-        on_too_large: Called with the topic and size of a message that the client does not take, and the client's limit.
-        max_packet_size: The largest packet the client takes, in bytes.
+        on_too_large: Called with the topic and size of a message that exceeds the client's limit, and the limit.
+        max_packet_size: The largest packet that the client accepts, in bytes.
         alias_maximum: How many topic aliases the client accepts; 0 is none.
     """
 
@@ -75,7 +75,7 @@ class Outbound:
         self.link.write(encode(packet, self.version))
 
     def publish(self, queued: QueuedMessage, packet_id: int = 0, *, dup: bool = False) -> bool:
-        """Write a message; False, counted and logged, where the client does not take packets of its size.
+        """Write a message; return False, count and log, if it exceeds the client's packet size.
 
         Args:
             packet_id: 1 to 65,535 at QoS 1 and 2.
@@ -104,7 +104,7 @@ class Outbound:
         return True
 
     def _alias_for(self, topic: str) -> int:
-        """Return the alias *topic* has or is to get; 0 is none."""
+        """Return the alias of *topic*, old or new; 0 for none."""
         if len(topic) > _LONGEST_ALIASED:
             return 0
         known = self._aliases.get(topic)
@@ -127,7 +127,7 @@ class Outbound:
         return (head, tail) if queued.qos else (head + tail, b"")
 
 
-_MAX_REASON = 200  # a client gets the gist, not its own 64 KiB topic back
+_MAX_REASON = 200  # enough to understand, without a topic of 64 KiB
 
 
 def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> bytes:
@@ -144,7 +144,7 @@ def goodbye(reason: ReasonCode, reason_string: str, max_packet_size: int) -> byt
 
 
 def unread_connect_answer(error: PacketError) -> bytes:
-    """Return the CONNACK for a CONNECT that could not be read, in the version it seems to have; empty where unknown."""
+    """Return the CONNACK for an unreadable CONNECT, in its apparent version; empty if unknown."""
     if error.code is ReasonCode.UNSUPPORTED_PROTOCOL_VERSION:
         newer = error.frame[:6] == b"\0\4MQTT" and error.frame[6:7] > b"\5"
         return encode(Connack(reason=error.code), ProtocolVersion.V5 if newer else ProtocolVersion.V311)

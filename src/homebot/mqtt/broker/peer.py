@@ -1,4 +1,4 @@
-"""One client's connection from its beginning to its end, without a socket: login, silence, and how it is closed."""
+"""The connection of one client from login to close. No I/O."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ __all__ = ["Peer"]
 
 
 _CONNECT = b"\x10"
-_MOST_DEFERRED = 16 * 1024  # bytes that wait for a later turn
-_CUT_BY_A_READ = 4096  # bytes: about a read may leave as much of a packet on every connection
+_MOST_DEFERRED = 16 * 1024  # bytes waiting for a later turn
+_CUT_BY_A_READ = 4096  # bytes: one read may leave about that much of a packet
 _KEEP_ALIVE_GRACE = 1.5  # MQTT 5.0, section 3.1.2.10
 
 
 @final
 class Peer:
-    """The state machine of one connection; nothing the client sends makes it raise.
+    """The state machine of one connection; it never raises because of a client's packets.
 
     Args:
-        link: Where bytes go; it hands on the bytes that come.
+        link: The transport for outgoing bytes; it passes on incoming ones.
 
     Attributes:
         client_id: The client id, once logged in.
         unread: The bytes of an incomplete packet.
-        failure: The client's fault that ended the connection, or None.
+        failure: The client's error that ended the connection, or None.
     """
 
     def __init__(self, state: BrokerState, link: Transport) -> None:
@@ -70,12 +70,12 @@ class Peer:
 
     @property
     def address(self) -> str:
-        """The far side's address."""
+        """The peer's address."""
         return self._link.address
 
     @property
     def client_text(self) -> str:
-        """Name of the client in the log."""
+        """The name of the client in the log."""
         return _client_text(self.client_id, self.address)
 
     @property
@@ -104,28 +104,28 @@ class Peer:
             self._defer()
 
     def writable(self) -> None:
-        """Go on writing: the link takes bytes again."""
+        """Continue writing: the link accepts bytes again."""
         if self._client is not None:
             self._client.session.pump()
 
     def lost(self) -> None:
-        """End after the link is lost; received packets are handled first."""
+        """End after the loss of the link; received packets are handled first."""
         if self._is_deferred:
             self._is_lost = True
         else:
             self._finish(publish_will=True)
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
-        """Close the connection from the broker's side: MQTT 5 clients are sent *reason*."""
+        """Close the connection from the broker's side: MQTT 5 clients get *reason*."""
         self._close(reason, "", publish_will=publish_will)
 
     def make_room(self) -> None:
-        """End the connection, which has not logged in, because another one needs its place."""
+        """End the connection before its login, because another one needs its place."""
         self._state.counters.logins_pushed_out += 1
         self._push_out()
 
     def make_way(self, newcomer: ConnectedClient) -> bool:
-        """End the connection, because *newcomer* has the same client id; False if it has to wait to be called."""
+        """End the connection in favour of *newcomer* with the same client id; False if that has to wait."""
         self.end(ReasonCode.SESSION_TAKEN_OVER)
         if self._is_gone:
             return True
@@ -135,7 +135,7 @@ class Peer:
         return False
 
     def log_in(self) -> None:
-        """Handle the CONNECT that had to wait."""
+        """Handle the CONNECT that was delayed."""
         packet, self._connect = self._connect, None
         if packet is None:
             return
@@ -149,7 +149,7 @@ class Peer:
             self._go_on()
 
     def _go_on(self) -> None:
-        """Handle the packets that have come; those for which there is no time in this turn wait for a later one."""
+        """Handle received packets; those for which this turn has no time wait for a later one."""
         try:
             self._handle_login()
             if self._client is not None and not self._closed and not self._client.packets.handle_all(self._reader):
@@ -189,7 +189,7 @@ class Peer:
             self._login(packet)
 
     def _wait_to_log_in(self, packet: Connect, until: float) -> None:
-        """Keep *packet* until its host, from which wrong passwords came, has waited; ``connect_timeout`` goes on."""
+        """Keep *packet* for the delay after wrong passwords from its host; ``connect_timeout`` still applies."""
         self._state.counters.logins_slowed += 1
         self._connect = packet
         self._link.pause_reading()
@@ -212,7 +212,7 @@ class Peer:
             self._welcome(packet)
 
     def _welcome(self, packet: Connect) -> None:
-        """Open the client's session; a connection of the same client id ends before."""
+        """Open the client's session, after ending a connection with the same client id."""
         state = self._state
         self._reader.max_packet_size = state.limits.max_packet_size
         self._reader.max_control_size = state.limits.max_control_size
@@ -255,7 +255,7 @@ class Peer:
             return
         limit = client.wanted.keep_alive * _KEEP_ALIVE_GRACE
         now = self._state.clock.monotonic()
-        if not client.packets.reading:  # the silence is ours
+        if not client.packets.reading:  # the silence is our own
             self._received_at = now
         due = self._received_at + limit
         if due <= now:
@@ -284,7 +284,7 @@ class Peer:
         self._unread_of_all.add(change)
 
     def _push_out(self) -> None:
-        """Close without a reason: a client without a password is not owed one, and many may have to go at once."""
+        """Close without a reason: nobody has logged in, and many may have to be closed at once."""
         self._warn(
             "broker.login_pushed_out",
             f"the broker closed the connection of {self.address}, without CONNECT: too many are waiting to log in",
@@ -361,7 +361,7 @@ class Peer:
             self._state.turn.run(self._depart(client, client.will if publish_will else None))
 
     def _depart(self, client: _Client, will: Will | None) -> Iterator[None]:
-        """Do what is left when *client* has gone: its held messages, its will, its session; then another may log in."""
+        """Finish the work for *client*, which has left: held messages, will, session; then another may log in."""
         client.session.detach()
         try:
             for _ in client.packets.forward_held():
@@ -371,7 +371,7 @@ class Peer:
         except PacketError as error:
             self.failure = error
             self._warn_failure(error)
-        if self._is_gone:  # with all that the broker knew
+        if self._is_gone:  # with everything the broker knew
             return
         del self._state.peers[client.session.client_id]
         self._state.sessions.detach(client.session, will)
@@ -396,5 +396,5 @@ class _Client:
 
 
 def _client_text(client_id: str | None, address: str) -> str:
-    """Return ``client 'lamp' (10.0.0.5:50000)``, or the address alone before the login."""
+    """Return ``client 'lamp' (10.0.0.5:50000)``, or only the address before the login."""
     return address if client_id is None else f"client {short(client_id)!r} ({address})"

@@ -1,4 +1,4 @@
-"""Ports of the broker: transport of bytes, endpoint of a connection, and policy of topics."""
+"""The broker's ports: transport, connection and topic policy."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ _BRIDGE_STATE: Final = "$SYS/broker/connection/+/state"
 
 
 class Transport(Protocol):
-    """One client's connection as the broker sees it: a socket, or a pair of queues in memory.
+    """A client's connection as the broker sees it: a socket, or a pair of queues in memory.
 
     The carrier calls the peer's ``writable()`` when :attr:`write_blocked` has become False.
     """
 
     @property
     def write_blocked(self) -> bool:
-        """True if the far side takes bytes slower than they come: nothing more should be written that can wait."""
+        """True if the peer reads more slowly than bytes are written, so that anything that can wait should."""
         ...
 
     @property
     def address(self) -> str:
-        """The far side as text, for the log."""
+        """The peer's address, for the log."""
         ...
 
     def write(self, data: bytes) -> None:
-        """Send *data* in order, sooner or later; nothing after a close."""
+        """Queue *data* for sending in order; ignored after a close."""
         ...
 
     def pause_reading(self) -> None:
-        """Take no more bytes from the far side."""
+        """Stop reading from the peer."""
         ...
 
     def resume_reading(self) -> None:
-        """Take bytes again."""
+        """Read from the peer again."""
         ...
 
     def close(self, *, linger: bool) -> None:
-        """Send all written data, then close.
+        """Close after sending all written data.
 
         Args:
-            linger: The far side may still be sending: drain it for a moment, or the reason is lost.
+            linger: Whether to drain incoming bytes for a moment, as otherwise the reason may be lost.
         """
         ...
 
 
 class ConnectionHandler(Protocol):
-    """A port for the events of one connection; :class:`Peer` and its wrappers implement it."""
+    """The events of one connection; implemented by :class:`Peer` and its wrappers."""
 
     @property
     def client_text(self) -> str:
@@ -67,7 +67,7 @@ class ConnectionHandler(Protocol):
         ...
 
     def lost(self) -> None:
-        """End, as the link is gone."""
+        """End after the loss of the link."""
         ...
 
     def end(self, reason: ReasonCode, *, publish_will: bool = True) -> None:
@@ -76,11 +76,11 @@ class ConnectionHandler(Protocol):
 
 
 class ConnectedClient(Protocol):
-    """The connection of a client as the rest of the broker sees it; a peer implements it."""
+    """A client's connection as the rest of the broker sees it; implemented by a peer."""
 
     @property
     def address(self) -> str:
-        """The far side."""
+        """The peer's address."""
         ...
 
     @property
@@ -94,7 +94,7 @@ class ConnectedClient(Protocol):
         ...
 
     def make_room(self) -> None:
-        """End the connection before its login: another one needs its place."""
+        """End the connection before its login, because another one needs its place."""
         ...
 
     def refuse_unread(self) -> None:
@@ -110,7 +110,7 @@ class ConnectedClient(Protocol):
         ...
 
     def log_in(self) -> None:
-        """Log in, after a wait."""
+        """Log in after the wait."""
         ...
 
 
@@ -118,20 +118,20 @@ class BrokerPolicy(Protocol):
     """Answers for each request of a logged-in client."""
 
     def subscribe(self, client_id: str, filter: str) -> ReasonCode:  # noqa: A002 - the protocol's own word
-        """Return success, or the failure that SUBACK is to carry for *filter* (``$share/GROUP/`` included)."""
+        """Return success, or the failure for SUBACK of *filter* (``$share/GROUP/`` included)."""
         ...
 
     def publish(self, client_id: str, topic: str) -> ReasonCode:
-        """Return success, or the failure that PUBACK or PUBREC is to carry; before MQTT 5 the message just vanishes."""
+        """Return success, or the failure for PUBACK or PUBREC; before MQTT 5 the message is silently dropped."""
         ...
 
 
 @final
 class RefusedFilters:
-    """Refuses subscriptions to some filters, as written, with 0x80, as an access list would.
+    """A policy that refuses subscriptions to some literal filters with 0x80, as an access list would.
 
-    Of the topics of the broker itself, those below ``$SYS``, clients may publish the one where a bridge says whether it
-    is connected, as at Mosquitto; MQTT 5.0, section 4.7.2, asks that clients exchange no messages there.
+    Below ``$SYS``, the topics of the broker itself, clients may only publish the connection state of a bridge, as with
+    Mosquitto; MQTT 5.0, section 4.7.2, discourages exchanging messages there.
     """
 
     def __init__(self, filters: Collection[str] = ()) -> None:

@@ -1,4 +1,4 @@
-"""The messages that wait for one client. No I/O."""
+"""The messages waiting for one client. No I/O."""
 
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ __all__ = ["REFUSED", "SLOW", "TAKEN", "DeliveryResult", "MessageQueue", "Queued
 
 
 class DeliveryResult(IntEnum):
-    """The result for a message and one session: taken; taken, but slow down; not taken."""
+    """The result for a message and one session: accepted; accepted, but slow down; refused."""
 
     TAKEN = 0
     SLOW = 1
@@ -25,7 +25,7 @@ REFUSED: Final = DeliveryResult.REFUSED
 
 
 class QueuedMessage(NamedTuple):
-    """A message as one client is to get it.
+    """A message for one client.
 
     Attributes:
         qos: QoS of the delivery, 0 to 2.
@@ -41,16 +41,15 @@ class QueuedMessage(NamedTuple):
 
 @final
 class MessageQueue:
-    """A first-in-first-out queue that knows its size and leaves overflow to its owner.
+    """A first-in-first-out queue that tracks its size and leaves overflow to its owner.
 
-    Retained messages that are owed to new subscriptions stand in it as one :class:`Replay`, which has them found when
-    its turn comes.
+    The retained messages for new subscriptions are one entry, a :class:`Replay`, which finds them when its turn comes.
 
     Attributes:
         messages: The waiting messages, the next one first; read-only.
 
     Args:
-        max_bytes: Bound in bytes of payload and topic; a single larger message still fits into an empty queue.
+        max_bytes: Limit in bytes of payload and topic; a single larger message still fits into an empty queue.
     """
 
     __slots__ = (
@@ -68,7 +67,7 @@ class MessageQueue:
     def __init__(self, max_messages: int, max_bytes: int, count: Callable[[int], None]) -> None:
         self._count = count
         self.messages: deque[QueuedMessage | Replay] = deque()
-        self._replays: deque[tuple[Replay, int]] = deque()  # with the counted size of each
+        self._replays: deque[tuple[Replay, int]] = deque()  # with their counted sizes
         self.size = 0
         self._qos0 = 0
         self._max_messages = max_messages
@@ -81,26 +80,26 @@ class MessageQueue:
 
     @property
     def full(self) -> bool:
-        """True if another message would be over the bound."""
+        """True if another message would exceed the limit."""
         return len(self.messages) >= self._max_messages or self.size >= self._max_bytes
 
     @property
     def high(self) -> bool:
-        """True if three quarters of the bound are reached: time to slow down its publishers."""
+        """True from three quarters of the limit, to slow down publishers."""
         return len(self.messages) >= self._high_messages or self.size >= self._high_bytes
 
     @property
     def low(self) -> bool:
-        """True if half of the bound is free again."""
+        """True if half of the limit is free again."""
         return 2 * len(self.messages) <= self._max_messages and 2 * self.size <= self._max_bytes
 
     @property
     def holds_qos0(self) -> bool:
-        """True if QoS 0 messages wait, which later ones must not overtake."""
+        """True if QoS 0 messages are waiting, which later ones must not overtake."""
         return self._qos0 > 0
 
     def offer(self, queued: QueuedMessage) -> DeliveryResult:
-        """Add at the end where the bound allows it; SLOW where it is :attr:`high` now, REFUSED where it is full."""
+        """Append within the limit; return SLOW if the queue is :attr:`high` now, REFUSED if it is full."""
         count = len(self.messages)
         if count >= self._max_messages or self.size >= self._max_bytes:
             return REFUSED
@@ -108,7 +107,7 @@ class MessageQueue:
         return SLOW if count + 1 >= self._high_messages or self.size >= self._high_bytes else TAKEN
 
     def append(self, queued: QueuedMessage) -> None:
-        """Add at the end, beyond any bound."""
+        """Append without a limit."""
         self.messages.append(queued)
         message, qos, _, _, _ = queued
         self.size += message.size
@@ -117,7 +116,7 @@ class MessageQueue:
         message.hold(self._count)
 
     def append_replay(self, replay: Replay) -> None:
-        """Add the retained messages of new subscriptions at the end, beyond any bound."""
+        """Append the retained messages for new subscriptions without a limit."""
         self.messages.append(replay)
         self._replays.append((replay, replay.size))
         self.size += replay.size
@@ -125,7 +124,7 @@ class MessageQueue:
         self._qos0 += 1
 
     def count_again(self, replay: Replay) -> None:
-        """Count *replay*, the last one added, anew, as it has got more filters; do nothing where it is not here."""
+        """Update the size of *replay*, which has more filters now, if it is still the last one in the queue."""
         if self._replays and self._replays[-1][0] is replay:
             size = self._replays.pop()[1]
             self._replays.append((replay, replay.size))
@@ -133,7 +132,7 @@ class MessageQueue:
             self._count(replay.size - size)
 
     def popleft(self) -> QueuedMessage | Replay:
-        """Take the first."""
+        """Remove and return the first message."""
         first = self.messages.popleft()
         if type(first) is Replay:
             size = self._replays.popleft()[1]
@@ -149,7 +148,7 @@ class MessageQueue:
         return first
 
     def drop_qos0(self) -> None:
-        """Forget the QoS 0 messages: their client has gone."""
+        """Drop the QoS 0 messages of a client that has left."""
         if self._qos0:
             for _ in range(len(self.messages)):
                 first = self.popleft()
@@ -160,7 +159,7 @@ class MessageQueue:
                     self.append(first)
 
     def clear(self) -> Iterator[QueuedMessage]:
-        """Remove all, one after the other; yield the messages that are no unfinished replays."""
+        """Remove and yield the messages, without unfinished replays."""
         while self.messages:
             first = self.popleft()
             if not isinstance(first, Replay):

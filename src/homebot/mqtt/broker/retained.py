@@ -1,4 +1,4 @@
-"""Retained messages: the last one of each topic, and those that new subscriptions are still owed. No I/O."""
+"""Retained messages: the last one of each topic, and their replay to new subscriptions. No I/O."""
 
 from bisect import bisect_left, bisect_right
 from collections import deque
@@ -13,20 +13,20 @@ from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["Owed", "Replay", "RetainedMessages"]
 
-_SWEEP: Final = 64  # removed entries that may stay behind in any case
+_SWEEP: Final = 64  # removed entries that may always remain
 
 
 @final
 class RetainedMessages:
-    """At most one message per topic, bounded in number and in bytes, numbered in the order they came.
+    """One message per topic, bounded in number and bytes, numbered in order of arrival.
 
     Args:
-        max_bytes: Bound in bytes of payloads and topics.
+        max_bytes: Limit in bytes of payloads and topics.
     """
 
     def __init__(self, max_messages: int, max_bytes: int) -> None:
         self._messages: dict[str, BrokerMessage] = {}
-        self._log: list[BrokerMessage | None] = []  # in the order they came; None where one was removed
+        self._log: list[BrokerMessage | None] = []  # in order of arrival; None if removed
         self._orders: list[int] = []  # of the log
         self._removed = 0
         self._expiring: TimerQueue[str, None] = TimerQueue()  # topics of messages that expire
@@ -40,11 +40,10 @@ class RetainedMessages:
         return len(self._messages)
 
     def store(self, message: BrokerMessage, now: float) -> bool:
-        """Put *message* in place of its topic's last one; an empty payload only removes that.
+        """Replace the message of a topic; an empty payload removes it.
 
         Returns:
-            False where there is no room, even after all that has expired was removed; the topic then keeps
-            its last message.
+            False if there is no room even after removing expired messages; the topic then keeps its last message.
         """
         if not message.payload:
             self._remove(message.topic)
@@ -58,14 +57,14 @@ class RetainedMessages:
         return True
 
     def get(self, topic: str) -> BrokerMessage | None:
-        """Return the message of *topic*; it may be expired."""
+        """Return the message of *topic*, which may be expired."""
         return self._messages.get(topic)
 
     def after(self, order: int, most: int) -> tuple[list[BrokerMessage], int]:
-        """Return the messages that came after the one with number *order*, oldest first; some may be expired.
+        """Return the messages after number *order*, oldest first; some may be expired.
 
         Returns:
-            The messages, and where to go on: at least :attr:`last` where there are no more.
+            The messages, and the number to continue from: at least :attr:`last` if there are no more.
         """
         start = bisect_right(self._orders, order)
         stop = start + most
@@ -107,19 +106,19 @@ class RetainedMessages:
             self._removed = 0
 
 
-_CHUNK: Final = 100  # filters added between two looks at the clock, and topics matched with a single filter
+_CHUNK: Final = 100  # filters added, or topics matched with a single filter, before the clock is read
 _SMALL_CHUNK: Final = 5  # topics matched with many filters: each may cost a thousand nodes
-_WEIGHT: Final = 500  # bytes that a waiting filter takes, about
+_WEIGHT: Final = 500  # estimated bytes of a waiting filter
 
 Owed = tuple[BrokerMessage, SessionSubscription]
-"""A retained message, and the subscription it is owed to."""
+"""A retained message, and the subscription for it."""
 
 
 @final
 class Replay:
-    """The retained messages still owed to one SUBSCRIBE: those that were retained when it was made and still are.
+    """The remaining retained messages for one SUBSCRIBE: those retained when it was made, and still retained.
 
-    A message that replaced one meanwhile is left out, because it was forwarded when it came.
+    A message that has replaced one since is left out, because it was forwarded on arrival.
     """
 
     def __init__(self, retained: RetainedMessages, is_current: Callable[[SessionSubscription], bool]) -> None:
@@ -138,7 +137,7 @@ class Replay:
 
     @property
     def size(self) -> int:
-        """About the bytes that it takes while it waits."""
+        """Estimated bytes while it waits."""
         return _WEIGHT * (len(self._exact) + len(self._wild))
 
     def add(self, subscription: SessionSubscription) -> None:
@@ -154,7 +153,7 @@ class Replay:
         self.complete = True
 
     def first(self, turn: TurnBudget, now: float) -> Owed | None:
-        """Return the next message; None where there is none, or no time in this turn: see :attr:`is_over`."""
+        """Return the next message; None if there is none, or no time in this turn: see :attr:`is_over`."""
         while not self._found:
             if not self.complete or self.is_over or not turn.has_time():
                 return None
@@ -167,7 +166,7 @@ class Replay:
 
     @property
     def is_over(self) -> bool:
-        """True if nothing more is owed."""
+        """True if there is nothing left."""
         if self._found or self._exact or not self.complete:
             return False
         return not self._wild or self._place >= self._until

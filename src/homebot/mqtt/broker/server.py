@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 __all__ = ["Broker", "PortTakenError"]
 
 _BACKLOG = 512
-_REPORT_INTERVAL: Final = 10.0  # seconds between two reports of losses
-_ACCEPTED_IN_A_TURN = 16  # asyncio takes as many in one turn of the loop as it may let wait
+_REPORT_INTERVAL: Final = 10.0  # seconds between reports of losses
+_ACCEPTED_IN_A_TURN = 16  # asyncio accepts as many per turn of the loop
 
 
 class PortTakenError(LinkError):
-    """The port is taken by another program."""
+    """Another program uses the port."""
 
     def __init__(self, host: str, port: int) -> None:
         super().__init__(
@@ -47,20 +47,20 @@ class PortTakenError(LinkError):
 
 @final
 class Broker(EmbeddedBroker):
-    """A real MQTT broker for 3.1, 3.1.1 and 5 in this process and on this event loop.
+    """An MQTT broker for 3.1, 3.1.1 and 5 in this process and event loop.
 
     ``async with broker:`` listens inside the block; after it the port is free and every connection closed. Starting
-    raises :class:`PortTakenError` where another program has the port, and :class:`LinkError` where the address cannot
-    be listened on; stopping waits at most ``limits.stop_timeout`` seconds for the sockets.
+    raises :class:`PortTakenError` if another program uses the port, and :class:`LinkError` if listening on the address
+    fails; stopping waits at most ``limits.stop_timeout`` seconds for the sockets.
 
     Args:
         host: Address to listen on; other than loopback only with *credentials*.
         port: TCP port; 0 takes any free one and keeps it for later starts.
-        clock: As for :class:`EmbeddedBroker`, as all arguments that are not listed here.
+        clock: As for :class:`EmbeddedBroker`, like all arguments not listed here.
         endpoint: Creates the endpoint of one connection; to wrap each :class:`Peer`.
 
     Raises:
-        UsageError: The address is not loopback and there is no password, or an argument is out of its range.
+        UsageError: The address is not loopback and there is no password, or an argument is out of range.
     """
 
     def __init__(
@@ -98,12 +98,12 @@ class Broker(EmbeddedBroker):
 
     @property
     def host(self) -> str:
-        """The address it listens on."""
+        """The address on which it listens."""
         return self._host
 
     @property
     def port(self) -> int:
-        """The TCP port; 0 before the first start where any was asked for."""
+        """The TCP port; 0 before the first start if any was requested."""
         return self._port
 
     @property
@@ -114,7 +114,7 @@ class Broker(EmbeddedBroker):
 
     @property
     def losses(self) -> str:
-        """Messages that were lost in the last ten minutes, as text; empty where none was, or it does not run."""
+        """Messages lost in the last ten minutes, in words; empty if there were none, or while stopped."""
         return "" if self._losses is None else self._losses.recent
 
     async def _open(self, state: BrokerState) -> None:

@@ -1,6 +1,6 @@
-"""Session of one client id: its stored messages and their delivery. No I/O.
+"""The session of one client id: its stored messages and their delivery. No I/O.
 
-The messages in flight are bounded, the others wait in the queue. When the client comes back to its session,
+The number of messages in flight is bounded; the others wait in the queue. When the client resumes its session,
 everything in flight is sent again before the queue.
 """
 
@@ -23,19 +23,19 @@ from homebot.support.turn_budget import TurnBudget
 
 __all__ = ["BrokerSession"]
 
-_UNCHECKED: Final = 16  # messages that are sent before the clock is read
+_UNCHECKED: Final = 16  # messages sent before the clock is read
 
 
 @final
 class BrokerSession:
-    """The state of one client id, while connected and in between.
+    """The state of one client id, whether connected or not.
 
     Attributes:
-        expiry: Seconds it is kept after the connection ends; infinite for ever.
-        outbound: Where messages go, None while the client is away.
-        received: Packet ids of QoS 2 messages taken from the client and not released.
-        held_publishers: Called once the session has room again, or has gone.
-        overrun: The client stayed too slow for too long; its queue takes no more than it has room for.
+        expiry: Seconds for which it outlives the connection; may be infinite.
+        outbound: The writer to the client; None while it is away.
+        received: Packet ids of QoS 2 messages received from the client and not released.
+        held_publishers: Called once the session has room again or has ended.
+        overrun: Whether the client has been too slow for too long, so that its queue accepts no more than fits.
 
     Args:
         crowded: Receives the session when its queue is three quarters full and its client connected; its reader
@@ -60,7 +60,7 @@ class BrokerSession:
         self.received: set[int] = set()
         self.has_ended = False
         self.overrun = False
-        self.held_publishers: dict[Callable[[BrokerSession], None], None] = {}  # in their order, so that runs are alike
+        self.held_publishers: dict[Callable[[BrokerSession], None], None] = {}  # ordered, for reproducible runs
         self._congested = {} if crowded is None else crowded
         self._turn = turn
         self._clock = clock
@@ -73,7 +73,7 @@ class BrokerSession:
 
     @property
     def queued(self) -> int:
-        """Number of messages that wait."""
+        """Number of waiting messages."""
         return len(self._queue)
 
     @property
@@ -83,7 +83,7 @@ class BrokerSession:
 
     @property
     def settled(self) -> int:
-        """Number of messages that the client has acknowledged, or taken from the queue at QoS 0, ever."""
+        """Total number of messages acknowledged by the client, or sent to it from the queue at QoS 0."""
         return self.in_flight.settled + self._settled
 
     @property
@@ -93,7 +93,7 @@ class BrokerSession:
 
     @property
     def full(self) -> bool:
-        """True if the client is connected and its queue takes no more."""
+        """True if the client is connected and its queue is full."""
         return self.outbound is not None and self._queue.full
 
     @property
@@ -103,7 +103,7 @@ class BrokerSession:
 
     @property
     def delivery_priority(self) -> int:
-        """Rank for shared messages, lowest first: 0 connected, 1 connected but slow, 2 without room, 3 away."""
+        """The rank for shared messages, lowest first: 0 connected, 1 connected but slow, 2 without room, 3 away."""
         if self.outbound is None:
             return 3
         if self._queue.full:
@@ -113,12 +113,12 @@ class BrokerSession:
     def deliver(self, queued: QueuedMessage) -> DeliveryResult:
         """Send a message or keep it for later.
 
-        QoS 0: dropped while the client is away or its socket is full. QoS 1 and 2: queued; while the client is
-        away the oldest makes room, while it is connected a message without room is refused.
+        QoS 0: dropped while the client is away or its socket is full. QoS 1 and 2: queued; if the queue is full, the
+        oldest message makes room while the client is away, and the new one is refused while it is connected.
         """
         outbound = self.outbound
         queue = self._queue
-        if not queued[1]:  # by place: by name it takes longer than all else that is asked here
+        if not queued[1]:  # by index, as by name it takes longer than everything else here
             if outbound is None:
                 return TAKEN
             if queue.holds_qos0 and not queue.full:
@@ -144,7 +144,7 @@ class BrokerSession:
         return TAKEN if self.overrun else SLOW
 
     def deliver_large(self, queued: QueuedMessage) -> DeliveryResult:
-        """Do as :meth:`deliver`, for a message of at least ``BULKY`` bytes, of which each copy takes its time."""
+        """Like :meth:`deliver`, for a message of at least ``BULKY`` bytes, whose copies take time."""
         if self.outbound is None or self._queue:
             return self.deliver(queued)
         if self._turn.has_time():
@@ -154,10 +154,10 @@ class BrokerSession:
         return TAKEN
 
     def replay(self, replay: Replay) -> None:
-        """Queue the retained messages for new subscriptions, also those at QoS 0; :meth:`pump` finds and sends them.
+        """Queue the retained messages for new subscriptions, QoS 0 included; :meth:`pump` finds and sends them.
 
-        The queue's bound does not count here, since they are not in it; but a client that is overrun gets them only
-        while its queue has room.
+        The queue's limit does not apply, since they are not stored in it; but an overrun client gets them only while
+        its queue has room.
         """
         if self.overrun and self._queue.full:
             self._counters.dropped_overrun += 1
@@ -166,12 +166,12 @@ class BrokerSession:
             self._mark_congested()
 
     def replay_grew(self, replay: Replay) -> None:
-        """Count the filters that were added to *replay*, the one that was queued last."""
+        """Update the size of *replay*, the last one queued, after filters were added to it."""
         self._queue.count_again(replay)
         self._mark_congested()
 
     def has(self, subscription: SessionSubscription) -> bool:
-        """Return whether *subscription* still stands."""
+        """Return whether *subscription* still exists."""
         return self.subscriptions.get(subscription.name) is subscription
 
     def resume(self, outbound: Outbound, receive_maximum: int) -> None:
@@ -182,7 +182,7 @@ class BrokerSession:
         self.pump()
 
     def detach(self) -> None:
-        """Let go of the client, which is gone: drop waiting QoS 0 messages, and let no publisher wait any more."""
+        """Detach the client that has left: drop waiting QoS 0 messages, and release waiting publishers."""
         self.outbound = None
         self.overrun = False
         self._queue.drop_qos0()
@@ -227,7 +227,7 @@ class BrokerSession:
         self.pump()
 
     def unsent(self) -> Iterator[QueuedMessage]:
-        """Take all messages that this client has not acknowledged, one after the other."""
+        """Remove and yield all messages that this client has not acknowledged."""
         yield from self.in_flight.clear()
         yield from self._queue.clear()
 
@@ -246,7 +246,7 @@ class BrokerSession:
         return TAKEN
 
     def _go_on_with(self, outbound: Outbound, replay: Replay) -> bool:
-        """Send a message of *replay*, or strike it out when it is over; False where it has to wait."""
+        """Send a message of *replay*, or remove it if it is over; return False if it has to wait."""
         owed = replay.first(self._turn, self._clock.monotonic())
         if owed is None:
             if replay.is_over:

@@ -1,4 +1,4 @@
-"""The sessions of all clients: made, found again, kept while the client is away, and ended. No I/O."""
+"""The sessions of all clients: opened, kept while a client is away, resumed, ended. No I/O."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class Sessions:
         self._turn = turn
         self._count_bytes = count_bytes
         self._sessions: dict[str, BrokerSession] = {}
-        self._away: dict[str, _Absence] = {}  # in the order of leaving
+        self._away: dict[str, _Absence] = {}  # in order of leaving
 
     def __iter__(self) -> Iterator[BrokerSession]:
         return iter(self._sessions.values())
@@ -53,18 +53,18 @@ class Sessions:
 
     @property
     def queued(self) -> int:
-        """Number of messages that wait in all sessions."""
+        """Number of waiting messages of all sessions."""
         return sum(session.queued for session in self._sessions.values())
 
     @property
     def will_bytes(self) -> int:
-        """The size of the wills that wait for their time."""
+        """The size of the delayed wills."""
         return sum(will_size(absence.will) for absence in self._away.values())
 
     def open(self, client_id: str, *, clean_start: bool, host: str = "") -> tuple[BrokerSession, bool]:
-        """Return the session for a client that has just connected, and whether it was kept from before.
+        """Return the session for a client that has just connected, and whether it already existed.
 
-        The caller has detached a connection that used the id before.
+        The caller has already detached an earlier connection with the same id.
         """
         if clean_start:
             self.end(client_id)
@@ -111,7 +111,7 @@ class Sessions:
             )
 
     def end(self, client_id: str) -> None:
-        """Forget the session of an absent client; a will that waits is published now."""
+        """End the session of an absent client, and publish a delayed will now."""
         absence = self._away.pop(client_id, None)
         if absence is None:
             return
@@ -121,20 +121,20 @@ class Sessions:
         self._publish_will(client_id, absence)
 
     def end_all(self) -> None:
-        """Forget all sessions, and their wills unpublished; nothing else follows."""
+        """Discard all sessions, without publishing their wills."""
         for absence in self._away.values():
             absence.over()
         for session in self._sessions.values():
             self._exchange.forget(session)
 
     def _least_missed(self) -> str:
-        """Return the one left longest ago by a client of the host that has left most of them."""
+        """Return the session left longest ago, of the host with the most."""
         hosts = [self._sessions[client_id].host for client_id in self._away]
         most = Counter(hosts).most_common(1)[0][0]
         return next(client_id for client_id, host in zip(self._away, hosts, strict=True) if host == most)
 
     def _plan(self, when: float, client_id: str, act: Callable[[], None]) -> Deadline:
-        """Plan to *act* in the first turn from *when* on that has time for it, unless the client comes back before."""
+        """Schedule *act* for the first turn with time from *when* on, unless the client returns before."""
         absence = self._away[client_id]
 
         def steps() -> Iterator[None]:
@@ -157,12 +157,12 @@ class Sessions:
 
 
 def will_size(will: Will | None) -> int:
-    """Return about how many bytes *will* takes."""
+    """Return the estimated bytes of *will*."""
     return 0 if will is None else len(will.topic) + len(will.payload) + size_of(will.properties)
 
 
 class _Absence:
-    """Deadlines of a client that is away: the end of its session, and its will."""
+    """The deadlines of an absent client: the end of its session, and its will."""
 
     __slots__ = ("end", "will", "will_due")
 

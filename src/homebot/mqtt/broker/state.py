@@ -1,4 +1,4 @@
-"""The broker without sockets: all its parts put together. A carrier gives it links, bytes and the time.
+"""The broker without sockets, from its parts. A carrier supplies links, bytes and the time.
 
 Everything runs in order on one thread; no method waits.
 """
@@ -25,7 +25,7 @@ from homebot.support.turn_budget import SHARE, TurnBudget
 
 __all__ = ["BrokerState", "short"]
 
-_WARNINGS = 20  # of one event in ten seconds: enough to tell a few clients apart
+_WARNINGS = 20  # per event in ten seconds: enough to distinguish a few clients
 _LONGEST_TEXT = 100  # a client may choose a name or topic of 65,535 bytes
 _log = get_logger()
 
@@ -35,17 +35,17 @@ class BrokerState:
     """The state that all connections of one broker share.
 
     Args:
-        authentication: The check of logins; by default everybody may log in.
+        authentication: The check of logins; by default everyone may log in.
         policy: Rights to publish and subscribe; by default all.
         call_soon: Schedules a call in the next turn of the event loop; by default the next run of the deadlines.
 
     Attributes:
-        deadlines: Work by time; the carrier runs it.
-        turn: The share of each turn of the event loop for all connections together.
-        throttle: How long they have to wait after wrong passwords.
-        queued: The bytes of messages that wait for sessions; a message that waits for many counts once.
-        unread: The bytes of incomplete packets, of logged-in clients.
-        unread_logins: The same before the login.
+        deadlines: Scheduled work, which the carrier runs.
+        turn: The budget of each turn of the event loop for all connections together.
+        throttle: The delays after wrong passwords.
+        queued: The bytes of messages waiting for sessions, each counted once.
+        unread: The bytes of incomplete packets of logged-in clients.
+        unread_logins: The same for connections before their login.
     """
 
     def __init__(
@@ -94,7 +94,7 @@ class BrokerState:
 
     @property
     def stats(self) -> BrokerStats:
-        """A snapshot of all counts."""
+        """A snapshot of all counters."""
         return BrokerStats.of(
             self.counters,
             clients=len(self.peers),
@@ -107,13 +107,13 @@ class BrokerState:
         )
 
     def forget(self) -> None:
-        """Forget all sessions, wills and retained messages, once no client is connected any more."""
-        self.peers.clear()  # of those that have left, messages may be left
+        """Discard all sessions, wills and retained messages once no client is connected."""
+        self.peers.clear()  # clients that have left may still have messages
         self.sessions.end_all()
         self._clear()
 
     def warn(self, event: str, message: str, **facts: object) -> None:
-        """Log something an outsider caused: 20 lines per event in ten seconds, the others counted.
+        """Log an event caused from outside: 20 lines per event in ten seconds, the rest counted.
 
         Args:
             facts: Further facts; texts are cut to 100 characters.
@@ -125,7 +125,7 @@ class BrokerState:
         _log.warning(event, message=f"{message}{more_like_this(held_back)}", held_back=held_back, **known)
 
     def receive(self, peer: ConnectionHandler, data: bytes, address: str) -> None:
-        """Pass *data* to *peer*; an error of the broker costs this connection only."""
+        """Pass *data* to *peer*; an error of the broker only costs this connection."""
         try:
             peer.receive(data)
         except Exception as error:  # noqa: BLE001 - it must not reach the other connections
@@ -140,14 +140,14 @@ class BrokerState:
 
     @property
     def will_bytes(self) -> int:
-        """The size of the wills of all clients, and of those that wait for their time."""
+        """The size of the wills of all clients, delayed ones included."""
         return self.sessions.will_bytes + sum(peer.will_bytes for peer in self.peers.values())
 
     def _call_at_next_run(self, call: Callable[[], None]) -> None:
         self.deadlines.at(self.clock.monotonic(), call)
 
     def _plan_relief(self) -> None:
-        """Plan to make room soon, in a later turn than the current flood."""
+        """Schedule making room for a turn after the current flood."""
         if not self._is_relief_planned:
             self._is_relief_planned = True
             self.deadlines.at(self.clock.monotonic(), self._relieve_queues)
@@ -159,7 +159,7 @@ class BrokerState:
             self._plan_relief()
 
     def _relieve(self, session: BrokerSession) -> bool:
-        """Make room: a session loses its connection first, then its oldest messages; True after the former."""
+        """Make room: a session loses its connection first, then its oldest messages; return True for the former."""
         if session.outbound is not None:
             self.counters.clients_stalled += 1
             self.warn(
@@ -173,7 +173,7 @@ class BrokerState:
             return True
         if session.queued:
             session.shrink()
-        elif session.has_ended or session.client_id in self.peers:  # it goes, but not yet
+        elif session.has_ended or session.client_id in self.peers:  # it will close, but has not yet
             self.counters.dropped_offline += len(session.in_flight.clear())
         else:
             self.counters.sessions_evicted += 1

@@ -1,4 +1,4 @@
-"""Counters of the broker, and its losses as text. No I/O."""
+"""The broker's counters, and its losses in words. No I/O."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ __all__ = ["BrokerStats", "Counters", "LossReport", "loss_text"]
 
 @dataclass(slots=True)
 class Counters:
-    """Counts since the broker was made; only ever grow.
+    """Counters since the broker was created, which never decrease.
 
     Attributes:
         dropped_qos0: QoS 0 messages for a client with a full socket.
-        dropped_offline: The oldest messages pushed out of the queue of an absent client.
-        dropped_overrun: Messages refused for a connected client that stayed too slow, or after their publisher ended.
-        logins_slowed: Attempts to log in that had to wait, after wrong passwords from their host.
-        logins_pushed_out: Connections closed before their login, because others needed the place.
+        dropped_offline: The oldest messages displaced from the queue of an absent client.
+        dropped_overrun: Messages refused for a connected client that is too slow, or after their publisher left.
+        logins_slowed: Login attempts delayed after wrong passwords from their host.
+        logins_pushed_out: Connections closed before their login, because others needed their place.
         unread_given_up: Connections closed because their packet stayed incomplete while there was no room for others.
-        clients_stalled: Connections closed because the client took next to nothing while publishers that cannot be
-            refused waited for it.
+        clients_stalled: Connections closed because the client made no progress while publishers that cannot be refused
+            waited for it.
     """
 
     connections_accepted: int = 0
@@ -49,12 +49,12 @@ class Counters:
 
 @dataclass(slots=True, kw_only=True)
 class BrokerStats(Counters):
-    """A snapshot of the broker: the :class:`Counters` and its present content.
+    """A snapshot of the broker: its :class:`Counters` and its current content.
 
     Attributes:
-        clients: Those connected, and those that have gone and of which held messages are still to be forwarded.
-        retained_bytes: Their topics, payloads and properties, in bytes.
-        waiting_work: The pieces of work that wait for a later turn of the event loop.
+        clients: Connected clients, and those that have left messages to forward.
+        retained_bytes: Bytes of retained topics, payloads and properties.
+        waiting_work: Pieces of work waiting for a later turn of the event loop.
     """
 
     clients: int
@@ -67,7 +67,7 @@ class BrokerStats(Counters):
 
     @classmethod
     def of(cls, counters: Counters, **held: int) -> BrokerStats:
-        """Join *counters* with the present content."""
+        """Combine *counters* with the current content."""
         return cls(**asdict(counters), **held)
 
 
@@ -78,7 +78,7 @@ _TEXTS: Final = {
     "dropped_too_large": "too large for their clients",
     "retained_refused": "to be retained, because the limit was reached",
 }
-"""The losses; expired messages and those refused by a policy do not count."""
+"""The counters that are losses: without expired messages and those refused by a policy."""
 
 _KEPT: Final = 60
 
@@ -86,10 +86,10 @@ Losses = tuple[int, ...]
 
 
 def loss_text(counters: Counters, before: Losses = ()) -> str:
-    """Return such as ``5 messages (3 at QoS 0 for clients that read too slowly, 2 too large for their clients)``.
+    """Return ``5 messages (3 at QoS 0 for clients that read too slowly, 2 too large for their clients)``.
 
     Returns:
-        The text; empty where nothing was lost.
+        The text; empty if nothing was lost.
     """
     old = before or (0,) * len(_TEXTS)
     news = {text: now - then for text, now, then in zip(_TEXTS.values(), _losses(counters), old, strict=True)}
@@ -102,7 +102,7 @@ def loss_text(counters: Counters, before: Losses = ()) -> str:
 
 @final
 class LossReport:
-    """Reports the losses since the last report, and recent ones: over the last sixty reports."""
+    """The losses since the last report, and those of the last sixty reports."""
 
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
@@ -110,11 +110,11 @@ class LossReport:
 
     @property
     def recent(self) -> str:
-        """Recent losses as text; empty where there are none."""
+        """Recent losses in words; empty if there are none."""
         return loss_text(self._counters, self._before[0])
 
     def next(self) -> str:
-        """Return the losses since the last call as text; empty where there are none."""
+        """Return the losses since the last call in words; empty if there are none."""
         text = loss_text(self._counters, self._before[-1])
         self._before.append(_losses(self._counters))
         return text

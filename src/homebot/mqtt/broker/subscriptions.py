@@ -12,16 +12,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Recipients", "ShareGroup", "SubscriptionTree", "Target"]
 
-_MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond it the cache starts anew
+_MAX_CACHED_TOPICS = 4096  # enough for the busy topics of a house; beyond that the cache starts afresh
 _MOST_CACHED = 50_000  # targets of all cached topics
 _LONGEST_CACHED = 512  # characters of a topic
 
 
 class Target(NamedTuple):
-    """One receiving session of a topic: one copy for any number of matching subscriptions.
+    """A receiving session of a topic, which gets one copy for all matching subscriptions.
 
     Attributes:
-        matched: The subscriptions themselves where one of them has *no local*; empty otherwise.
+        matched: The matching subscriptions if one of them has *no local*; otherwise empty.
     """
 
     session: BrokerSession
@@ -32,7 +32,7 @@ class Target(NamedTuple):
 
     @classmethod
     def of(cls, session: BrokerSession, matched: list[SessionSubscription]) -> Target:
-        """Join the subscriptions of one session."""
+        """Combine the subscriptions of one session."""
         highest = 0
         keeps_retain = has_no_local = False
         identifiers: list[int] = []
@@ -46,7 +46,7 @@ class Target(NamedTuple):
         return cls(session, highest, keeps_retain, tuple(identifiers), tuple(matched) if has_no_local else ())
 
     def without_local(self) -> Target | None:
-        """Return the rest of it for a message of the session's own client."""
+        """Return what remains for a message of the session's own client."""
         rest = [each for each in self.matched if not each.no_local]
         return Target.of(self.session, rest) if rest else None
 
@@ -67,7 +67,7 @@ class ShareGroup:
         self._turn = 0
 
     def choose(self) -> tuple[BrokerSession, SessionSubscription] | None:
-        """Return the next in turn among those that can take it now, else among the slow, else among the absent."""
+        """Return the next member with room; if there is none, the next slow one, then the next absent one."""
         members = list(self.members.items())
         if not members:
             return None
@@ -101,11 +101,11 @@ class SubscriptionTree:
 
     @property
     def levels(self) -> int:
-        """Levels of all filters, those counted once that filters begin with alike."""
+        """Levels of all filters; common first levels count once."""
         return self._members.nodes + self._groups.nodes
 
     def add(self, session: BrokerSession, subscription: SessionSubscription) -> None:
-        """Add a subscription, or put it in place of the one with the same filter."""
+        """Add a subscription, replacing one with the same filter."""
         self.forget_routes()
         if subscription.share is None:
             is_new = self._members.add(subscription.levels, session, subscription)
@@ -149,11 +149,11 @@ class SubscriptionTree:
         return route
 
     def group(self, share: tuple[str, str]) -> ShareGroup | None:
-        """Return the group of that name and filter, if it still has members."""
+        """Return the group with that name and filter, if it still has members."""
         return self._groups.get(share[1].split("/"), share[0])
 
     def forget_routes(self) -> None:
-        """Forget which sessions get which topic; it is looked up anew."""
+        """Clear the cache of sessions by topic."""
         if self._cache:
             self._cache = {}
             self._cached = 0

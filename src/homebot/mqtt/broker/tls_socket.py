@@ -1,7 +1,7 @@
 """TLS on one socket of the broker.
 
-asyncio's own takes 300 KiB for each socket from the moment it is accepted, and does not report an
-unfinished handshake. Here such sockets count, and are closed, as all that have not logged in.
+asyncio's own needs 300 KiB per accepted socket, and does not report unfinished handshakes. Here such sockets count, and
+are closed, like all others that have not logged in.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any, Final, cast, final
 __all__ = ["TlsSocket"]
 
 _READ_AT_MOST: Final = 16 * 1024
-_ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are handed on
+_ENCRYPT_AT_MOST: Final = 64 * 1024  # bytes, before they are passed on
 
 
 @final
@@ -23,7 +23,7 @@ class TlsSocket(asyncio.BufferedProtocol):
     """The protocol of the socket, and the transport of the upper protocol.
 
     Args:
-        on_failure: Called with the reason of a failed handshake or invalid data after it.
+        on_failure: Called with the reason for a failed handshake or invalid data after it.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class TlsSocket(asyncio.BufferedProtocol):
         self._is_over = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the open socket."""
+        """Set up the open socket."""
         self._raw = cast("asyncio.Transport", transport)
         self._facade = _TlsTransport(self, self._raw)
         self._user.connection_made(self._facade)
@@ -54,30 +54,30 @@ class TlsSocket(asyncio.BufferedProtocol):
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
-        """Decrypt the bytes that came."""
+        """Decrypt the received bytes."""
         self._incoming.write(memoryview(self._buffer)[:nbytes])
-        self._buffer = bytearray()  # a silent socket holds none
+        self._buffer = bytearray()  # a silent socket needs no buffer
         self._go_on()
 
     def eof_received(self) -> bool:
-        """Return False, so that the socket is closed: the far side sends no more."""
+        """Return False to close the socket, as the peer sends nothing more."""
         return False
 
     def pause_writing(self) -> None:
-        """Note that the socket takes bytes slower than they come."""
+        """Record that the socket accepts bytes more slowly than they are written."""
         self._user.pause_writing()
 
     def resume_writing(self) -> None:
-        """Go on: the socket's buffer is almost empty again."""
+        """Continue writing: the socket's buffer is almost empty again."""
         self._user.resume_writing()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Let go of the socket, which is closed."""
+        """Clean up after the closed socket."""
         self._is_over = True
         self._user.connection_lost(exc)
 
     def write(self, data: bytes) -> None:
-        """Encrypt *data* and send it; nothing before the handshake."""
+        """Encrypt and send *data*; ignored before the handshake."""
         if not self._is_ready or self._is_over:
             return
         view = memoryview(data)
@@ -89,11 +89,11 @@ class TlsSocket(asyncio.BufferedProtocol):
             self._fail(error)
 
     def pause(self) -> None:
-        """Hand nothing on."""
+        """Stop passing on received data."""
         self._is_paused = True
 
     def resume(self) -> None:
-        """Pass on received data soon."""
+        """Pass on received data again."""
         self._is_paused = False
         asyncio.get_running_loop().call_soon(self._go_on)
 
@@ -102,7 +102,7 @@ class TlsSocket(asyncio.BufferedProtocol):
         if not self._is_ready or self._is_over:
             return False
         self._is_over = True
-        with suppress(ssl.SSLError):  # that its answer has not come
+        with suppress(ssl.SSLError):  # its answer has not come
             self._tls.unwrap()
         self._send()
         return True
@@ -142,7 +142,7 @@ class TlsSocket(asyncio.BufferedProtocol):
             return
         self._is_over = True
         self._on_failure(error.reason or str(error))
-        self._send()  # the alert that says why
+        self._send()  # the alert with the reason
         if self._raw is not None:
             self._raw.close()
 

@@ -1,19 +1,18 @@
 """The MQTT client port on aiomqtt 2 and the paho client below it.
 
-A thin adapter: aiomqtt connects, logs in and says good-bye; paho publishes, subscribes and calls back. The native
-client's reader cuts the bytes into packets and reads the messages: paho needs eight times as long for one, and
-answers one of QoS 2 too early. It reads the answers to subscriptions too, for each filter of which paho
-makes an object. All other packets are paho's. The keep-alive is that of every link.
-It closes what the two leave open: a message is acknowledged only when it was taken, a refused publish is an error,
-a lost link ends waiting calls at once, and all queues are bounded.
+A thin adapter: aiomqtt connects, logs in and disconnects; paho publishes, subscribes and calls back. The native
+client's reader splits the bytes into packets and reads messages, for which paho takes eight times as long, and
+acknowledges QoS 2 too early. It also reads the answers to subscriptions, for which paho makes an object per filter.
+paho handles all other packets. It adds what the two lack: a message is acknowledged only after it was accepted, a
+refused publish is an error, a lost link ends waiting calls at once, and all queues are bounded.
 
-Promises of the port that it does not keep, and the native client does:
+Promises of the port that only the native client keeps:
 
-- QoS 2 goes out as QoS 1, because paho's handshakes end with its link. So a message may come twice.
-- A cancelled connect leaves a thread behind until the connection stands or fails, `MqttOptions.timeout` at most.
+- QoS 2 is sent as QoS 1, because paho's handshakes end with its link, so that a message may arrive twice.
+- A cancelled connect leaves a thread until the connection succeeds or fails, at most `MqttOptions.timeout`.
 
-Concurrency: all but the connecting runs in the loop's own thread. Any number of tasks publish, as many of QoS 1 at once
-as the broker allows; the others wait in order.
+Concurrency: everything except connecting runs in the loop's thread. Any number of tasks may publish; as many publishes
+of QoS 1 as the broker allows are open at once, the others wait in order.
 """
 
 import ssl
@@ -64,7 +63,7 @@ class AiomqttClient(MqttClient):
 
 @final
 class _AiomqttLink(ClientLink):
-    """One aiomqtt client and its one link: a second link of it would repeat publishes that failed long ago."""
+    """One aiomqtt client with its only link, as a second link would repeat publishes that failed long ago."""
 
     def __init__(
         self, options: MqttOptions, version: MqttVersion, receiver: Receiver, tls: ssl.SSLContext | None
@@ -76,7 +75,7 @@ class _AiomqttLink(ClientLink):
         client = self._paho = self._client._client  # noqa: SLF001 - aiomqtt's handle to paho
         client.connect_timeout = options.timeout
         client.disable_logger()  # it builds a line for each packet
-        client.on_message = client.on_publish = None  # neither is paho's here; it would make values for them
+        client.on_message = client.on_publish = None  # neither is paho's here, which would make objects for them
         self._then_connect: Any = client.on_connect
         self._then_disconnect: Any = client.on_disconnect
         client.on_connect, client.on_disconnect = self._on_connect, self._on_disconnect

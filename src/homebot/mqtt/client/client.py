@@ -1,4 +1,4 @@
-"""The MQTT client, independent of the library: its contract, and the part that every implementation has."""
+"""The MQTT client, independent of the library: its contract, and the common part of implementations."""
 
 from abc import ABC, abstractmethod
 from collections.abc import AsyncIterator, Callable, Iterable
@@ -23,25 +23,24 @@ from homebot.support.logger import get_logger
 __all__ = ["MqttClient"]
 
 _GOODBYE: Final = 1.0
-"""Seconds that a close in good order may take; the broker may be gone already."""
+"""Seconds that a clean close may take, as the broker may be gone already."""
 
-_FAILED: Final = ReasonCode.UNSPECIFIED_ERROR  # reason codes from here on say no
+_FAILED: Final = ReasonCode.UNSPECIFIED_ERROR  # reason codes from here on are refusals
 _log = get_logger()
 
 
 class MqttClient(ABC):
-    """One client of one broker; its link can be made, lost and made again. Make it inside a running event loop.
+    """A client of one broker, whose link can be made repeatedly. Create it inside a running event loop.
 
-    Delivery: messages come in the broker's order. Those of QoS 1 and 2 stay the broker's until they are
-    acknowledged; without that they come again on the next link of a resumed session. Those of QoS 1 may therefore come
-    twice. Those of QoS 0 are dropped, oldest first and counted, when the inbox is full.
+    Messages arrive in the broker's order. Those of QoS 1 and 2 that are not acknowledged are sent again on the next
+    link of a resumed session, so that those of QoS 1 may arrive twice. When the inbox is full, the oldest ones of QoS 0
+    are dropped and counted.
 
-    One task reads (`receive`); any number publish. Errors of the link do not name the broker: the caller does.
+    One task receives; any number may publish. Errors of the link do not name the broker: the caller does.
 
     Attributes:
-        limits: Promises of this contract that the client does not keep, each in words for people; empty where it keeps
-            all.
-        receive: Returns all messages that are there, in order, and waits for the first; see `Inbox.receive`.
+        limits: Promises of this contract that the client does not keep, in words for people.
+        receive: Returns all received messages in order, and waits for the first; see `Inbox.receive`.
         ack: Acknowledges messages to the broker; see `Receiver.ack`.
     """
 
@@ -60,11 +59,11 @@ class MqttClient(ABC):
 
     @asynccontextmanager
     async def connected(self) -> AsyncIterator[SessionGrant]:
-        """Make the link; leaving the block says good-bye and drops it. Can be used again afterwards.
+        """Make the link; leaving the block disconnects. Can be used repeatedly.
 
         Raises:
             LinkError: The broker cannot be reached, is busy, or did not answer.
-            RefusedError: The broker said no: login, client id, protocol, or its certificate is not trusted.
+            RefusedError: The broker refused (login, client id, protocol), or its certificate is not trusted.
             UsageError: A certificate or key file cannot be used.
         """
         if self._is_taken:
@@ -85,11 +84,11 @@ class MqttClient(ABC):
             self._is_taken = False
 
     async def wait_lost(self) -> LinkError | RefusedError:
-        """Wait until the link is gone and say why; RefusedError where the broker threw this client out."""
+        """Wait for the loss of the link and return its reason; RefusedError if the broker expelled this client."""
         return await self._need_link().wait_lost()
 
     def drop(self) -> None:
-        """Cut the link without a word, as a power failure does: the broker publishes the will. Without one nothing."""
+        """Cut the link without a DISCONNECT, as a power failure does, so that the broker publishes the will."""
         if self._link is not None:
             self._link.cut(LinkError("dropped"))
 
@@ -102,19 +101,19 @@ class MqttClient(ABC):
         retain: bool = False,
         properties: Properties = NO_PROPERTIES,
     ) -> int:
-        """Publish, and return when the broker has taken it (QoS 0: when it is on the wire).
+        """Publish, and return when the broker has accepted the message (QoS 0: when it is on the wire).
 
-        A publish whose link drops is not repeated on the next link, except that a QoS 2 handshake that a resumed
-        session still holds open is brought to its end, as exactly-once demands.
+        A publish whose link is lost is not repeated on the next link, except that an open QoS 2 handshake of a resumed
+        session is completed, as exactly-once delivery requires.
 
         Returns:
-            The MQTT 5 reason code, below 0x80: 0x10 where nothing subscribes. Always 0 for QoS 0 and MQTT 3.1.1.
+            The MQTT 5 reason code, below 0x80: 0x10 without subscribers. Always 0 for QoS 0 and MQTT 3.1.1.
 
         Raises:
-            UsageError: The topic cannot be published to.
+            UsageError: The topic is invalid.
             RefusedError: The broker answered with a reason of 0x80 or more, or cannot take such a message.
-            LinkError: There is no link, it dropped before the answer (at once, not after the time limit; whether
-                the broker took the message is then unknown), or the answer is overdue.
+            LinkError: There is no link, it was lost before the answer (reported at once; whether the broker has
+                accepted the message is unknown), or the answer is overdue.
         """
         validate_topic(topic)
         if qos not in {0, 1, 2}:
@@ -122,21 +121,21 @@ class MqttClient(ABC):
         try:
             reason = await (self._link or self._need_link()).publish(topic, payload, qos, properties, retain=retain)
         except LinkError:
-            await checkpoint()  # a caller that retries in a loop would starve whatever makes the link anew
+            await checkpoint()  # a caller that retries in a loop would starve the reconnection
             raise
         if reason >= _FAILED:
             raise RefusedError(f"the publish to {topic!r}", reason_text(reason), reason)
         return reason
 
     async def subscribe(self, *subscriptions: MqttSubscription) -> tuple[int, ...]:
-        """Subscribe to all of them with one request.
+        """Subscribe with one request.
 
         Returns:
             The granted QoS, one for each subscription, in order.
 
         Raises:
             UsageError: A filter is not a topic filter.
-            RefusedError: At least one was refused; the text names them. The others stand.
+            RefusedError: At least one was refused; the message names them. The others are valid.
             LinkError: As for `publish`.
         """
         for subscription in subscriptions:
@@ -152,7 +151,7 @@ class MqttClient(ABC):
         return reasons
 
     async def unsubscribe(self, *filters: str) -> None:
-        """Take back subscriptions; a filter that was never subscribed to is no error.
+        """Unsubscribe; unknown filters are ignored.
 
         Raises:
             LinkError: As for `publish`.
@@ -166,7 +165,7 @@ class MqttClient(ABC):
 
         Raises:
             LinkError: The broker cannot be reached, is busy, or did not answer.
-            RefusedError: The broker said no, or its certificate is not trusted.
+            RefusedError: The broker refused, or its certificate is not trusted.
             UsageError: A certificate or key file cannot be used.
         """
 
@@ -182,14 +181,14 @@ class MqttClient(ABC):
                     await self._end_session()
 
     async def _end_session(self) -> None:
-        """End it as MQTT 3.1.1 has it: connect once more, with a clean session, and leave.
+        """End the session as MQTT 3.1.1 requires: connect once more, with a clean session, and disconnect.
 
         Source: MQTT Version 3.1.1, section 3.1.2.4.
         """
         options = replace(self._options, session_expiry=0, will=None)
         try:
             link = await self._open(options, "3.1.1", Receiver(options, self._clock))
-        except HomebotError as error:  # the broker is gone, and with it most likely the session
+        except HomebotError as error:  # the broker is gone, most likely with the session
             _log.debug("mqtt.session_left", broker=options.url, reason=str(error))
             return
         await link.close(ends_session=False)

@@ -1,4 +1,4 @@
-"""Timing of the keep-alive: when to ping a silent broker, and when to take it for dead. No I/O."""
+"""The timing of the keep-alive: when to ping a silent broker, and when to consider it dead. No I/O."""
 
 from enum import Enum
 from typing import final
@@ -16,16 +16,16 @@ class LifeSign(Enum):
 
 @final
 class KeepAlive:
-    """The keep-alive of one link, seen from the client.
+    """The keep-alive of one link, on the client's side.
 
-    It pings once in every interval, and as soon as nothing came for one. An answer has to come, or anything else,
-    within the time-out or half an interval, whichever is shorter: so a link that carries nothing any more is found
-    out after one and a half intervals at most.
+    It pings once per interval, and after an interval of silence. An answer, or anything else, must come within the
+    time-out or half an interval, whichever is shorter, so that a dead link is noticed after one and a half intervals at
+    most.
 
     Args:
         interval: The keep-alive interval in seconds.
         timeout: The longest wait for an answer, in seconds.
-        now: The time, by a clock that never goes back.
+        now: The time on the monotonic clock.
 
     Attributes:
         heard_at: Time of the last received bytes, set by the reader.

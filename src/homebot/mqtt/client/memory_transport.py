@@ -1,7 +1,7 @@
-"""A link without a socket: bytes both ways between one client and the broker, in order, on one event loop.
+"""A link without a socket between a client and the broker on one event loop.
 
-Bytes written in one turn of the loop arrive together in the next. No thread, no socket and no waiting, so it also
-runs where time is virtual.
+Bytes written in one turn of the loop arrive together in the next. Without threads, sockets and waiting, it also works
+in virtual time.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ __all__ = ["MemoryLink", "MemorySocket"]
 
 @final
 class MemoryLink:
-    """The broker's end; fills :class:`homebot.mqtt.broker.Transport`.
+    """The broker's end; a :class:`homebot.mqtt.broker.Transport`.
 
-    Bytes for a client that does not read wait here without a bound of their own: from ``limits.write_buffer`` on the
-    link is *choked*, and the broker writes nothing more that can wait.
+    The buffer for a client that does not read has no limit of its own: above ``limits.write_buffer`` the link is
+    *choked*, and the broker writes nothing more that can wait.
     """
 
     def __init__(
@@ -39,7 +39,7 @@ class MemoryLink:
         self._down = _Pipe(loop, self._hand_down, self._notify_end)
         self._up = _Pipe(loop, self._hand_up, self.abort)
         self._closing = False
-        self._large = 0  # bytes of one message that fills the buffer alone; others have room behind it
+        self._large = 0  # bytes of a message that fills the buffer alone
         self.socket = MemorySocket(self._up, self._down)
 
     def write(self, data: bytes) -> None:
@@ -52,7 +52,7 @@ class MemoryLink:
             self.write_blocked = self._down.size > limit + self._large
 
     def pause_reading(self) -> None:
-        """Let the client's bytes wait at its end."""
+        """Leave the client's bytes at its end."""
         self._up.pause()
 
     def resume_reading(self) -> None:
@@ -67,19 +67,19 @@ class MemoryLink:
             self._loop.call_soon(self._finish)
 
     def abort(self) -> None:
-        """Cut the link as if the client had vanished: data on the way is lost, and the will is published."""
+        """Cut the link as if the client had vanished: data in transit is lost, and the will is published."""
         if not self._closing:
             self._closing = True
             self._down.cut()
             self._loop.call_soon(self._finish)
 
     def freeze(self) -> None:
-        """Carry nothing more either way, silently, as if a cable were pulled. Bytes wait."""
+        """Stop all traffic silently, as if a cable were pulled; bytes wait."""
         self._up.freeze()
         self._down.freeze()
 
     def thaw(self) -> None:
-        """Carry the waiting data and all that follows."""
+        """Resume traffic, waiting data first."""
         self._up.thaw()
         self._down.thaw()
 
@@ -108,7 +108,7 @@ class MemoryLink:
 
 @final
 class MemorySocket:
-    """The client's end of a link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
+    """The client's end of a link; a :class:`homebot.mqtt.client.transport.ClientTransport`.
 
     Made by :meth:`homebot.mqtt.memory_broker.MemoryBroker.dial`.
     """
@@ -119,7 +119,7 @@ class MemorySocket:
 
     @property
     def waiting(self) -> int:
-        """Bytes written that the broker has not taken yet."""
+        """Written bytes that the broker has not read yet."""
         return self._up.size
 
     def write(self, data: bytes) -> None:
@@ -127,11 +127,11 @@ class MemorySocket:
         self._up.write(data)
 
     def write_acknowledgements(self, data: bytes) -> None:
-        """Send *data* as all else: in memory nothing is saved by waiting."""
+        """Send *data* at once: in memory, waiting saves nothing."""
         self._up.write(data)
 
     def pause_reading(self) -> None:
-        """Take nothing more from the broker, which finds this client slow."""
+        """Stop reading from the broker, to which this client then appears slow."""
         self._down.pause()
 
     def resume_reading(self) -> None:
@@ -154,7 +154,7 @@ class MemorySocket:
 
 @final
 class _Pipe:
-    """Bytes one way; *deliver* gets them a turn later, *ended* is called once behind the last of them."""
+    """One direction; *deliver* gets the bytes a turn later, *ended* is called once after the last of them."""
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, deliver: Callable[[bytes], None], ended: Callable[[], None]
@@ -185,7 +185,7 @@ class _Pipe:
         self.end()
 
     def deafen(self) -> None:
-        """Deliver nothing more to the listener; incoming data is discarded."""
+        """Discard incoming data from now on."""
         self._deliver = self._ended = None
         self.resume()
 

@@ -1,4 +1,4 @@
-"""Received messages, the same for every client: read, counted, kept until they are taken, and acknowledged."""
+"""The received messages of any client: read, counted, stored until they are received, and acknowledged."""
 
 import asyncio
 from collections import deque
@@ -22,16 +22,16 @@ _PUBACK = b"\x40\x02"
 _PUBREC = b"\x50\x02"
 _PUBCOMP = b"\x70\x02"
 
-_new = tuple.__new__  # makes a named tuple in half the time that its own call takes
+_new = tuple.__new__  # makes a named tuple in half the time of its constructor
 _log = get_logger()
 
 
 class Frame(NamedTuple):
-    """One control packet as it came, not yet understood.
+    """A control packet before decoding.
 
     Attributes:
         first: First byte: type in the upper four bits, flags in the lower.
-        body: Everything behind the fixed header; of a packet over the limit only the first 65,539 bytes.
+        body: Everything after the fixed header; only the first 65,539 bytes of a packet over the limit.
         oversize: Length of the body if it is over the limit, else 0.
     """
 
@@ -40,7 +40,7 @@ class Frame(NamedTuple):
     oversize: int = 0
 
     def packet_id(self) -> int:
-        """Return the packet identifier of a PUBLISH, also of a cut or invalid one; 0 if it cannot be read."""
+        """Return the packet identifier of a PUBLISH, even if it is cut or invalid; 0 if it cannot be read."""
         if not self.first & 0x06:
             return 0
         start = 2 + int.from_bytes(self.body[:2], "big")
@@ -50,7 +50,7 @@ class Frame(NamedTuple):
 
 @dataclass(slots=True)
 class MqttCounters:
-    """Counters over all links of one client since it was made.
+    """Counters of one client, over all its links.
 
     Attributes:
         dropped_overflow: Messages of QoS 0 dropped because the inbox was full.
@@ -95,12 +95,12 @@ class Receiver:
         self._inbox.end(reason)
 
     def publish(self, packet: Frame) -> bytes:
-        """Handle one PUBLISH for the next :meth:`deliver`; return the response, mostly nothing. Never raises."""
+        """Handle a PUBLISH for the next :meth:`deliver`; return the response, usually empty. Never raises."""
         first, body, oversize = packet
         if oversize:
             self.counters.dropped_oversize += 1
             return self._drop(packet, f"{oversize} bytes, over the limit")
-        try:  # without its flag DUP: QoS 0 with it is wrong, and harmless
+        try:  # without its flag DUP, which is wrong but harmless for QoS 0
             topic, payload, qos, retain, _, packet_id, properties = decode_publish(
                 first & 7, body, 0, len(body), self._version
             )
@@ -118,7 +118,7 @@ class Receiver:
         return answer
 
     def deliver(self) -> None:
-        """Let the messages that were read be taken; once for all packets that came together."""
+        """Make the messages available; called once for all packets received together."""
         if not self._read:
             return
         read, self._read = self._read, []
@@ -129,16 +129,16 @@ class Receiver:
             self._say("the inbox is full; the oldest messages of QoS 0 are dropped")
 
     def ack(self, messages: Iterable[MqttMessage]) -> None:
-        """Acknowledge these messages to the broker; those of QoS 0 are passed over.
+        """Acknowledge these messages to the broker.
 
-        A message from an earlier link is passed over too: the broker sends it again if it still has it.
+        Ignores those of QoS 0, and those of an earlier link, which the broker sends again if it still has them.
         """
         data = self._ledger.settle(messages)
         if data and self._write_acknowledgements is not None:
             self._write_acknowledgements(data)
 
     def release(self, packet: Frame) -> bytes:
-        """Take in one PUBREL; returns the answer."""
+        """Handle a PUBREL; return the answer."""
         return self._ledger.release(int.from_bytes(packet.body[:2], "big"))
 
     def _drop_malformed(self, packet: Frame, problem: str) -> bytes:
@@ -167,10 +167,10 @@ class Receiver:
 
 @final
 class Inbox:
-    """The bounded store between the link and the one task that reads: `put` never waits, `receive` waits for a message.
+    """The bounded store between the link and the receiving task: only `receive` waits.
 
-    Overflow: messages of QoS 0 are bounded in number and bytes, and the oldest of them go first. Messages of QoS 1 and
-    2 are never dropped here; the broker holds back more of them until some are acknowledged.
+    Messages of QoS 0 are bounded in number and bytes; the oldest are dropped first. Messages of QoS 1 and 2 are never
+    dropped here: the broker holds back further ones until some are acknowledged.
 
     Args:
         max_messages: Most messages of QoS 0.
@@ -188,7 +188,7 @@ class Inbox:
         self.dropped = 0
 
     def put(self, *messages: MqttMessage) -> None:
-        """Add messages, make room for them if need be, and wake the reader."""
+        """Add messages, making room if necessary, and wake the reader."""
         self._messages.extend(messages)
         count = size = 0
         for topic, payload, qos, _, _, _ in messages:
@@ -204,10 +204,10 @@ class Inbox:
             wake.set_result(None)
 
     async def receive(self) -> list[MqttMessage]:
-        """Return everything that is there, oldest first.
+        """Return all messages, oldest first; wait for the first.
 
         Raises:
-            LinkError: The store is empty and nothing more will come before `reopen`.
+            LinkError: The store is empty, and stays so until `reopen`.
         """
         while not self._messages:
             if self._ended is not None:
@@ -220,12 +220,12 @@ class Inbox:
         return taken
 
     def end(self, reason: LinkError | RefusedError) -> None:
-        """End because of *reason*: nothing more will come; queued messages can still be read."""
+        """End for *reason*; stored messages can still be received."""
         self._ended = reason
         self.put()
 
     def reopen(self, *, resumed: bool) -> None:
-        """Begin again; in a *resumed* session the broker repeats those of QoS 1 that wait here."""
+        """Reopen; in a *resumed* session the broker repeats the stored messages of QoS 1."""
         self._ended = None
         if resumed:
             self._messages = deque(message for message in self._messages if message.qos != 1)
@@ -242,12 +242,12 @@ class Inbox:
 class DeliveryLedger:
     """The acknowledgements of received messages, over all links of one client. Pure.
 
-    QoS 1: PUBACK is sent when the message is settled, and only on the link it came by, because on a later link its
-    packet identifier may stand for another message.
+    QoS 1: PUBACK is sent when the message is settled, only on the link of the message, because on a later link its
+    packet identifier may belong to another message.
 
-    QoS 2: PUBREC is sent when the message is settled; until PUBREL the identifier is remembered for the whole session,
-    so that a repeated PUBLISH is answered and not delivered again (method B of MQTT Version 5.0, section 4.3.3). A
-    process that dies before it settled gets the message again.
+    QoS 2: PUBREC is sent when the message is settled; until PUBREL the identifier is remembered for the session, so
+    that a repeated PUBLISH is answered but not delivered again (method B of MQTT 5.0, section 4.3.3). A process that
+    dies before that gets the message again.
     """
 
     def __init__(self) -> None:
@@ -263,11 +263,11 @@ class DeliveryLedger:
             self._recorded.clear()
 
     def admit(self, qos: int, packet_id: int) -> tuple[int | None, bytes]:
-        """Enter an arriving PUBLISH of QoS 1 or 2.
+        """Record a received PUBLISH of QoS 1 or 2.
 
         Returns:
-            The receipt to deliver it with, or None for a repetition that must not be delivered; and the bytes to
-            answer at once, mostly none.
+            The receipt for its delivery, or None for a repetition that must not be delivered; and the bytes to answer
+            at once, usually empty.
         """
         if qos == 1:
             return self._link << 16 | packet_id, b""
@@ -288,14 +288,14 @@ class DeliveryLedger:
         return bytes(out)
 
     def refuse(self, qos: int, packet_id: int) -> bytes:
-        """Return the acknowledgement of a message that was dropped for good, so that it does not come again."""
+        """Return the acknowledgement of a permanently dropped message, so that it is not repeated."""
         if qos == 1:
             return _packet(_PUBACK, packet_id)
         self._recorded[packet_id] = True
         return _packet(_PUBREC, packet_id)
 
     def release(self, packet_id: int) -> bytes:
-        """Return the answer to a PUBREL; also to one for an unknown identifier, or the broker would ask for ever."""
+        """Return the answer to a PUBREL, even for an unknown identifier, which the broker would repeat forever."""
         self._recorded.pop(packet_id, None)
         return _packet(_PUBCOMP, packet_id)
 

@@ -1,4 +1,4 @@
-"""Requests of one client that the broker has not answered yet, and how many publishes may be open at once."""
+"""The unanswered requests of one client, and the window of open publishes."""
 
 import asyncio
 import math
@@ -14,18 +14,18 @@ from homebot.mqtt.packets import Publish, Pubrel
 __all__ = ["Answer", "Requests", "SendWindow"]
 
 Answer: TypeAlias = tuple[int, ...]
-"""The reason codes of an answer, as they are: brokers give others than the protocol has."""
+"""The raw reason codes of an answer: brokers also send others than the protocol defines."""
 
 _LAST = 65_535
 
 
 @final
 class Requests:
-    """Packet identifiers, pending requests and the handshakes of QoS 2; over all links of a client.
+    """The packet identifiers, pending requests and QoS 2 handshakes of one client, over all its links.
 
     Args:
-        random: Chooses the first identifier: a process that starts anew must not meet the open identifiers of the one
-            before in a session that lasted.
+        random: Chooses the first identifier, so that a restarted process does not reuse identifiers that are open in
+            its resumed session.
         timeout: Seconds after which an answer is overdue.
     """
 
@@ -33,21 +33,21 @@ class Requests:
         self._last = random.randrange(_LAST)
         self._timeout = timeout
         self._answers: dict[int, tuple[asyncio.Future[Answer], float]] = {}  # and when each is overdue
-        self._check: asyncio.TimerHandle | None = None  # one for all: nearly every answer comes long before
+        self._check: asyncio.TimerHandle | None = None  # one for all, as nearly every answer comes long before
         self._open: dict[int, _Handshake] = {}  # QoS 2
 
     def new_id(self) -> int:
-        """Return an identifier that nothing open has."""
+        """Return an unused identifier."""
         while True:
             self._last = self._last % _LAST + 1
             if self._last not in self._answers and self._last not in self._open:
                 return self._last
 
     def begin_link(self, *, resumed: bool) -> tuple[Publish | Pubrel, ...]:
-        """Return the packets to send again on a new link: handshakes of QoS 2 that the broker may still have.
+        """Return the packets to repeat on a new link: QoS 2 handshakes that the broker may still have.
 
-        One that expired meanwhile is not brought to an end, as many brokers deliver at its end; its identifier is not
-        used again in the session.
+        An expired handshake is not completed, as many brokers deliver at its end; its identifier is not used again in
+        the session.
         """
         if not resumed:
             self._open.clear()
@@ -65,30 +65,30 @@ class Requests:
         return answer
 
     def forget(self, packet_id: int) -> None:
-        """Forget an answer without waiting callers."""
+        """Forget a request."""
         self._answers.pop(packet_id, None)
 
     def hold(self, packet_id: int, publish: Publish) -> None:
-        """Hold a handshake of QoS 2, which goes on on a later link until the message expires."""
+        """Keep a QoS 2 handshake, which continues on later links until the message expires."""
         expiry = publish.properties.message_expiry_interval
         lasts = math.inf if expiry is None else expiry
         self._open[packet_id] = _Handshake(publish, asyncio.get_running_loop().time() + lasts)
 
     def taken(self, packet_id: int) -> Pubrel:
-        """Handle a PUBREC that accepts; return the answer."""
+        """Handle an accepting PUBREC; return the answer."""
         if packet_id in self._open:
             self._open[packet_id] = self._open[packet_id]._replace(publish=None)
         return Pubrel(packet_id)
 
     def answered(self, packet_id: int, reasons: Answer) -> None:
-        """Handle the last answer to *packet_id*; do nothing without a waiting caller."""
+        """Handle the last answer to *packet_id*; ignored without a waiting caller."""
         self._open.pop(packet_id, None)
         expected = self._answers.get(packet_id)
         if expected is not None and not expected[0].done():
             expected[0].set_result(reasons)
 
     def fail(self, words: str) -> None:
-        """Fail all that wait for an answer: none will come, because of *words*."""
+        """Fail all waiting callers with the reason *words*."""
         for answer, _ in self._answers.values():
             if not answer.done():
                 answer.set_exception(LinkError(words))
@@ -103,13 +103,13 @@ class Requests:
 
 
 class _Handshake(NamedTuple):
-    """A publish of QoS 2 without its last answer; None once PUBREC has come."""
+    """An unfinished QoS 2 publish; its message is None after PUBREC."""
 
     publish: Publish | None
     ends_at: float
 
     def packet(self, packet_id: int, now: float) -> Publish | Pubrel:
-        """Return the packet that continues it, with the remaining time."""
+        """Return the packet that continues it, with the remaining expiry time."""
         if self.publish is None:
             return Pubrel(packet_id)
         properties = self.publish.properties
@@ -120,12 +120,12 @@ class _Handshake(NamedTuple):
 
 @final
 class SendWindow:
-    """The window of own publishes that may be open on one link at once; the others wait in their order.
+    """The window of publishes that may be open on a link; others wait in order.
 
     Waiting callers are released when the link is lost.
 
     Args:
-        size: Places at the start; below 1 others have to end first.
+        size: Initial number of places; below 1, open publishes must end first.
     """
 
     def __init__(self, size: int) -> None:
@@ -133,10 +133,10 @@ class SendWindow:
         self._waiters: deque[asyncio.Future[None]] = deque()
 
     async def acquire(self) -> bool:
-        """Wait for a place in line; return whether there was none at once.
+        """Wait for a place; return whether there was none at first.
 
         Raises:
-            LinkError: The link was lost meanwhile.
+            LinkError: The link was lost while waiting.
         """
         if self._free > 0:
             self._free -= 1
@@ -147,12 +147,12 @@ class SendWindow:
             await waiter
         except asyncio.CancelledError:
             if waiter.done() and not waiter.cancelled() and waiter.exception() is None:
-                self.release()  # the place came in the same moment
+                self.release()  # the place became free at the same moment
             raise
         return True
 
     def release(self) -> None:
-        """Free the place of a publish that has ended."""
+        """Free the place of a finished publish."""
         self._free += 1
         while self._free > 0 and self._waiters:
             waiter = self._waiters.popleft()
@@ -161,7 +161,7 @@ class SendWindow:
                 waiter.set_result(None)
 
     def close(self, words: str) -> None:
-        """Fail all that wait, because of *words*."""
+        """Fail all waiting callers with the reason *words*."""
         while self._waiters:
             waiter = self._waiters.popleft()
             if not waiter.done():

@@ -1,7 +1,7 @@
-"""Links by TCP and TLS, and the meaning of their failures.
+"""Links over TCP and TLS, and the meaning of their failures.
 
-Concurrency: everything runs in the loop's own thread. Bytes of the broker are taken from the socket as fast as it
-comes, at most 16 MiB ahead, and understood in portions, so that a burst stops neither the broker nor the loop.
+Everything runs in the loop's thread. Incoming bytes are read from the socket as fast as possible, at most 16 MiB ahead,
+and parsed in portions, so that a burst blocks neither the broker nor the loop.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ from homebot.support.addresses import ip_version
 __all__ = ["ReadAhead", "TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
 
 _PORTION: Final = 32 * 1024
-"""Bytes understood in one turn of the loop: enough for a few hundred messages, a few milliseconds of work."""
+"""Bytes parsed in one turn of the loop: a few hundred messages, a few milliseconds of work."""
 
 _BUFFER: Final = 256 * 1024
-"""Bytes read from the socket at once, at most; one that reads less in a turn is too slow for a broker in a flood."""
+"""Most bytes read from the socket at once; smaller reads are too slow for a flood from the broker."""
 
 _READ_AHEAD: Final = 16 * 1024 * 1024
-"""Bytes waiting to be understood, at most; see `ReadAhead` for why so many."""
+"""Most bytes waiting to be parsed; see `ReadAhead` for the reason."""
 
 _SINGLE_ACKNOWLEDGEMENT: Final = 4  # bytes of a PUBACK or PUBREC
-_HOLD: Final = 0.001  # seconds for which a single one, or one of TCP in a burst, waits for company
+_HOLD: Final = 0.001  # seconds for which a single one, or one of TCP in a burst, waits for others
 _GOODBYE: Final = 1.0
 """Seconds that a clean close may take; the broker may be gone already."""
 
@@ -41,9 +41,9 @@ _TCP_QUICKACK: Final[int | None] = getattr(socket, "TCP_QUICKACK", None)  # Linu
 
 
 async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
-    """Connect to the broker's port; where the options say TLS, shake hands and verify its certificate.
+    """Connect to the broker's port; with TLS, shake hands and verify its certificate.
 
-    Cancelled, it leaves nothing behind. Small packets are sent at once: Nagle's algorithm costs up to 44 ms for each
+    A cancellation leaves nothing behind. Small packets are sent at once: Nagle's algorithm costs up to 44 ms for each
     acknowledged publish on some brokers.
 
     Raises:
@@ -65,7 +65,7 @@ async def dial_tcp(options: MqttOptions, user: TransportUser) -> TcpTransport:
 
 @final
 class TcpTransport(asyncio.BufferedProtocol):
-    """One link; fills :class:`homebot.mqtt.client.transport.ClientTransport`.
+    """A link over TCP; a :class:`homebot.mqtt.client.transport.ClientTransport`.
 
     Attributes:
         socket: The connected socket; None before.
@@ -86,7 +86,7 @@ class TcpTransport(asyncio.BufferedProtocol):
         self._closed = anyio.Event()
 
     async def carry(self, sock: socket.socket, options: MqttOptions, context: ssl.SSLContext | None) -> None:
-        """Carry the connected socket *sock*, which is closed where that fails; with *context* shake hands first.
+        """Take over the connected socket *sock*, closed on failure; with *context*, shake hands first.
 
         Raises:
             LinkError: The handshake failed.
@@ -101,7 +101,7 @@ class TcpTransport(asyncio.BufferedProtocol):
                 sock=sock,
                 ssl=context,
                 server_hostname=options.host,
-                ssl_handshake_timeout=2 * options.timeout,  # never; the caller's limit ends it sooner
+                ssl_handshake_timeout=2 * options.timeout,  # never; the caller's limit is shorter
                 ssl_shutdown_timeout=_GOODBYE,
             )
         except OSError as error:
@@ -112,14 +112,14 @@ class TcpTransport(asyncio.BufferedProtocol):
             raise
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Take the connection, which stands."""
+        """Set up the open connection."""
         self._transport = cast("asyncio.Transport", transport)
         self._transport.set_write_buffer_limits(high=SEND_BUFFER)
         self.socket = transport.get_extra_info("socket")
         self._acknowledge()
 
     def get_buffer(self, sizehint: int) -> memoryview:  # noqa: ARG002 - as asyncio calls it
-        """Return the place for the next bytes: always the same, or each read would ask the kernel for 256 KiB."""
+        """Return the buffer for the next bytes: always the same, as asyncio would allocate 256 KiB for each read."""
         return self._buffer
 
     def buffer_updated(self, nbytes: int) -> None:
@@ -132,14 +132,14 @@ class TcpTransport(asyncio.BufferedProtocol):
         self._acknowledge()
 
     def pause_writing(self) -> None:
-        """Note that the broker takes bytes slower than they come; the user looks at `waiting`."""
+        """Do nothing: the user checks `waiting`."""
 
     def resume_writing(self) -> None:
         """Resume after the broker has read most of the data."""
         self._user.drained()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """End with the connection, which is closed."""
+        """Clean up after the closed connection."""
         while portion := self._ahead.pop():  # data before the end counts
             self._user.data_received(portion)
         self._drop_held()
@@ -151,11 +151,11 @@ class TcpTransport(asyncio.BufferedProtocol):
 
     @property
     def waiting(self) -> int:
-        """Bytes written that the broker has not taken yet."""
+        """Written bytes that the broker has not read yet."""
         return 0 if self._transport is None else self._transport.get_write_buffer_size()
 
     def write(self, data: bytes) -> None:
-        """Send *data* at once where the socket takes it, else in turn."""
+        """Send *data* at once if the socket accepts it, otherwise in turn."""
         if self._held:
             data = self._held + data
             self._drop_held()
@@ -163,7 +163,7 @@ class TcpTransport(asyncio.BufferedProtocol):
             self._transport.write(data)
 
     def write_acknowledgements(self, data: bytes) -> None:
-        """Send many at once, a single one a moment later, together with the answer it may cause."""
+        """Send many at once; a single one a moment later, together with the answer that it may cause."""
         if len(data) > _SINGLE_ACKNOWLEDGEMENT:
             self.write(data)
             return
@@ -172,13 +172,13 @@ class TcpTransport(asyncio.BufferedProtocol):
             self._release = self._loop.call_later(_HOLD, self.write, b"")
 
     def close(self) -> None:
-        """Send all written data, then close."""
+        """Close after sending all written data."""
         self.write(b"")
         if self._transport is not None:
             self._transport.close()
 
     async def wait_closed(self) -> None:
-        """Wait until the close is through; after a second the link is cut."""
+        """Wait for the end of the close; after a second the link is cut."""
         if self._transport is None:
             return
         with anyio.CancelScope(shield=True):
@@ -218,9 +218,9 @@ class TcpTransport(asyncio.BufferedProtocol):
             self._transport.resume_reading()
 
     def _acknowledge(self) -> None:
-        # Have TCP acknowledge incoming bytes without delay: a broker with Nagle's algorithm on, such as Mosquitto,
-        # waits up to 40 ms for it. Linux forgets this wish after a while, so it is repeated; in a burst once in a
-        # millisecond, or the messages come one by one, which costs both ends a third of their speed.
+        # Make TCP acknowledge incoming bytes without delay: a broker with Nagle's algorithm, such as Mosquitto,
+        # waits up to 40 ms for it. Linux resets the option after a while, so it is set again; in a burst once in a
+        # millisecond, as otherwise messages arrive one by one, at two thirds of the speed.
         if _TCP_QUICKACK is None or self._acknowledgement is not None:
             return
         wait = self._acknowledged_at + _HOLD - self._loop.time()
@@ -238,17 +238,17 @@ class TcpTransport(asyncio.BufferedProtocol):
 
 @final
 class ReadAhead:
-    """Bytes that were read before there was time to understand them, in order.
+    """Bytes that have been read but not parsed yet, in order.
 
-    A broker sends all the messages it keeps at once, and some drop those that the socket does not take in time. So
-    bytes are read from the socket as fast as they come, and parsed in portions. Its owner bounds it: see `is_full`.
+    A broker sends all retained messages at once, and some drop those that the socket does not accept in time. So
+    bytes are read from the socket as fast as possible, and parsed in portions. Its owner bounds it: see `is_full`.
 
     Args:
-        portion: How many bytes to hand out at once, at most.
-        most: How many bytes make it full.
+        portion: Most bytes returned at once.
+        most: Bytes that make it full.
 
     Attributes:
-        size: How many bytes wait.
+        size: Bytes waiting.
     """
 
     def __init__(self, portion: int, most: int) -> None:
@@ -263,12 +263,12 @@ class ReadAhead:
         return self.size >= self._most
 
     def put(self, data: bytes) -> None:
-        """Add *data* at the end."""
+        """Append *data*."""
         self._chunks.append(memoryview(data))
         self.size += len(data)
 
     def pop(self) -> bytes:
-        """Remove and return the next portion; empty when nothing waits."""
+        """Remove and return the next portion; empty if there is none."""
         if not self._chunks:
             return b""
         chunk = self._chunks.popleft()
@@ -283,13 +283,13 @@ async def make_tls_context(options: MqttOptions) -> ssl.SSLContext:
     """Read the certificate files.
 
     Raises:
-        UsageError: A file cannot be read or has invalid content; names the file.
+        UsageError: A file cannot be read or is invalid; the message names it.
     """
     return await anyio.to_thread.run_sync(_load_context, options)
 
 
 def socket_error(error: OSError) -> LinkError | RefusedError:
-    """Interpret a failure of a socket: a no of the TLS handshake is a no, all else is the link.
+    """Interpret a failure of a socket: RefusedError for a refused TLS handshake, LinkError for everything else.
 
     The texts do not name the broker: the caller does.
     """
@@ -305,7 +305,7 @@ def socket_error(error: OSError) -> LinkError | RefusedError:
 
 
 def dial_error(error: OSError, *, in_tls: bool) -> LinkError | RefusedError:
-    """Interpret the failure to connect; *in_tls* where it may have ended in the TLS handshake."""
+    """Interpret a failure to connect; *in_tls* if it may have occurred during the TLS handshake."""
     if in_tls and isinstance(error, _CUT):
         return LinkError(
             "the broker closed the connection during the TLS handshake; is this its port for TLS, "
@@ -335,7 +335,7 @@ async def _connect(options: MqttOptions) -> socket.socket:
 
 
 async def _resolve(options: MqttOptions) -> list[tuple[int, tuple[object, ...]]]:
-    """Return where the broker may be, each with its family; an address is not looked up, which takes a thread."""
+    """Return the broker's addresses with their families; a literal address needs no lookup in a thread."""
     version = ip_version(options.host)
     if version is not None:
         return [(socket.AF_INET if version == 4 else socket.AF_INET6, (options.host, options.port))]

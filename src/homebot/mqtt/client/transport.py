@@ -9,22 +9,22 @@ from homebot.mqtt.options import MqttOptions
 __all__ = ["SEND_BUFFER", "ClientTransport", "Dial", "TransportUser"]
 
 SEND_BUFFER: Final = 256 * 1024
-"""Bytes that may wait for the broker before a publish of QoS 0 waits too."""
+"""Bytes waiting for the broker from which a publish of QoS 0 waits too."""
 
 
 class TransportUser(Protocol):
-    """The receiving half of a transport's user, the client."""
+    """The client as the user of a transport."""
 
     def data_received(self, data: bytes) -> None:
         """Handle bytes from the broker."""
         ...
 
     def drained(self) -> None:
-        """Go on: few or no bytes wait for the broker any more."""
+        """Continue writing: few or no bytes wait for the broker."""
         ...
 
     def link_ended(self, reason: LinkError | RefusedError) -> None:
-        """End with the link, which the broker closed, or which broke; nothing more comes."""
+        """End after the link was closed by the broker or broke."""
         ...
 
 
@@ -33,11 +33,11 @@ class ClientTransport(Protocol):
 
     @property
     def waiting(self) -> int:
-        """Bytes written that the broker has not taken yet."""
+        """Written bytes that the broker has not read yet."""
         ...
 
     def write(self, data: bytes) -> None:
-        """Send *data*; nothing after a close."""
+        """Send *data*; ignored after a close."""
         ...
 
     def write_acknowledgements(self, data: bytes) -> None:
@@ -45,11 +45,11 @@ class ClientTransport(Protocol):
         ...
 
     def close(self) -> None:
-        """Send all written data, then close; nothing more is received."""
+        """Close after sending all written data; nothing more is received."""
         ...
 
     async def wait_closed(self) -> None:
-        """Wait until a close is through, for a second at most; then the link is cut."""
+        """Wait for the end of a close; after a second the link is cut."""
         ...
 
     def abort(self) -> None:
@@ -58,7 +58,7 @@ class ClientTransport(Protocol):
 
 
 Dial: TypeAlias = Callable[[MqttOptions, TransportUser], Awaitable[ClientTransport]]
-"""Opens a link to the broker whose address is in the options; its bytes go to the user.
+"""Opens a link to the broker in the options; its bytes go to the user.
 
 It raises LinkError if no answer comes in time, RefusedError if the certificate of one side is not trusted by the other,
 and UsageError if a certificate file cannot be used.
