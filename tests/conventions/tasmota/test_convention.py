@@ -94,6 +94,19 @@ def test_topics_are_made_as_the_device_was_set_up(full_topic: str, expected: str
     assert device_in(take(discovery(), "config", config(ft=full_topic))).parts[0].part.writes == (expected,)
 
 
+@pytest.mark.parametrize(
+    ("topics", "own"),
+    [
+        ({}, ("cmnd/tasmota_000011",)),
+        ({"t": "tasmota_%06X", "ft": "%id%/%topic%/%prefix%/"}, ("2462AB000011/tasmota_%06X/cmnd",)),
+        ({"t": "door"}, ()),
+    ],
+)
+def test_the_topics_with_its_address_are_the_device_s_own(topics: dict[str, str], own: tuple[str, ...]) -> None:
+    """No lamp switches it there in other words, such as ``POWER1`` or ``Backlog``; any name could be in a config."""
+    assert device_in(take(discovery(), "config", config(**topics))).owns == ("cmnd/DVES_000011_fb", *own)
+
+
 def test_sensors_come_after_the_config() -> None:
     convention = discovery()
     assert ids(device_in(take(convention, "config", config()))) == ["power_1", "wifi"]

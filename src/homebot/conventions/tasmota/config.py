@@ -106,6 +106,16 @@ class TasmotaConfig:
         return (*self.results(*commands, "State"), self.telemetry)
 
     @property
+    def own_topics(self) -> tuple[str, ...]:
+        """The beginnings of its command topics that its address names: that of the firmware, and its usual one.
+
+        Source: tasmota.github.io/docs, MQTT, "fallback topic".
+        """
+        tail, base = self.mac[-_TAIL:], self.command_base.removesuffix("/")
+        is_named = any(level.upper().endswith(tail) for level in base.split("/"))
+        return f"cmnd/DVES_{tail}_fb", *((base,) if is_named else ())
+
+    @property
     def telemetry(self) -> str:
         """The topic on which outputs are reported every few minutes."""
         return f"{self.telemetry_base}STATE"
@@ -143,6 +153,9 @@ class TasmotaConfig:
         is_known = isinstance(state, str) and state in self.state_texts[:2]
         return state == self.state_texts[1] if is_known else None
 
+
+_TAIL = 6
+"""Digits of the address in the topic ``tasmota_XXXXXX``, which a device has until its owner gives it another."""
 
 _COMMAND_TOPICS_OPTION = 4
 """SetOption4: the answer to a command has a topic with its name."""

@@ -97,6 +97,7 @@ class TasmotaReader:
             topic=f"{self._prefix}/{mac}/config",
             facts=config.facts,
             availability=None if config.is_sleeper else Availability((will,)),
+            owns=config.own_topics,
         )
         self._known[mac] = _KnownTasmota(config, leaves, device)
         return (device,)
