@@ -252,6 +252,18 @@ async def test_a_robot_that_is_carried_away_is_unsure_until_three_poses_are_cons
     assert [told.is_sure for told in one.news()] == [False]
 
 
+async def test_a_room_that_is_stated_after_a_jump_is_sure_until_the_next_jump(one: House) -> None:
+    await one.say("/robot/room", RobotRoom(robot="", room="Hall"))
+    await one.say("/robot/pose", stamped(1, 1))
+    await one.say("/robot/pose", stamped(6, 1))
+    assert [(told.room, told.is_sure) for told in one.news()][-1] == ("Kitchen", False)
+    await one.say("/robot/room", RobotRoom(robot="", room="Hall"))
+    assert [(told.room, told.is_sure) for told in one.news()] == [("Hall", True)]
+    assert (await one.ask()).message == ""
+    await one.say("/robot/pose", stamped(1, 1))
+    assert [told.is_sure for told in one.news()] == [False]
+
+
 async def test_a_robot_that_drives_fast_is_sure(one: House) -> None:
     for step in range(8):
         await one.say("/robot/pose", stamped(step * 0.7, 1))

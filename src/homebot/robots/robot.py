@@ -52,6 +52,7 @@ class TrackedRobot:
         self.name, self.settings, self.now, self._on_change = name, settings, now, on_change
         self.alive_at = -math.inf
         self.unsure_because = ""
+        self._doubted_at = 0.0
         self.sigma: float | None = None
         self._poses: dict[str, RobotPose] = {}
         self._consistent = 0
@@ -114,8 +115,8 @@ class TrackedRobot:
             self.doubt(f"its localization is uncertain by {sigma:.1f} m")
 
     def doubt(self, reason: str) -> None:
-        """Doubt the robot's poses until three in a row are consistent."""
-        self.unsure_because, self._consistent = reason, 0
+        """Doubt the robot's poses until three in a row are consistent, but no room that is stated from now on."""
+        self.unsure_because, self._consistent, self._doubted_at = reason, 0, self.now()
         self._on_change()
 
     def drop(self, source: str) -> None:
@@ -125,11 +126,16 @@ class TrackedRobot:
             self._on_change()
 
     def best(self) -> RobotPose | None:
-        """Return the pose of the smallest error that counts, else the last that did; None without any."""
+        """Return the pose of the smallest error that counts, a sure one first, else the last; None without any."""
         now = self.now()
         if counting := [one for one in self._poses.values() if self.expires_at(one) > now]:
-            return min(counting, key=lambda one: (one.error, one.source))
+            return min(counting, key=lambda one: (not self.is_sure(one), one.error, one.source))
         return max(self._poses.values(), key=self.expires_at, default=None)
+
+    def is_sure(self, pose: RobotPose) -> bool:
+        """Return whether nothing makes *pose* doubtful."""
+        is_newer_room = not pose.has_position and pose.received_at.to_seconds() >= self._doubted_at
+        return not self.unsure_because or is_newer_room
 
     def expires_at(self, pose: RobotPose) -> float:
         """Return when *pose* no longer counts."""

@@ -106,7 +106,7 @@ class RobotTracker:
             return WhereIsRobotResponse(success=False, message=f"nothing has told yet where {name} is")
         pose = self._completed(robot, best)
         age = max(0.0, robot.now() - best.received_at.to_seconds())
-        problem = robot.unsure_because and f"{name} is not sure where it is: {robot.unsure_because}"
+        problem = "" if pose.is_sure else f"{name} is not sure where it is: {robot.unsure_because}"
         if not pose.counts:
             problem = f"{name}'s pose is {age:.0f} s old (limit {pose.limit:g} s)"
         if not pose.limit:
@@ -135,7 +135,7 @@ class RobotTracker:
         plan = FloorPlan.of(house)
         floor = plan.level(pose.floor or robot.settings.floor)
         received_at = self._node.graph.clock.now() - (robot.now() - pose.received_at.to_seconds())
-        known: dict[str, object] = {"floor": floor, "is_sure": not robot.unsure_because}
+        known: dict[str, object] = {"floor": floor, "is_sure": robot.is_sure(pose)}
         known["received_at"] = Time.from_seconds(received_at)
         if not pose.has_position:
             room = house.locate(pose.room)[0] or pose.room
