@@ -179,12 +179,19 @@ async def test_a_frame_that_cannot_be_taken_ends_that_connection(
 ) -> None:
     settings = DoorSettings(port=0, max_frame_bytes=4096)
     async with open_house(settings) as house, house.peer() as bad, house.peer() as good:
-        await bad.connection.send(frame)
-        with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed) as caught:
-            await bad.connection.recv()
-        assert caught.value.rcvd is not None
-        assert caught.value.rcvd.code == code
-        await good.settle()
+        with capture_logs() as logs:
+            await bad.connection.send(frame)
+            with anyio.fail_after(PATIENCE), pytest.raises(ConnectionClosed) as caught:
+                await bad.connection.recv()
+            assert caught.value.rcvd is not None
+            assert caught.value.rcvd.code == code
+            await good.settle()
+        told = [
+            one["message"]
+            for one in logs
+            if "exceeds limit of 4096 bytes, the max_frame_bytes of [door]" in one["message"]
+        ]
+        assert len(told) == (code == 1009)
 
 
 async def test_a_client_may_hold_only_so_much(open_house: Any) -> None:

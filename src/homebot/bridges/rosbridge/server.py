@@ -260,5 +260,8 @@ class Door:
         self._sessions[connection] = session
         try:
             await session.run(texts)
+            end = connection.protocol.close_sent
+            if end is not None and end.code == CloseCode.MESSAGE_TOO_BIG:
+                asking.log_refusal(f" was cut off: {end.reason}, the max_frame_bytes of [door]", "frame", end.reason)
         finally:
             del self._sessions[connection]
