@@ -81,7 +81,9 @@ def message_to_pieces(message: Message) -> Iterator[str]:
 def message_from_json(
     message_type: type[MessageT], value: Mapping[str, object], *, ignore_unknown: bool = False
 ) -> MessageT:
-    """Return the message that the JSON object *value* spells; bytes may come as base64 text or as a list.
+    """Return the message that the JSON object *value* spells.
+
+    Bytes, and the numbers of an array as little-endian bytes, may come as base64 text or as a list.
 
     Args:
         ignore_unknown: Whether fields that the type lacks, those of a newer homebot, are left out and not refused.
@@ -173,7 +175,7 @@ def _known_fields(message_type: type[Message], value: Any) -> Any:
 
 
 def _value_from_json(field: FieldDefinition, value: object) -> object:
-    if field.is_base64 and (field.is_bytes or isinstance(value, str)):
+    if field.is_bytes or (field.is_numeric and isinstance(value, str)):
         return _bytes_from_json(value)
     if field.is_numeric and isinstance(value, list):
         has_null = field.ros_type in _REAL and None in value
