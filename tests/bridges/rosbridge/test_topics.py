@@ -90,6 +90,12 @@ async def test_a_best_effort_publisher_reaches_a_client(house: House, peer: Peer
     assert (await peer.receive())["msg"] == {"data": 7}
 
 
+async def test_a_message_with_a_type_needs_no_advertisement(house: House, peer: Peer) -> None:
+    heard = house.node("listener").create_subscription(String, "/new")
+    await peer.tell("publish", topic="/new", type="std_msgs/String", msg={"data": "hello"})
+    assert heard.take() == String(data="hello")
+
+
 async def test_a_topic_of_a_known_type_may_be_read_before_anybody_publishes(house: House, peer: Peer) -> None:
     await peer.tell("subscribe", topic="/later", type="std_msgs/String")
     house.node("talker").create_publisher(String, "/later").publish(String(data="now"))

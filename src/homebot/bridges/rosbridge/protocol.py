@@ -115,6 +115,7 @@ class PublishOperation(TopicOperation, ops=("publish",)):
     """A message for a topic."""
 
     msg: dict[str, Any]
+    type: str = ""
     latch: bool = False
 
 

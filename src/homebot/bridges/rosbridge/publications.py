@@ -110,8 +110,8 @@ class Publications:
         """
         publication = self._topics.get(op.topic)
         if publication is None:
-            self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), ""), op)
-            publication = self._open(op.topic, "", latched=op.latch)
+            self._message(message_type_of_topic(self._node.graph, self._node.resolve_name(op.topic), op.type), op)
+            publication = self._open(op.topic, op.type, latched=op.latch)
         if self._is_unread(publication):
             self._keep(op.topic, op, size)
             return ()
