@@ -20,6 +20,7 @@ from homebot.devices.journal_messages import ReadJournalRequest
 from homebot.devices.lease_messages import EndLeases
 from homebot.devices.names import END_LEASES, HOLD_DEVICE, PERFORM_COMMANDS
 from homebot.errors import GoalAbortedError
+from homebot.gateways.announced.gateway_device import GatewayDevice, simple_part
 from homebot.graph import Node
 from homebot.graph.actions import ActionClient, GoalState
 
@@ -144,7 +145,8 @@ async def test_a_hold_of_an_unknown_setting_is_refused_with_the_known_ones_and_s
     open_home: OpenHome,
 ) -> None:
     async with open_home(always_ask=False, rate_limit=False) as home:
-        home.put("lamp", "light", "on_off", "level")
+        light = simple_part("light", settable=("on_off", "level")).model_copy(update={"id": "light"})
+        home.gateway.devices.put(GatewayDevice("lamp", "Lamp", (light,)), "the test says so")
         await anyio.sleep(0.01)
         goal = HoldDeviceGoal(device="lamp", part="", setting=Setting.of("on", 1.0), by="me", issuer="/app")
         with pytest.raises(GoalAbortedError) as caught:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import inf
+from operator import attrgetter
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from homebot.control import durations
@@ -201,7 +202,7 @@ def zero_as_off(settings: Mapping[str, PlainValue], part: Part) -> Mapping[str, 
 
 
 def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setting]) -> DevicePart | None:
-    """Return the part with the id *part_id*; without one, the only part that takes all *settings*.
+    """Return the part with the id *part_id*; without one, the only part that takes all *settings*, or that there is.
 
     A part that is a setting is returned only if no other part takes them. None if there is no such part, or several.
     """
@@ -210,9 +211,9 @@ def commanded_part(device: Device | None, part_id: str, settings: Iterable[Setti
     part = device.part(part_id)
     if part is not None or part_id:
         return part
-    wanted = {one.capability for one in settings}
+    wanted = set(map(attrgetter("capability"), settings))
     able = [one for one in device.parts if wanted <= {can.name for can in one.part.capabilities if can.settable}]
-    found = [one for one in able if not one.part.category] or able
+    found = [one for one in able or device.parts if not one.part.category] or able
     return found[0] if len(found) == 1 else None
 
 
