@@ -224,7 +224,8 @@ class Interfaces:
         known = [[field.declaration for field in fields_of(one)] for one in messages_in(self._resolve(key))]
         given = [[field.declaration for field in message.fields.values()] for message in parsed]
         if known != given:
-            raise UsageError(f"{key} is known with other fields ({known}); give the type another name")
+            fields = " --- ".join(", ".join(one) for one in known)
+            raise UsageError(f"{key} is known with other fields ({fields}); give the type another name")
 
 
 _KIND_NAMES: Final = {"msg": "message", "srv": "service", "action": "action"}
