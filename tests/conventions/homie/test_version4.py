@@ -1,3 +1,4 @@
+import random
 from collections.abc import Mapping
 from itertools import permutations
 
@@ -6,6 +7,7 @@ from tests.conventions.announced_parts import Say, device_in, heard, part_in
 
 from homebot.conventions.description import AnnouncementEvent, DeviceWithdrawn, Publication
 from homebot.conventions.homie import Homie
+from homebot.devices.command_description import CommandDescription
 from homebot.errors import WireError
 from homebot.mqtt.topics import topic_matches
 
@@ -61,6 +63,37 @@ def test_any_order_that_ends_with_the_state_makes_it_once(say: Say) -> None:
         base = f"homie/lamp{number}"
         order = [*reversed(first[3:]), *start, "$state"]
         assert len(tell(say, {name: LAMP[name] for name in order}, base)) == 1
+
+
+LOCK = {
+    "$homie": "3.0.1",
+    "$name": "Front door",
+    "$state": "ready",
+    "$nodes": "bolt",
+    "bolt/$name": "Bolt",
+    "bolt/$type": "lock",
+    "bolt/$properties": "state",
+    "bolt/state/$datatype": "enum",
+    "bolt/state/$format": "lock,unlock",
+    "bolt/state/$settable": "true",
+}
+
+
+def test_an_approval_of_a_lock_outlasts_any_order_of_its_attributes(say: Say) -> None:
+    """It may begin as another type, which no approval is for, and ends as the lock that was approved."""
+    approved = described_at_last(say, LOCK)
+    for number in range(100):
+        order = random.Random(number).sample(list(LOCK), len(LOCK))  # noqa: S311 - not for secrets
+        say(f"{BASE}/$state", "")
+        assert described_at_last(say, {name: LOCK[name] for name in order}) == approved
+
+
+def described_at_last(say: Say, attributes: Mapping[str, str]) -> CommandDescription:
+    """Say all attributes, and return what an approval of the only part is bound to after the last of them."""
+    *_, device = tell(say, attributes)
+    device = device_in([device])
+    (part,) = device.parts
+    return CommandDescription.of(part.part, device.identifiers)
 
 
 def test_a_device_with_an_early_state_is_described_once_complete(say: Say) -> None:
