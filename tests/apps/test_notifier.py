@@ -69,7 +69,7 @@ async def test_without_the_table_notifications_are_logged_and_that_is_said_once(
     assert not await app.notify("first")
     assert not await app.notify("second")
     first, second = events(lines, SENT)
-    assert first.startswith("waiting notifies: first (in the log alone; the table [notify]")
+    assert first.startswith("waiting notifies: first (only in the log; the table [notify]")
     assert second == "waiting notifies: second"
     assert [one.message for one in house.notifications] == ["first", "second"]
 
@@ -152,8 +152,8 @@ async def test_no_line_of_the_log_and_no_error_has_an_address(
     assert not is_sent
     assert len(posted) == 1
     assert trouble == (
-        "JSON (notify.urls[0]) did not answer, or refused it; notify.urls[1] is no address that apprise knows; "
-        "notify.urls[2] is no address that apprise knows"
+        "JSON (notify.urls[0]) did not answer, or refused it; notify.urls[1] is not an address that apprise knows; "
+        "notify.urls[2] is not an address that apprise knows"
     )
     assert SECRET not in f"{lines} {caplog.text}"
 

@@ -105,7 +105,7 @@ async def test_a_handler_that_fails_five_times_in_a_row_is_given_up() -> None:
         for _ in range(10):
             runs.start(work)
             await anyio.sleep(1)
-        assert runs.trouble == "failed 5 times in a row and is called no longer (ValueError: odd)"
+        assert runs.trouble == "failed 5 times in a row and is not called any more (ValueError: odd)"
     assert results == [None]
 
 
@@ -139,5 +139,5 @@ async def test_a_mode_that_does_not_exist_is_named() -> None:
     node = Node(Graph(), "hall")
     with pytest.raises(UsageError, match="mode: there is no 'paralel'; did you mean parallel"):
         HandlerRuns(node, lambda _: None, "job", "paralel")  # type: ignore[arg-type]  # what is under test
-    with pytest.raises(UsageError, match="most: 0 is no number from 1 on"):
+    with pytest.raises(UsageError, match="most: 0 is not a number from 1 on"):
         HandlerRuns(node, lambda _: None, "job", "queued", 0)

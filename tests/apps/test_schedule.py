@@ -256,7 +256,7 @@ async def test_a_job_that_fails_stays_until_the_fifth_time_in_a_row() -> None:
         assert job.next is not None
         await anyio.sleep(5 * HOUR)
         assert job.next is None
-        assert job.note == ("failed 5 times in a row and is called no longer (ValueError: odd)")
+        assert job.note == ("failed 5 times in a row and is not called any more (ValueError: odd)")
     assert len(diary.calls) == 5
 
 
@@ -346,7 +346,7 @@ async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() ->
 @pytest.mark.parametrize(
     ("setup", "problem"),
     [
-        (lambda app: app.daily("25:00", app.note), "'25:00' is no time of day; write it like 22:00"),
+        (lambda app: app.daily("25:00", app.note), "'25:00' is not a time of day; write it like 22:00"),
         (lambda app: app.daily("22:00", app.note, days="mon-frj"), "days: there is no day 'frj'; did you mean fri"),
         (lambda app: app.at("sunste", app.note), "there is no event 'sunste' of the sun; did you mean sunset"),
         (lambda app: app.every("0s", app.note), "period: must be above 0"),
@@ -355,13 +355,13 @@ async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() ->
         (lambda app: app.after("1h", lambda: None, name="x", durable=True), "a durable timer needs a name, and a meth"),
         (lambda app: app.after("1h", app.note, catch_up="1h"), "catch_up is for a durable timer"),
         (lambda app: app.daily("22:00", app.note, catch_up="90d"), "catch_up: 90d is more than 31 days"),
-        (lambda app: app.daily("22:00", app.note, days=["mon"]), "days: ['mon'] is no text; write it like mon-fri"),
+        (lambda app: app.daily("22:00", app.note, days=["mon"]), "days: ['mon'] is not a text; write it like mon-fri"),
         (lambda app: app.daily("22:00", app.note, days="monkey"), "days: there is no day 'monkey'; did you mean mon"),
         (
             lambda app: app.daily("22:00", app.note, days="mon-"),
             "days: there is no day ''; write it like mon-fri or sat,sun",
         ),
-        (lambda app: app.daily(22, app.note), "22 is no time of day; write it like 22:00"),
+        (lambda app: app.daily(22, app.note), "22 is not a time of day; write it like 22:00"),
         (lambda app: app.at(None, app.note), "there is no event None of the sun"),
         (lambda app: app.at("sunset", app.note, offset="400d"), "offset: 400d is more than 12 hours"),
         (lambda app: app.at("sunset", app.note, jitter="13h"), "jitter: 13h is more than 12 hours"),
@@ -369,9 +369,9 @@ async def test_the_sun_rises_on_each_day_also_if_it_does_so_at_midnight_utc() ->
         (lambda app: app.after(None, app.note), "delay: None is not a duration"),
         (lambda app: app.after(1e300, app.note), "delay: 1e+300 is more than 100 years"),
         (lambda app: app.every(True, app.note), "period: True is not a duration"),
-        (lambda app: app.every("1h", app.note, name=3), "name: 3 is no text of one character or more"),
+        (lambda app: app.every("1h", app.note, name=3), "name: 3 is not a text of one character or more"),
         (lambda app: app.after("1h", app.note, name=[3], durable=True), "a durable timer needs a name"),
-        (lambda app: app.after("1h", app.note()), "handler: None is no function; give it without brackets"),
+        (lambda app: app.after("1h", app.note()), "handler: None is not a function; give it without parentheses"),
         (lambda app: app.daily("22:00", app.say), "handler: say is called with no argument: missing a required"),
     ],
 )

@@ -207,7 +207,7 @@ async def test_a_file_that_cannot_be_read_is_not_written_over(tmp_path: Path) ->
     assert path.read_bytes() == before
     (line,) = lines
     assert "written by a newer homebot" in line["message"]
-    assert line["message"].endswith("until the next start what apps keep is in memory alone")
+    assert line["message"].endswith("until the next start the values of apps are in memory only")
 
 
 async def test_what_cannot_be_written_now_is_written_later(tmp_path: Path) -> None:

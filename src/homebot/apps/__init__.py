@@ -1,4 +1,4 @@
-"""The application layer."""
+"""Apps: base class, built-in apps, and the services of the home that they use."""
 
 from homebot.apps.base import App, AppSettings, NoSettings
 from homebot.apps.context import AppContext

@@ -1,4 +1,4 @@
-"""The base class of apps: a node that acts on the devices of the house."""
+"""The base class of apps, each a node that acts on the devices of the house."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ __all__ = ["App", "AppSettings", "NoSettings"]
 
 
 class AppSettings(BaseModel):
-    """The base class of tables of apps: read once, and an unknown key is an error."""
+    """The base class of app tables: read once; an unknown key is an error."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
@@ -62,10 +62,10 @@ class App(ABC, Generic[SettingsT]):
         settings: The table ``[apps.NAME]`` of the configuration, validated.
 
     Attributes:
-        Settings: The model of the app's table; by default a table with keys is an error.
+        Settings: The model of the app's table; the default accepts no keys.
         node: The node of the app, for its topics, services, timers and parameters.
         settings: The settings.
-        clock: The clock, which stands for the computer's: ``clock.now()`` in seconds since the Unix epoch.
+        clock: The clock to use in place of the computer's: ``clock.now()`` is in seconds since the Unix epoch.
         context: Facts about the home; the runtime sets it before :meth:`run`.
     """
 
@@ -96,16 +96,16 @@ class App(ABC, Generic[SettingsT]):
 
     @property
     def store(self) -> Store:
-        """Values that the app keeps over a restart: ``self.store["armed"] = True``."""
+        """Values that the app keeps across restarts: ``self.store["armed"] = True``."""
         if self._store is None:
             self._store = self.context.store_of(self.node.name)
         return self._store
 
     @abstractmethod
     async def run(self) -> None:
-        """Run until cancelled; the app ends in good order when this has returned and its tasks have ended.
+        """Run until cancelled; the app has ended normally when this has returned and its tasks have ended.
 
-        An exception is logged and the app started again, half a second later at first; after five crashes within a
+        An exception is logged and the app is restarted, at first after half a second; after five crashes within a
         minute it is given up.
         """
 
@@ -115,12 +115,12 @@ class App(ABC, Generic[SettingsT]):
 
     @property
     def jobs(self) -> tuple[Job, ...]:
-        """The jobs of :meth:`after`, :meth:`every`, :meth:`daily` and :meth:`at` that are to be called."""
+        """The pending jobs of :meth:`after`, :meth:`every`, :meth:`daily` and :meth:`at`."""
         return () if self._schedule is None else self._schedule.jobs
 
     @property
     def waits(self) -> Iterator[tuple[str, str, float]]:
-        """The handlers that are called if a device stays as it is, with its name, and in how many seconds."""
+        """The handlers that will be called if a device stays as it is, with its name and the remaining seconds."""
         for one in self._reactions:
             yield from ((one.name, device, seconds) for device, seconds in one.waiting)
 
@@ -136,9 +136,9 @@ class App(ABC, Generic[SettingsT]):
         """Call *handler* once, *delay* from now: ``"2m"``, seconds or a timedelta.
 
         Args:
-            name: Of one that waits, this one replaces it.
-            durable: Whether it is kept over a restart; then it needs a *name*, and a method of the app.
-            catch_up: How late a durable one may be because homebot was stopped; else it is dropped with a line.
+            name: The name of the job; it replaces a pending job of this name.
+            durable: Whether it survives a restart, for which it needs a *name*, and a method of the app.
+            catch_up: How late a durable job may be because homebot was stopped; later ones are dropped and logged.
         """
         return self._jobs().after(delay, handler, name, durable=durable, catch_up=catch_up)
 
@@ -151,7 +151,7 @@ class App(ABC, Generic[SettingsT]):
         offset: Length = "0s",
         mode: RunMode = "single",
     ) -> Job:
-        """Call *handler* each *period*, first after one and *offset*."""
+        """Call *handler* every *period*, first after one period plus *offset*."""
         return self._jobs().every(period, handler, name, offset, mode)
 
     def daily(
@@ -167,8 +167,8 @@ class App(ABC, Generic[SettingsT]):
         """Call *handler* each day at *time*, such as ``"22:00"``, in the home's zone.
 
         Args:
-            days: Days of the week, such as ``"mon-fri"`` or ``"sat,sun"``; by default all.
-            catch_up: How late a call may be where homebot was stopped or the computer slept; else it is skipped.
+            days: Days of the week, such as ``"mon-fri"`` or ``"sat,sun"``; all by default.
+            catch_up: How late a call may be because homebot was stopped or the computer slept; later ones are skipped.
         """
         return self._jobs().daily(time, handler, days, name, catch_up, mode)
 
@@ -186,8 +186,8 @@ class App(ABC, Generic[SettingsT]):
         """Call *handler* each day at ``"sunset"``, ``"sunrise"``, ``"dawn"``, ``"dusk"`` or ``"noon"``.
 
         Args:
-            offset: From the event, such as ``"-30m"``.
-            jitter: By how much each call is earlier or later at most, at random.
+            offset: Time relative to the event, such as ``"-30m"``.
+            jitter: The most by which each call is randomly earlier or later.
             catch_up: As for :meth:`daily`.
         """
         return self._jobs().at(event, handler, offset, jitter, name, catch_up, mode)
@@ -196,7 +196,7 @@ class App(ABC, Generic[SettingsT]):
         """Return whether the sun is above the horizon of the home.
 
         Raises:
-            UsageError: The place of the home is not known.
+            UsageError: The location of the home is unknown.
         """
         from homebot.apps.sun import is_sun_up  # noqa: PLC0415 - astral is for apps that ask
 
@@ -210,7 +210,7 @@ class App(ABC, Generic[SettingsT]):
         return self._schedule
 
     async def notify(self, message: str, *, title: str = "") -> bool:
-        """Send people *message*, as the table ``[notify]`` says; without that it is logged.
+        """Send *message* to people as configured in the table ``[notify]``; without it, only log the message.
 
         Returns:
             Whether it was sent; a failure is logged.
@@ -220,11 +220,11 @@ class App(ABC, Generic[SettingsT]):
     async def history(
         self, handle: Handle, capability: str, since: str | float = "24h", points: int = 0
     ) -> HistorySeries:
-        """Return the past of *capability*, for example ``power``, since so long ago: ``times`` and ``values``.
+        """Return the history of *capability*, for example ``power``, with ``times`` and ``values``.
 
         Args:
             since: How far back, such as ``"7d"``, or seconds.
-            points: The number of values at most, 500 by default; of more, ``values`` are means.
+            points: The largest number of values, 500 by default; if there are more, ``values`` are means.
 
         Raises:
             UsageError: No history is kept, or an argument is wrong.
@@ -232,10 +232,10 @@ class App(ABC, Generic[SettingsT]):
         return await self._history.read(handle, capability, since, points)
 
     async def energy(self, query: str = "", since: str | float = "6d") -> tuple[EnergyOfDay, ...]:
-        """Return the energy by device and day of the home, since so long ago, of the devices that fit *query*.
+        """Return the energy by day and device, for the devices that fit *query*.
 
         Raises:
-            UsageError: No history is kept, or the query is none.
+            UsageError: No history is kept, or *query* is not a query.
         """
         return await self._history.read_energy(query, since)
 
@@ -275,24 +275,25 @@ class App(ABC, Generic[SettingsT]):
         most: int = 10,
         key: Callable[[ItemT], Hashable] | None = None,
     ) -> Reaction[ItemT] | Callable[[ItemHandler[ItemT]], Reaction[ItemT]]:
-        """Call *handler* with each item of a live query, or of several; without it return a decorator.
+        """Call *handler* with each item of one or several live queries; without *handler*, return a decorator.
 
-        A command that the handler gives has the item as its cause: a press of a button is the wish of a person.
+        The item is the cause of the commands that the handler gives: a button press counts as a person's request.
 
         Args:
             query: For example ``self.devices.follow(Light)``.
-            handler: A function or coroutine function of one item; its failures cost that call alone, the fifth in a
-                row all further ones.
-            mode: What a call does while an earlier one runs: ``single`` is dropped, ``restart`` cancels the earlier
-                one, ``queued`` waits for its turn, ``parallel`` runs beside it.
-            most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
-            key: Returns what runs by itself, for example :func:`homebot.apps.rooms.per_room`.
+            handler: A function or coroutine function of one item; a failure costs only that call, the fifth in a row
+                all further ones.
+            mode: The rule for a call while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier
+                one, ``queued`` waits for its turn, ``parallel`` runs concurrently.
+            most: The limit of running and waiting calls, at which ``queued`` and ``parallel`` drop the next.
+            key: Returns the key of an item; calls with different keys are independent, as for
+                :func:`homebot.apps.rooms.per_room`.
 
         Returns:
             The reaction; its ``cancel()`` ends it.
 
         Raises:
-            UsageError: The app does not run, there is no such mode, no query, or another argument is wrong.
+            UsageError: The app does not run, there is no query, or an argument is wrong.
         """
         if handler is None:
             return partial(self.on, query, mode=mode, most=most, key=key)
@@ -304,20 +305,20 @@ class App(ABC, Generic[SettingsT]):
         return reaction
 
     def log_limited(self, event: str, text: str, **facts: object) -> None:
-        """Log *text* for information, with its *facts*: the same at most once in 10 s."""
+        """Log *text* at level info with its *facts*, the same text at most once in 10 s."""
         if self._log_limit.allows(f"{event} {text}") is not None:
             self.log.info(event, message=text, **facts)
 
     async def each(
         self, command: Callable[[HandleT], Coroutine[object, object, Outcome]], handles: Iterable[HandleT]
     ) -> list[Outcome]:
-        """Give a command to each of *handles*, all at once: ``await self.each(Light.turn_off, lamps)``.
+        """Give a command to all *handles* concurrently: ``await self.each(Light.turn_off, lamps)``.
 
         Returns:
-            The outcomes, in the order of the handles; of a command that makes no sense to its device ``Refused``.
+            The outcomes, in the order of the handles; ``Refused`` for a command that makes no sense to its device.
 
         Raises:
-            UsageError: *command* is no function of a handle.
+            UsageError: *command* is not a function of a handle.
         """
         from homebot.apps.run_modes import check_handler  # noqa: PLC0415 - some apps only watch
         from homebot.devices.outcomes import Refused  # noqa: PLC0415
@@ -338,13 +339,13 @@ class App(ABC, Generic[SettingsT]):
         return [outcomes[number] for number in sorted(outcomes)]
 
     def start_task(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
-        """Call *function* in a task of the app, which is cancelled with it; its exception is the app's.
+        """Call *function* in a task of the app, which is cancelled with the app and whose exception ends it.
 
         Raises:
-            UsageError: The app does not run, or *function* is none.
+            UsageError: The app does not run, or *function* is not a coroutine function.
         """
         if not callable(function):
-            raise UsageError(f"start_task() takes a coroutine function without brackets, not {function!r:.60}")
+            raise UsageError(f"start_task() takes a coroutine function without parentheses, not {function!r:.60}")
         if self._tasks is None:
             raise UsageError(f"{self.node.full_name} does not run yet; start its tasks in run()")
         self._tasks.start_soon(self._isolated, function)
@@ -358,6 +359,6 @@ class App(ABC, Generic[SettingsT]):
             await self._isolated(self.run)
 
     async def _isolated(self, function: Callable[[], Coroutine[object, object, object]]) -> None:
-        """Await *function*; else its group would take a stray cancellation for its own."""
+        """Await *function* in isolation; its group would mistake a stray cancellation for its own."""
         with isolated(self.node.full_name):
             await function()

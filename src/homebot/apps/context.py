@@ -1,4 +1,4 @@
-"""The facts about the home that an app is told."""
+"""The facts about the home that apps can use."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ class AppContext:
 
     Attributes:
         zone_name: The IANA name of the home's time zone; empty for the computer's.
-        latitude: Degrees north of the equator; None where the configuration does not say, like the next.
-        longitude: Degrees east of Greenwich.
-        store_of: Returns the store of an app by its name; by default one in memory.
-        keeps_values: Returns whether an app may have values of an earlier run.
+        latitude: Degrees north of the equator; None if not configured.
+        longitude: Degrees east of Greenwich; None if not configured.
+        store_of: Returns the store of an app by its name; in memory by default.
+        keeps_values: Returns whether an app may have values from an earlier run.
         notify: Sends people a message, with its title and the name of the app; returns whether it was sent.
-        asleep: Returns for how many seconds the computer was suspended, in which the monotonic clock stands still.
+        asleep: Returns the seconds for which the computer was suspended, while the monotonic clock stood still.
     """
 
     zone_name: str = "UTC"

@@ -1,4 +1,4 @@
-"""Follow me: the lamps of a dark room go on when a person comes in."""
+"""Follow me: turns on the lamps of a dark room when a person comes in."""
 
 from typing import Annotated
 
@@ -18,7 +18,7 @@ class FollowMeSettings(AppSettings):
     """The keys of the table of :class:`FollowMe`.
 
     Attributes:
-        dark_below: Lux below which a room is dark, by the darkest of its light sensors.
+        dark_below: Lux below which a room is dark, according to the darkest of its light sensors.
         without_light_sensor: Whether a room without a current light sensor counts as dark.
         rooms: The rooms in which lamps are turned on, empty for all; leave out bedrooms.
     """
@@ -31,7 +31,7 @@ class FollowMeSettings(AppSettings):
 class FollowMe(App[FollowMeSettings]):
     """Turns on the lamps of a dark room when a motion sensor there begins to detect motion; turns nothing off.
 
-    A room in which a lamp is on already is left as it is.
+    A room in which a lamp is already on is left as it is.
     """
 
     async def run(self) -> None:

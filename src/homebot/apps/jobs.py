@@ -1,4 +1,4 @@
-"""Jobs of an app: when each is due next, by the time that has passed or by the time of day."""
+"""Jobs of an app: when each is due next, by elapsed time or by time of day."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from homebot.clock import Clock
 __all__ = ["Due", "Interval", "Job", "JobFacts", "Times", "WallJob"]
 
 EARLIEST: Final = 1_735_689_600.0
-"""2025-01-01: a clock before that was not set yet, as that of a Raspberry Pi without network."""
+"""2025-01-01: an earlier clock is not set yet, as on a Raspberry Pi without network."""
 LONGEST_NAP: Final = 60.0
-"""Seconds: a clock that is set, and a computer that slept, are noticed within them; a run is no later than that."""
+"""Seconds within which a clock change or a sleep of the computer is noticed; no run is later than that."""
 _STEP_BACK: Final = 1.0
 _SHORTEST: Final = 0.001
 _SEARCHED: Final = 400
 
 
 class Due(NamedTuple):
-    """A call that is due: for how many seconds it is, and whether it is too late for it."""
+    """A due call: since how many seconds, and whether it is too late."""
 
     late: float = 0.0
     is_missed: bool = False
@@ -38,7 +38,7 @@ class JobFacts:
 
     Attributes:
         text: When it is called, such as ``daily at 22:00``.
-        elapsed: Returns the seconds that passed since an arbitrary start, those included for which the computer slept.
+        elapsed: Returns the seconds since an arbitrary start, including sleep of the computer.
     """
 
     name: str
@@ -54,7 +54,7 @@ class JobFacts:
 
 @dataclass(eq=False)
 class Job(ABC):
-    """A job of an app; :meth:`cancel` ends it, :attr:`next` is when it is called next."""
+    """A job of an app; :meth:`cancel` ends it, :attr:`next` is the time of its next call."""
 
     facts: JobFacts
 
@@ -64,39 +64,39 @@ class Job(ABC):
 
     @property
     def next(self) -> datetime | None:
-        """The time of its next call, in the home's zone; None where that is not known, or it is called no longer."""
+        """The time of its next call, in the home's zone; None if unknown, or if it is not called any more."""
         at = None if self.runs.trouble else self.next_at()
         return None if at is None else datetime.fromtimestamp(at, self.zone)
 
     @property
     def note(self) -> str:
-        """The reason why it is not called soon; empty if there is nothing to say."""
+        """The reason why it will not be called soon; empty otherwise."""
         return self.runs.trouble
 
     def cancel(self) -> None:
-        """End it; a call that is at work goes on. Idempotent."""
+        """End the job; a running call continues. Idempotent."""
         self.facts.forget(self)
 
     @abstractmethod
     def next_at(self) -> float | None:
-        """Return when it is called next, in seconds since the Unix epoch."""
+        """Return the time of the next call, in seconds since the Unix epoch."""
 
     @abstractmethod
     def look(self) -> Due | None:
-        """Return the call that is due, which then is not due again."""
+        """Return the due call, once."""
 
     @abstractmethod
     def nap(self) -> float:
-        """Return the seconds until the next look."""
+        """Return the seconds until the next :meth:`look`."""
 
 
 @dataclass(eq=False)
 @final
 class Interval(Job):
-    """A job after a time, once or again and again.
+    """A job after an elapsed time, once or repeatedly.
 
     Attributes:
-        due: When, as ``facts.elapsed`` counts.
+        due: When it is due, by ``facts.elapsed``.
         period: Seconds between two calls; None for one call.
         late: Seconds by which it was due while homebot was stopped.
     """
@@ -110,7 +110,7 @@ class Interval(Job):
         return self.clock.now() + max(0.0, self.due - self.facts.elapsed())
 
     def look(self) -> Due | None:
-        """See above; of several calls that were missed, one is due, and the next goes by the old grid."""
+        """See above; of several missed calls one is due, and the next keeps the old rhythm."""
         over = self.facts.elapsed() - self.due
         if over < 0:
             return None
@@ -127,7 +127,7 @@ class Times(Protocol):
     """At most one moment for each day."""
 
     def on(self, day: date, zone: tzinfo) -> float | None:
-        """Return that of *day*, in seconds since the Unix epoch; None where there is none."""
+        """Return the moment on *day*, in seconds since the Unix epoch; None if there is none."""
 
 
 @dataclass(eq=False)
@@ -135,14 +135,14 @@ class Times(Protocol):
 class WallJob(Job):
     """A job at a time of day.
 
-    It is called once for each day, also where the clock is set back.
+    It is called once a day, even if the clock is set back.
 
     Attributes:
         times: The moment of each day.
         catch_up: Seconds by which a call may be late.
         jitter: Seconds by which each call is earlier or later, the same at each look.
-        read_day: Returns the day of its last call, also of an earlier run, by its name.
-        write_day: Remembers it.
+        read_day: Returns the day of its last call, perhaps in an earlier run, by its name.
+        write_day: Saves the day of its last call.
     """
 
     times: Times
@@ -176,7 +176,7 @@ class WallJob(Job):
         return min(LONGEST_NAP, max(_SHORTEST, left))
 
     def look(self) -> Due | None:
-        """See above; of several calls that were missed, the last one may be due."""
+        """See above; of several missed calls the last one may be due."""
         now, before = self.clock.now(), self._looked
         if now < EARLIEST:
             self._next = None

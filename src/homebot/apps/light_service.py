@@ -1,4 +1,4 @@
-"""The light service: it turns off every lamp that reports that it is on."""
+"""The light service: turns off every lamp that reports that it is on."""
 
 from homebot.apps.base import App
 from homebot.apps.rooms import per_handle
@@ -8,13 +8,13 @@ __all__ = ["LightService"]
 
 
 class LightService(App):
-    """Turns off each lamp that reports that it is on, those that appear later too; a dimmed lamp is on."""
+    """Turns off each lamp that reports that it is on, including lamps that appear later; a dimmed lamp is on."""
 
     async def run(self) -> None:
-        """Answer each lamp that reports that it is on."""
+        """React to each lamp that reports that it is on."""
         reports = self.devices.follow(Light), self.devices.messages(Light)
         self.on(reports, self._answer, mode="parallel", most=100, key=per_handle)
-        self.every("5m", self._look_again, name="look again")  # as it did not obey, or a policy kept it on
+        self.every("5m", self._look_again, name="look again")  # for lamps that did not obey, or that a policy kept on
 
     async def _look_again(self) -> None:
         await self.each(Light.turn_off, await self.devices.find(Light, on=True))
@@ -24,7 +24,7 @@ class LightService(App):
         if lamp.is_gone or (
             message and (change.text != "on" or lamp.since("on_off") >= message.received_at.to_seconds())
         ):
-            return  # what changes the lamp comes as a change too
+            return  # a later change of the lamp is handled too
         if lamp.on:
             await lamp.turn_off()
         elif lamp.on is False and not lamp.is_commanded:

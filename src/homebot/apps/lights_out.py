@@ -1,4 +1,4 @@
-"""Lights out: the lamps of a room go off when its motion sensors have been quiet for a while."""
+"""Lights out: turns off the lamps of a room when its motion sensors have been quiet for a while."""
 
 import anyio
 
@@ -8,14 +8,14 @@ from homebot.devices.handles import Handle, HandleChange, Light, OccupancySensor
 from homebot.units import Seconds
 
 __all__ = ["LightsOut", "LightsOutSettings"]
-SHORTEST, LONGEST = 60.0, 3600.0  # seconds until lamps that stayed on are looked at again, longer each time
+SHORTEST, LONGEST = 60.0, 3600.0  # seconds until lamps that stayed on are checked again, longer each time
 
 
 class LightsOutSettings(AppSettings):
     """The keys of the table of :class:`LightsOut`.
 
     Attributes:
-        quiet_after: Seconds for which all motion sensors of a room must be quiet, and no lamp be turned on there.
+        quiet_after: Seconds for which all motion sensors of a room must be quiet, and no lamp turned on there.
     """
 
     quiet_after: Seconds = 1260.0  # a minute more than the presence guard waits
@@ -25,7 +25,7 @@ class LightsOut(App[LightsOutSettings]):
     """Turns off the lamps of a room after all its motion sensors, at least one, have detected no motion for a while."""
 
     async def run(self) -> None:
-        """Begin to count anew with each change of a room."""
+        """Restart the countdown of a room with each change in it."""
         changes = (
             self.devices.follow(OccupancySensor, occupied=False, fresh=True).only("appeared", "removed"),
             self.devices.follow(OccupancySensor, reachable=False).only("appeared", "removed"),
@@ -40,7 +40,7 @@ class LightsOut(App[LightsOutSettings]):
         while lamps := in_room(await self.devices.find(Light, on=True), room):
             if await self._is_quiet(room) and all(one.succeeded for one in await self.each(Light.turn_off, lamps)):
                 return
-            wait = min(2 * wait, max(wait, LONGEST))  # each try is an entry in the journal
+            wait = min(2 * wait, max(wait, LONGEST))  # each attempt is an entry in the journal
             await anyio.sleep(wait)
 
     async def _is_quiet(self, room: str) -> bool:

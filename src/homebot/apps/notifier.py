@@ -33,7 +33,7 @@ _TOPIC: Final = "homebot/notifications"
 _AT_ONCE: Final = 10
 _PER_SECOND: Final = 0.1
 _MOST_APPS: Final = 1000
-_LOG_ALONE: Final = "in the log alone; the table [notify] of the configuration sends notifications to people"
+_LOG_ALONE: Final = "only in the log; the table [notify] of the configuration sends notifications to people"
 _LONGEST: Final = 4000
 _LONGEST_TITLE: Final = 200
 _APPRISE_LIMIT: Final = 30.0
@@ -45,8 +45,8 @@ class NotifySettings(BaseModel):
 
     Attributes:
         gateway: The gateway for MQTT that publishes notifications.
-        topic: Its topic; by default ``homebot/notifications``, and none if there are *urls*.
-        urls: Addresses of services for `apprise`, which hold passwords.
+        topic: Its topic; by default ``homebot/notifications``, or none if there are *urls*.
+        urls: Addresses of services for `apprise`; they contain passwords.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -77,19 +77,19 @@ class Notification:
 
     @property
     def text(self) -> str:
-        """The title and the message in a line."""
+        """The title and the message in one line."""
         return f"{self.title}: {self.message}" if self.title else self.message
 
 
 @final
 class Notifier:
-    """Sends notifications: ten at once for each app, then one in 10 s; the others are dropped and counted.
+    """Sends notifications: a burst of ten for each app, then one in 10 s; others are dropped and counted.
 
     Args:
         settings: The table; without it they are logged alone.
 
     Attributes:
-        failed: Number of notifications that a service did not take.
+        failed: Number of notifications that a service did not accept.
         trouble: The reason why the last one was not sent; empty if it was.
     """
 
@@ -106,7 +106,7 @@ class Notifier:
         self.trouble = ""
 
     async def send(self, message: str, title: str, app: str, zone: tzinfo) -> bool:
-        """Send a message of *app*, cut at 4,000 characters; return whether each service took it."""
+        """Send a message of *app*, truncated to 4,000 characters; return whether each service accepted it."""
         time = datetime.fromtimestamp(self._clock.now(), zone)
         one = Notification(str(message)[:_LONGEST], str(title)[:_LONGEST_TITLE], app, time)
         limit = self._limits[app] = self._limits.get(app) or RateLimit(_PER_SECOND, _AT_ONCE)
@@ -134,7 +134,7 @@ class Notifier:
         payload = asdict(notification) | {"time": notification.time.isoformat(timespec="seconds")}
         text = json.dumps(payload, ensure_ascii=False)
         await self._output.out.send(RawCommand(address=self._settings.address, payload=text, issuer=notification.app))
-        return "" if self._output.out.reaches(self._output.node) else f"no gateway {self._settings.gateway} runs"
+        return "" if self._output.out.reaches(self._output.node) else f"gateway {self._settings.gateway} is not running"
 
     async def _push(self, notification: Notification) -> str:
         if self._settings is None or not self._settings.urls:
@@ -148,19 +148,19 @@ class Notifier:
 def _push(urls: tuple[SecretStr, ...], message: str, title: str) -> str:
     """Send a message to each of *urls* with apprise, blocking; return the problems.
 
-    The addresses hold passwords: no problem and no line of the log has them.
+    The addresses contain passwords, so neither problems nor log lines show them.
     """
     import apprise  # noqa: PLC0415 - an extra, and it takes a second
 
     logger = logging.getLogger("apprise")
-    logger.propagate, logger.handlers = False, [logging.NullHandler()]  # its lines have addresses
+    logger.propagate, logger.handlers = False, [logging.NullHandler()]  # its lines contain addresses
     problems = []
     for number, url in enumerate(urls):
         name = f"notify.urls[{number}]"
         try:
             service = apprise.Apprise.instantiate(url.get_secret_value())
             if service is None:
-                problems.append(f"{name} is no address that apprise knows")
+                problems.append(f"{name} is not an address that apprise knows")
             elif not service.notify(body=message, title=title):
                 problems.append(f"{service.service_name} ({name}) did not answer, or refused it")
         except Exception as exc:  # noqa: BLE001 - a plug-in of apprise; its text may have the address

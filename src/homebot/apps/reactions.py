@@ -1,4 +1,4 @@
-"""A reaction of an app: a handler that is called with each item of live queries."""
+"""Reactions of apps: handlers that are called with each item of live queries."""
 
 from collections.abc import AsyncIterable, Awaitable, Callable, Coroutine, Hashable, Iterator, Sequence
 from functools import partial
@@ -23,15 +23,15 @@ _MOST_KEYS: Final = 1000
 
 @final
 class Reaction(Generic[ItemT]):
-    """Calls a handler with each item; the commands of a call have the cause of its item, also if it runs later.
+    """Calls a handler with each item, which is the cause of the call's commands even if it runs later.
 
-    A command that makes no sense to its device ends the call; it is logged and no failure of the handler.
+    A command that makes no sense to its device ends the call; it is logged, but does not count as a failure.
 
     Args:
-        mode: What a call does while an earlier one with the same key runs; see :class:`HandlerRuns`.
-        most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
-        key: Returns what runs by itself, such as the room of an item; None for all items together. Beyond 1,000 keys
-            the others run as one.
+        mode: The rule for a call while an earlier one with the same key runs; see :class:`HandlerRuns`.
+        most: The limit of running and waiting calls, at which ``queued`` and ``parallel`` drop the next.
+        key: Returns the key of an item, such as its room; calls with different keys are independent. None for one key.
+            Beyond 1,000 keys the others share one.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Reaction(Generic[ItemT]):
             raise UsageError("on() takes a live query, such as self.devices.follow(Light), or several")
         check_handler(handler, "the change")
         if key is not None and not callable(key):
-            raise UsageError(f"key: {key!r:.60} is no function, such as per_room")
+            raise UsageError(f"key: {key!r:.60} is not a function, such as per_room")
         self.name = getattr(handler, "__name__", "handler")
         self._handler = handler
         self._key = key
@@ -64,7 +64,7 @@ class Reaction(Generic[ItemT]):
 
     @property
     def running_since(self) -> float | None:
-        """Start of the oldest call that is at work, in seconds since the Unix epoch; None where none is."""
+        """Start of the oldest running call, in seconds since the Unix epoch; None if none runs."""
         return min((one.running_since for one in self._runs.values() if one.running_since is not None), default=None)
 
     @property
@@ -74,18 +74,18 @@ class Reaction(Generic[ItemT]):
 
     @property
     def trouble(self) -> str:
-        """Reason for which the handler is called no longer, of one key at least; empty while it is."""
+        """The reason why the handler is not called any more, at least for one key; empty while it is called."""
         return next((one.trouble for one in self._runs.values() if one.trouble), "")
 
     @property
     def waiting(self) -> Iterator[tuple[str, float]]:
-        """The names of the devices with which it is called if they stay as they are, and in how many seconds."""
+        """The names of the devices that it waits for to stay as they are, with the remaining seconds."""
         for query in self._queries if not self._scope.cancel_called else ():
             if isinstance(query, Became):
                 yield from query.waiting
 
     def cancel(self) -> None:
-        """End it, with the calls that run or wait. Twice is fine."""
+        """End the reaction and its running and waiting calls; idempotent."""
         self._scope.cancel()
         for runs in self._runs.values():
             runs.cancel()

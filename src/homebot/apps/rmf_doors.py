@@ -1,4 +1,4 @@
-"""Doors as Open-RMF knows them: their states, and requests of robots to hold them open."""
+"""Doors for Open-RMF: their states, and requests of robots to hold them open."""
 
 from functools import partial
 from typing import Any, Final, TypeAlias
@@ -38,18 +38,18 @@ class RmfDoorsSettings(AppSettings):
     """The keys of the table of :class:`RmfDoors`.
 
     Attributes:
-        held_for: Seconds for which a request holds a door open, unless it is repeated.
+        held_for: Seconds for which a request holds a door open unless it is repeated.
     """
 
     held_for: Seconds = 120.0
 
 
 class RmfDoors(App[RmfDoorsSettings]):
-    """Publishes ``/door_states`` and serves ``/adapter_door_requests``, for doors of the plan and other doors.
+    """Publishes ``/door_states`` and serves ``/adapter_door_requests`` for doors in the plan and other doors.
 
-    A door of the plan is its lock or motor, else its contact. Locks, motors and contacts of doors that are in no plan
-    are doors of their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester; ``MODE_CLOSED``
-    of a requester releases its hold, and after the last one locks or closes it.
+    A door in the plan is represented by its lock or motor, else by its contact. Locks, motors and contacts that are in
+    no plan are doors under their own names. ``MODE_OPEN`` holds a lock unlocked or a motor open for the requester;
+    ``MODE_CLOSED`` releases the requester's hold, and locks or closes the door after the last one.
     """
 
     def __init__(self, node: Node, settings: RmfDoorsSettings) -> None:
@@ -79,7 +79,7 @@ class RmfDoors(App[RmfDoorsSettings]):
                 await anyio.sleep(_EVERY)
 
     async def _find_doors(self) -> dict[str, _Part | None]:
-        """Return each door with its lock or motor, else its contact; None where that is not known yet."""
+        """Return each door with its lock or motor, else its contact; None if that is not known yet."""
         find, plan = self.devices.find, await self._places.call(GetPlacesRequest(), timeout=5.0)
         planned = {fold(device): door.name for door in plan.doors for device in (door.contact, door.lock) if device}
         doors: dict[str, _Part | None] = dict.fromkeys(planned.values())

@@ -12,18 +12,18 @@ HandleT = TypeVar("HandleT", bound=Handle)
 
 
 def per_handle(change: HandleChange[Handle]) -> Handle:
-    """Return the handle of *change*, as the key of a reaction with runs of its own for each handle."""
+    """Return the handle of *change*: the key of a reaction whose handles are independent."""
     return change.handle
 
 
 def per_room(change: HandleChange[Handle]) -> str:
-    """Return the room of *change*, as the key of a reaction with runs of its own for each room."""
+    """Return the room of *change*: the key of a reaction whose rooms are independent."""
     return fold(change.handle.area)
 
 
 def in_room(handles: Iterable[HandleT], room: str) -> list[HandleT]:
-    """Return the *handles* in *room* itself; for a floor those in none of its rooms.
+    """Return the *handles* in *room* itself; for a floor, those in none of its rooms.
 
-    Case and accents do not matter. A device without a room is in none.
+    Case and accents do not matter. A device without a room is never in *room*.
     """
     return [one for one in handles if room and fold(one.area) == fold(room)]

@@ -1,4 +1,4 @@
-"""The runs of one handler of an app: what a call does while an earlier one is still at work."""
+"""The runs of one handler of an app, with the rule for a call while an earlier one is still running."""
 
 import asyncio
 from collections import deque
@@ -19,7 +19,7 @@ __all__ = ["FAILURES_IN_A_ROW", "MOST_RUNS", "HandlerRuns", "RunHandler", "RunMo
 
 CALL_DROPPED: Final = "app.call_dropped"
 FAILURES_IN_A_ROW: Final = 5
-"""Failures in a row after which a handler is called no longer."""
+"""Consecutive failures after which a handler is not called any more."""
 MOST_RUNS: Final = 10
 _QUIET: Final = 600.0  # seconds between two lines about dropped calls of a handler
 
@@ -29,19 +29,19 @@ StartTask: TypeAlias = Callable[[Callable[[], Coroutine[object, object, object]]
 
 
 def check_handler(handler: object, *arguments: str) -> None:
-    """Refuse a *handler* that cannot be called with so many *arguments*, by their names for people.
+    """Refuse a *handler* that cannot be called with as many arguments as there are names in *arguments*.
 
     Raises:
-        UsageError: It is no function, or takes others.
+        UsageError: It is not a function, or takes other arguments.
     """
     if not callable(handler):
-        raise UsageError(f"handler: {handler!r:.60} is no function; give it without brackets, like self.turn_off")
+        raise UsageError(f"handler: {handler!r:.60} is not a function; give it without parentheses, like self.turn_off")
     try:
         signature(handler).bind(*arguments)
     except TypeError as exc:
         takes = ", ".join(arguments) or "no argument"
         raise UsageError(f"handler: {getattr(handler, '__name__', handler)} is called with {takes}: {exc}") from exc
-    except ValueError:  # a function of C, which has no signature
+    except ValueError:  # a C function without a signature
         return
 
 
@@ -54,13 +54,13 @@ class HandlerRuns:
 
     Args:
         title: Name of the handler in the log and in health reports, such as ``job evening``.
-        mode: What a call does while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier one,
-            ``queued`` waits for its turn, ``parallel`` runs beside it.
-        most: Calls at work or waiting at which ``queued`` and ``parallel`` drop the next.
-        is_quiet: Whether a dropped call is usual, and logged for debugging alone.
+        mode: The rule for a call while an earlier one runs: ``single`` drops it, ``restart`` cancels the earlier one,
+            ``queued`` waits for its turn, ``parallel`` runs concurrently.
+        most: The limit of running and waiting calls, at which ``queued`` and ``parallel`` drop the next.
+        is_quiet: Whether dropped calls are normal, and logged only at level debug.
 
     Attributes:
-        trouble: Why the handler is called no longer; empty while it is.
+        trouble: Why the handler is not called any more; empty while it is called.
 
     Raises:
         UsageError: There is no such mode, or *most* is below 1.
@@ -80,7 +80,7 @@ class HandlerRuns:
             hint = did_you_mean(str(mode), modes, f"modes are {', '.join(modes)}")
             raise UsageError(f"mode: there is no {mode!r}; {hint}")
         if type(most) is not int or most < 1:
-            raise UsageError(f"most: {most!r} is no number from 1 on")
+            raise UsageError(f"most: {most!r} is not a number from 1 on")
         self.dropped = self.failures = 0
         self.trouble = ""
         self._node = node
@@ -92,16 +92,16 @@ class HandlerRuns:
         self._tasks_at_once = most if mode == "parallel" else 1
         self._tasks = 0
         self._waiting: deque[tuple[RunHandler, object]] = deque()
-        self._running: dict[anyio.CancelScope, float] = {}  # since when, in seconds since the Unix epoch
+        self._running: dict[anyio.CancelScope, float] = {}  # start of each, in seconds since the Unix epoch
         self._limit = LogLimit(node.graph.clock, _QUIET)
 
     @property
     def running_since(self) -> float | None:
-        """The time at which the oldest run at work began, in seconds since the Unix epoch; None where none is."""
+        """Start of the oldest run, in seconds since the Unix epoch; None if there is none."""
         return next(iter(self._running.values()), None)
 
     def start(self, handler: RunHandler, cause: object = None) -> bool:
-        """Call *handler* by the mode; return False if it is not called.
+        """Call *handler* according to the mode; return False if it is not called.
 
         Args:
             cause: The cause of its commands, see :data:`homebot.graph.current_cause.CURRENT_CAUSE`.
@@ -122,7 +122,7 @@ class HandlerRuns:
         return True
 
     def cancel(self) -> None:
-        """Cancel the runs, and those that wait."""
+        """Cancel the running and waiting calls."""
         self._waiting.clear()
         for scope in self._running:
             scope.cancel()
@@ -158,8 +158,8 @@ class HandlerRuns:
         cost = "it continues"
         if self.failures >= FAILURES_IN_A_ROW:
             self._waiting.clear()
-            cost = f"it was the {self.failures}th time in a row, and it is called no longer until the app starts again"
-            self.trouble = f"failed {self.failures} times in a row and is called no longer ({error_text(crash)})"
+            cost = f"it was the {self.failures}th time in a row, and it is not called until the app is restarted"
+            self.trouble = f"failed {self.failures} times in a row and is not called any more ({error_text(crash)})"
         self._node.graph.failures.record(self._node.full_name, self._title, crash, cost)
 
     def _drop(self) -> None:

@@ -37,7 +37,7 @@ LONGEST_CATCH_UP: Final = 31 * 86_400.0
 LONGEST: Final = 100 * 366 * 86_400.0
 LONGEST_OFFSET: Final = 43_200.0
 _TIMERS, _DAYS = "_timers", "_days"
-_GRACE: Final = 60.0  # seconds by which a durable timer may be late in any case
+_GRACE: Final = 60.0  # seconds by which any durable timer may be late
 _OWN: Final = "homebot.apps."
 
 Length: TypeAlias = str | float | timedelta
@@ -45,7 +45,7 @@ Length: TypeAlias = str | float | timedelta
 
 
 class Home(Protocol):
-    """The home of an app; as :class:`homebot.apps.AppContext`."""
+    """The home of an app, such as :class:`homebot.apps.AppContext`."""
 
     @property
     def zone(self) -> tzinfo: ...
@@ -61,7 +61,7 @@ class Home(Protocol):
 
 
 class JobOwner(Protocol):
-    """The app of some jobs; as :class:`homebot.App`."""
+    """The owner of jobs, such as :class:`homebot.App`."""
 
     @property
     def node(self) -> Node: ...
@@ -83,7 +83,7 @@ class JobOwner(Protocol):
 
 @final
 class Schedule:
-    """The jobs of *app*; each method but the properties is one of :class:`homebot.App`'s."""
+    """The jobs of *app*; see the methods of the same names in :class:`homebot.App`."""
 
     def __init__(self, app: JobOwner) -> None:
         self._app = app
@@ -95,11 +95,11 @@ class Schedule:
 
     @property
     def jobs(self) -> tuple[Job, ...]:
-        """The jobs, in the order in which they were made."""
+        """The jobs, in the order in which they were created."""
         return tuple(self._jobs.values())
 
     def resume(self) -> None:
-        """Take over the durable timers of an earlier run; one too late or without its method is dropped with a line."""
+        """Resume the durable timers of an earlier run; one that is too late, or lacks its method, is dropped."""
         for name, kept in self._kept(_TIMERS).items():
             handler = getattr(self._app, str(kept.get("handler")), None)
             left = float(kept["due"]) - self._clock.now()
@@ -136,7 +136,7 @@ class Schedule:
         return job
 
     def _taken_over(self, name: str) -> Job | None:
-        """Return the timer from before a restart, for an app that begins: nothing has asked for it anew."""
+        """Return the timer from before a restart for a starting app, unless it was requested again."""
         is_first = name in self._resumed
         self._resumed.discard(name)
         return self._jobs.get(name) if is_first and CURRENT_CAUSE.get() is None else None
@@ -218,13 +218,13 @@ class Schedule:
         return self._clock.monotonic() + self._app.context.asleep()
 
     def _name(self, name: str | None, handler: RunHandler, text: str, *, is_timer: bool = False) -> str:
-        """Return the name of a new job, which may be that of another only where a timer replaces a timer."""
+        """Return the name of a new job, which may exist already only if a timer replaces a timer."""
         if name is None:
             function = handler.func if isinstance(handler, partial) else handler
             base = f"{getattr(function, '__name__', '').strip('<>').replace('lambda', '')} {text}".strip()
             return next(one for one in _numbered(base) if one not in self._jobs)
         if type(name) is not str or not name:
-            raise UsageError(f"name: {name!r:.60} is no text of one character or more")
+            raise UsageError(f"name: {name!r:.60} is not a text of one character or more")
         other = self._jobs.get(name)
         if other is not None and not (is_timer and _is_timer(other)):
             raise UsageError(f"two jobs are named {name!r}: at {other.where} and at {_calling_line()}; rename one")
@@ -232,7 +232,7 @@ class Schedule:
 
     def _add(self, job: Job) -> Job:
         if len(self._jobs) >= MOST_JOBS:
-            raise UsageError(f"an app has at most {MOST_JOBS:,} jobs; is {job.name} made again and again?")
+            raise UsageError(f"an app has at most {MOST_JOBS:,} jobs; is {job.name} created again and again?")
         self._jobs[job.name] = job
         self._changed.set()
         if not self._is_working:
@@ -290,7 +290,7 @@ def _is_timer(job: Job) -> bool:
 
 
 def _calling_line() -> str:
-    """Return the line of the app's own code that is at work."""
+    """Return the line of the app's own code that is running."""
     frame = sys._getframe(1)  # noqa: SLF001 - a whole traceback would cost a hundred times as much
     while frame.f_back is not None and frame.f_globals.get("__name__", "") in _MODULES:
         frame = frame.f_back
@@ -306,7 +306,7 @@ def _numbered(base: str) -> Iterable[str]:
 
 
 def _signed(key: str, length: Length) -> float:
-    """Return seconds that may be below 0, 12 hours at most, so that each event of the sun has its own day."""
+    """Return seconds that may be negative, at most 12 hours, so that each event of the sun stays on its own day."""
     if isinstance(length, str):
         text = length.strip()
         sign, length = (-1.0 if text.startswith("-") else 1.0), text[text[:1] in ("-", "+") :]

@@ -1,7 +1,7 @@
-"""Values of apps that stay over a restart: JSON by key, ``self.store["armed"] = True``.
+"""Values of apps that survive restarts: JSON by key, ``self.store["armed"] = True``.
 
-Values are in memory, so that reading and writing never wait; they are in the file at most five seconds later, and when
-the app ends. A value is copied on its way in and out: to change a list, store it again.
+Values are in memory, so that reading and writing never wait; the file is written within five seconds, and when the app
+ends. Values are copied when stored and read: to change a list, store it again.
 """
 
 import json
@@ -13,23 +13,23 @@ from homebot.errors import UsageError
 __all__ = ["MOST_BYTES", "MOST_KEYS", "MOST_VALUE_BYTES", "Store"]
 
 MOST_VALUE_BYTES: Final = 65_536
-"""Bytes of a value at most, as JSON."""
+"""The limit of bytes of a value, as JSON."""
 
 MOST_KEYS: Final = 1000
-"""Keys of an app at most."""
+"""The limit of keys of an app."""
 
 MOST_BYTES: Final = 1_048_576
-"""Bytes of all values of an app at most."""
+"""The limit of bytes of all values of an app."""
 
 _MOST_KEY: Final = 200
 
 
 @final
-class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
-    """The values that one app keeps. Keys that begin with ``_`` are homebot's own, and are not listed.
+class Store(MutableMapping[str, Any]):  # any JSON value
+    """The stored values of one app. Keys that begin with ``_`` are reserved for homebot and not listed.
 
     Args:
-        texts: The JSON text of each key, which this changes.
+        texts: The JSON text of each key; updated in place.
         on_change: Called with each key that changes.
     """
 
@@ -45,7 +45,7 @@ class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
         """Return a copy of the value of *key*.
 
         Raises:
-            KeyError: There is none.
+            KeyError: There is no such key.
         """
         return json.loads(self._texts[key])
 
@@ -53,7 +53,7 @@ class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
         """Store a copy of *value* under *key*.
 
         Raises:
-            UsageError: It is no JSON value, or too large; or the key is none, or one too many.
+            UsageError: It is not a JSON value, or too large; or the key is invalid, or one too many.
         """
         text = self._checked(key, value)
         before = self._texts.get(key)
@@ -66,7 +66,7 @@ class Store(MutableMapping[str, Any]):  # a JSON value is any of its types
         """Remove *key*.
 
         Raises:
-            KeyError: There is none.
+            KeyError: There is no such key.
         """
         self._bytes -= len(self._texts.pop(key))
         self._on_change(key)

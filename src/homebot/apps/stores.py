@@ -1,4 +1,4 @@
-"""The stores of all apps, and their file, which is written behind them."""
+"""The stores of all apps, and their file, which is written in the background."""
 
 import json
 from collections.abc import Mapping
@@ -21,7 +21,7 @@ from homebot.support.sqlite_file import SqliteFile, SqliteSchema
 __all__ = ["STORE_SCHEMA", "AppStores", "Changes", "StoreFile"]
 
 WRITE_AFTER: Final = 5.0
-"""Seconds in which changes are gathered, which a power cut loses."""
+"""Seconds for which changes are gathered, and which a power cut loses."""
 
 _LAST_CHANCE: Final = 5.0
 _log = get_logger(node="/homebot")
@@ -37,7 +37,7 @@ STORE_SCHEMA = SqliteSchema(
         "WITHOUT ROWID",
     ),
     ("SELECT app, key, value FROM store LIMIT 1",),
-    page_size=512,  # a change writes whole pages, and most values are a few bytes
+    page_size=512,  # each change writes whole pages, and most values have only a few bytes
 )
 
 
@@ -45,8 +45,8 @@ STORE_SCHEMA = SqliteSchema(
 class AppStores:
     """The values of all apps: in memory, and in *path* if there is one.
 
-    A file that turns out to be damaged, or was removed, is begun anew with all that is in memory. If another homebot
-    uses it, or a newer one wrote it, values are in memory only.
+    If the file is damaged or was deleted, a new one is written from memory. If another homebot uses it, or a newer one
+    wrote it, values are in memory only.
     """
 
     def __init__(self, path: Path | None, clock: Clock) -> None:
@@ -55,7 +55,7 @@ class AppStores:
             self._kept = KeptFile(
                 StoreFile(path),
                 "the file of the apps",
-                "what apps keep is in memory alone",
+                "the values of apps are in memory only",
                 _log,
                 clock.now,
                 LogLimit(clock).allows,
@@ -82,9 +82,9 @@ class AppStores:
         return self._stores[app]
 
     async def read(self) -> None:
-        """Read what is in the file; called before the first store is used."""
+        """Read the file; called before the first store is used."""
         if self._kept is not None:
-            # To write over what cannot be read would lose it, so there is no second try.
+            # Overwriting an unreadable file would lose its content, so there is no second attempt.
             with suppress(LinkError):
                 async with self._kept.opened(retries=False) as file:
                     self._texts = await to_thread.run_sync(file.read)
@@ -101,7 +101,7 @@ class AppStores:
                 self._has_news.set()
 
     async def flush(self) -> None:
-        """Write all changes now, within five seconds, cancelled or not; what cannot be written is tried again."""
+        """Write all changes now, within five seconds, even when cancelled; failed ones are tried again."""
         with anyio.move_on_after(_LAST_CHANCE, shield=True), suppress(LinkError):
             await self._write()
 
@@ -119,7 +119,7 @@ class AppStores:
         if key in self._texts[app] or place in self._written:
             self._changed[place] = None
             self._has_news.set()
-        else:  # it came and went before it was written
+        else:  # added and removed before it was written
             self._changed.pop(place, None)
 
     async def _write(self) -> None:

@@ -1,4 +1,4 @@
-"""Times of the sun at a place. Where it does not rise or set on a day, as beyond the polar circles, there is none."""
+"""Times of the sun at a location. On a day without sunrise or sunset, as beyond the polar circles, there is none."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -29,18 +29,18 @@ _EVENTS: Final[Mapping[str, Callable[..., datetime]]] = {
 @final
 @dataclass(frozen=True, slots=True)
 class SunTime:
-    """A time so many seconds after an event of the sun; it belongs to the local date of the event."""
+    """A time with an offset in seconds from an event of the sun; it belongs to the local date of the event."""
 
     event: str
     place: astral.Observer
     offset: float
 
     def on(self, day: date, zone: tzinfo) -> float | None:
-        """Return the moment on *day*, in seconds since the Unix epoch; None where there is no such event."""
+        """Return the moment on *day*, in seconds since the Unix epoch; None if there is no such event."""
         found = self._find(day, zone)
         if found is None and (before := self._find(day - _DAY, zone)) and (after := self._find(day + _DAY, zone)):
             # astral finds none on one day of the year if the event moves over midnight UTC, as sunrise in India does.
-            # In the far north one that moves over local midnight leaves out a day indeed.
+            # In the far north, an event that moves over local midnight really leaves out a day.
             found = (before + after) / 2 if after - before > _TWO_DAYS else None
         return None if found is None else found + self.offset
 
@@ -55,7 +55,7 @@ def sun_time(event: str, latitude: float | None, longitude: float | None, offset
     """Return the time *offset* seconds after *event*.
 
     Raises:
-        UsageError: There is no such event, or the place is not known.
+        UsageError: There is no such event, or the location is unknown.
     """
     if type(event) is not str or event not in _EVENTS:
         hint = did_you_mean(event, _EVENTS, f"events are {', '.join(_EVENTS)}; for a time of day use daily()")
@@ -67,7 +67,7 @@ def is_sun_up(now: float, latitude: float | None, longitude: float | None) -> bo
     """Return whether the sun is up *now*, in seconds since the Unix epoch.
 
     Raises:
-        UsageError: The place is not known.
+        UsageError: The location is unknown.
     """
     place = _observer("sun_is_up", latitude, longitude)
     return sun.elevation(place, datetime.fromtimestamp(now, UTC), with_refraction=False) > _HORIZON

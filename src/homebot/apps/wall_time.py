@@ -1,6 +1,6 @@
 """Local times of day as moments, over days of 23 and 25 hours. Pure.
 
-A time that a day does not have is the end of the gap; of a time that it has twice, the first.
+A time that a day lacks becomes the end of the gap; of a time that occurs twice, the first is used.
 """
 
 import re
@@ -27,7 +27,7 @@ class TimeOfDay:
     days: frozenset[int]
 
     def on(self, day: date, zone: tzinfo) -> float | None:
-        """Return the moment on *day*, in seconds since the Unix epoch; None where it is none of the days."""
+        """Return the moment on *day*, in seconds since the Unix epoch; None if the day is not among its days."""
         return moment_of(day, self.time, zone) if day.weekday() in self.days else None
 
 
@@ -35,10 +35,10 @@ def read_time(text: str) -> time:
     """Return the time of day *text*, such as ``22:00`` or ``7:30:15``.
 
     Raises:
-        UsageError: It is none.
+        UsageError: It is not a time of day.
     """
     if type(text) is not str or (found := _TIME.fullmatch(text.strip())) is None:
-        raise UsageError(f"{text!r} is no time of day; write it like 22:00 or 7:30:15")
+        raise UsageError(f"{text!r} is not a time of day; write it like 22:00 or 7:30:15")
     hour, minute, second = (int(part or 0) for part in found.groups())
     return time(hour, minute, second)
 
@@ -50,7 +50,7 @@ def read_days(text: str) -> frozenset[int]:
         UsageError: A day does not exist.
     """
     if type(text) is not str:
-        raise UsageError(f"days: {text!r} is no text; write it like mon-fri or sat,sun")
+        raise UsageError(f"days: {text!r} is not a text; write it like mon-fri or sat,sun")
     found: set[int] = set()
     for part in filter(None, text.replace(" ", "").lower().split(",")):
         first, dash, last = part.partition("-")
@@ -65,7 +65,7 @@ def moment_of(day: date, at: time, zone: tzinfo) -> float:
     moment = wanted.timestamp()
     if datetime.fromtimestamp(moment, zone).time() == at:
         return moment
-    low, high = wanted.replace(fold=1).timestamp(), moment  # around the change of the clocks
+    low, high = wanted.replace(fold=1).timestamp(), moment  # around a clock change
     before = datetime.fromtimestamp(low, zone).utcoffset()
     while high - low > 1:
         middle = (low + high) // 2

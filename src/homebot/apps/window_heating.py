@@ -1,4 +1,4 @@
-"""Window and heating: the thermostats of a room are set lower while a window in it is open."""
+"""Window heating: lowers the thermostats of a room while a window in it is open."""
 
 from functools import partial
 
@@ -11,16 +11,16 @@ __all__ = ["WindowHeating", "WindowHeatingSettings"]
 
 
 class WindowHeatingSettings(AppSettings):
-    """The keys of its table: the time for which a window must be open, and the setpoint in °C from then on."""
+    """The keys of its table: how long a window must be open, and the lowered setpoint in °C."""
 
     open_for: Seconds = 60.0
     lowered_to: Celsius = 12.0
 
 
 class WindowHeating(App[WindowHeatingSettings]):
-    """Lowers the heating while a window or contact of its room is open; leaves a setpoint that was changed meanwhile.
+    """Lowers the heating while a window or contact in its room is open; keeps a setpoint that was changed meanwhile.
 
-    The setpoints to restore are kept in memory only: a heater that is lowered at the end of a run stays lowered.
+    The setpoints to restore are in memory only: a heater that is lowered at the end of a run stays lowered.
     """
 
     async def run(self) -> None:

@@ -1,4 +1,4 @@
-"""The computation graph: nodes, typed topics with QoS, services, parameters and the directory of them all."""
+"""The computation graph: nodes, typed topics with QoS, services, parameters, and a directory of all of these."""
 
 from homebot.graph.client import Client as Client
 from homebot.graph.endpoint import ActionInfo as ActionInfo

@@ -1,4 +1,4 @@
-"""The calling end of a service."""
+"""Client of a service."""
 
 from collections.abc import Callable
 from inspect import isawaitable
@@ -78,11 +78,11 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
     ) -> ResponseT:
         """Return the server's response to *request*.
 
-        The time limit, or a cancellation of the caller, ends the call and not the work: the handler continues, and its
-        late answer is dropped and counted.
+        The time limit, or a cancellation of the caller, ends the call but not the work: the handler continues, and its
+            late answer is dropped and counted.
 
         Args:
-            timeout: Seconds that the server may take, its waiting line included.
+            timeout: Seconds that the server may take, including the time in its queue.
             cancel_with_caller: Whether the handler is cancelled when the time limit passes or the caller is cancelled;
                 it then runs in the caller's task.
 
@@ -111,13 +111,13 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
             is_bound = cancel_with_caller or server.cancel_with_caller
             outcome = await self._outcome_of(HandlerRun(server, outcome), timeout, is_bound=is_bound)
         elif server.line:
-            server.call_next()  # an answer at once takes no room
+            server.call_next()  # an immediate answer takes no room
         if isinstance(outcome, self._answer_type):
             return outcome
         raise _no_response(self.info.name, outcome)
 
     def send(self, request: RequestT) -> None:
-        """Start a call without waiting: its outcome is dropped, as is the request if there is no server."""
+        """Start a call without waiting: its outcome is dropped, and so is the request if there is no server."""
         server = self._slot.server
         if server is None:
             return
@@ -133,7 +133,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
                     run.discard()
 
     async def wait_for_handlers(self) -> None:
-        """Wait for the end of all handlers that still work on abandoned calls of this client."""
+        """Wait until all handlers that still work on abandoned calls of this client have ended."""
         for run in list(self._left_at_work):
             await run.ended.wait()
 
@@ -156,7 +156,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
         """Return the response of the handler, or the ServiceError that ended the call.
 
         Args:
-            is_bound: Whether the handler ends with this call. It also does if the serving node does not run.
+            is_bound: Whether the handler ends with this call, as it also does if the serving node does not run.
         """
         is_bound = is_bound or not run.server.start(run.serve)
         limit = self._limits.set(timeout, lambda: run.end_call(self._time_error(run, timeout), cancels=is_bound))

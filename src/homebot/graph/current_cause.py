@@ -14,10 +14,10 @@ __all__ = ["CURRENT_CAUSE", "CallCause", "TimerCause"]
 @final
 @dataclass(frozen=True, slots=True)
 class TimerCause:
-    """A job of an app that was due.
+    """A due job of an app.
 
     Attributes:
-        at: When that was, in seconds since the Unix epoch.
+        at: When it was due, in seconds since the Unix epoch.
     """
 
     id: str
@@ -28,7 +28,7 @@ class TimerCause:
 @final
 @dataclass(frozen=True, slots=True)
 class CallCause:
-    """A call of an app's service or action by a client of the door, as a person's wish.
+    """A call of an app's service or action by a client of the door, which counts as a person's request.
 
     Attributes:
         issuer: The client, as ``client:NAME``.

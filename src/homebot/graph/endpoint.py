@@ -30,7 +30,7 @@ class EndpointInfo:
         node: Full name of the owning node; for a node its own name.
         name: Full name of its topic, service or action; for a node its own name.
         ros_type: Full ROS type name, empty for a node.
-        qos: Offered or requested QoS; None but for publishers and subscriptions.
+        qos: Offered or requested QoS; None except for publishers and subscriptions.
     """
 
     kind: EntityKind
@@ -92,7 +92,7 @@ class GraphEntity:
 
 @final
 class OfferedEntity(GraphEntity):
-    """Shows an action or a service in place of its server, which costs memory and time that most runs do not need.
+    """Stands for an action or a service whose server costs memory and time, and is not needed in most runs.
 
     Attributes:
         start: Creates the server; called once, by the graph.
@@ -108,7 +108,7 @@ class OfferedEntity(GraphEntity):
 class EndpointIndex:
     """The descriptions of all entities, in the order in which they were added.
 
-    The cost of a search is the number of entities with its rarest term.
+    The cost of a search is proportional to the number of entities with its rarest term.
     """
 
     def __init__(self) -> None:
@@ -150,7 +150,7 @@ class EndpointIndex:
         return len(self._by_node.get(node, {}))
 
     def first_of_each_type(self, kind: EntityKind) -> Iterator[EndpointInfo]:
-        """Yield of each ROS type the oldest entity of one *kind*."""
+        """Yield the oldest entity of one *kind* for each ROS type."""
         return (next(iter(entities.values())) for entities in tuple(self._by_type[kind].values()))
 
     def of_type(self, kind: EntityKind, ros_type: str) -> tuple[EndpointInfo, ...]:
@@ -158,7 +158,7 @@ class EndpointIndex:
         return tuple(self._by_type[kind].get(ros_type, {}).values())
 
     def _terms_of(self, info: EndpointInfo) -> tuple[_Term, ...]:
-        """Return each index of an entity, with the term by which it is there."""
+        """Return each index that contains an entity, with its term there."""
         by_type = self._by_type[info.kind]
         return (
             (self._by_kind, info.kind),

@@ -1,4 +1,4 @@
-"""Unhandled exceptions in callbacks, each of which costs only its message, and answers and calls that were lost."""
+"""Unhandled exceptions in callbacks, each of which costs only its message, and lost answers and calls."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -42,8 +42,8 @@ class Failures:
     The first 1,000 callbacks have entries of their own; all others share one.
 
     Attributes:
-        late_answers: Number of responses and errors that were dropped because their caller had left, and
-            of results of goals that were not asked for in time.
+        late_answers: Number of responses and errors that were dropped because their caller had left, and of results of
+            goals that were not requested in time.
         refused_calls: Number of calls and goals refused because too many were waiting.
     """
 

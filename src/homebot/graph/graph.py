@@ -1,6 +1,6 @@
 """The computation graph: every node, topic and service of the process, and a stream of changes.
 
-It has the role of the ROS master. A graph belongs to one event loop and is not thread-safe.
+It plays the role of the ROS master. A graph belongs to one event loop and is not thread-safe.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 
 __all__ = ["Graph"]
 
-WATCH_DEPTH = 10_000  # a house has some thousand entities; a watcher with losses lists them again
+WATCH_DEPTH = 10_000  # a house has a few thousand entities; after losses a watcher lists them again
 
 
 class Graph:
     """A computation graph: the directory of its nodes, topics and services.
 
     Args:
-        clock: The time that nodes, timers and lifespans go by; by default that of the running loop. Timers sleep on the
-            loop, so another clock must run with it.
+        clock: The clock of nodes, timers and lifespans; by default that of the running loop. Timers sleep on the loop,
+            so any other clock must run at its pace.
     """
 
     def __init__(self, clock: Clock | None = None) -> None:
@@ -54,13 +54,13 @@ class Graph:
 
     @cached_property
     def interfaces(self) -> Interfaces:
-        """The interfaces that programs may name, those of ROS unless it is set; loaded when it is first used."""
+        """The interfaces that programs may name, by default those of ROS; loaded on first use."""
         return messages.Interfaces()
 
     def steady_now(self) -> float:
-        """Return seconds since the Unix epoch, by the clock when the graph was made: setting it changes nothing.
+        """Return seconds since the Unix epoch, unaffected by clock changes since the graph was made.
 
-        For numbers that must grow over restarts of a node, and of homebot too unless the clock was set back meanwhile.
+        For numbers that must grow across restarts of a node, and of homebot unless the clock was set back meanwhile.
         """
         return self._epoch + self.clock.monotonic()
 
@@ -100,7 +100,7 @@ class Graph:
         """Return the ROS type of every action by its full name, sorted by name."""
         return {action.name: action.ros_type for action in self.actions()}
 
-    def get_action_type(self, action: str) -> ActionType[Any, Any, Any] | None:  # each message may be any
+    def get_action_type(self, action: str) -> ActionType[Any, Any, Any] | None:  # any message types
         """Return the type of *action*, or None if it is unused."""
         service_type = self.get_service_type(f"{action}/_action/send_goal")
         return getattr(service_type, "action_type", None)
@@ -110,7 +110,7 @@ class Graph:
         found = self._topics.get(topic)
         return found.message_type if found else None
 
-    def get_service_type(self, service: str) -> ServiceType[Any, Any] | None:  # either type may be any message
+    def get_service_type(self, service: str) -> ServiceType[Any, Any] | None:  # any message types
         """Return the type of *service*, or None if it is unused."""
         self._start_offered(service)
         slot = self._services.get(service)
@@ -156,7 +156,7 @@ class Graph:
     def watch(self, depth: int = WATCH_DEPTH) -> Iterator[Mailbox[GraphChange]]:
         """Stream every change from now on: ``with graph.watch() as changes: async for change in changes``.
 
-        At most *depth* changes are queued; more drop the oldest, counted in ``changes.lost``.
+        At most *depth* changes are queued; beyond this the oldest is dropped and counted in ``changes.lost``.
         """
         changes: Mailbox[GraphChange] = Mailbox(depth)
         self._watchers.append(changes)
@@ -166,12 +166,12 @@ class Graph:
             self._watchers.remove(changes)
             changes.close()
 
-    # The methods below are for nodes: they raise TypeMismatchError and DuplicateNameError for a name in other use.
+    # The methods below are for nodes: they raise TypeMismatchError or DuplicateNameError for a name in other use.
 
     async def watch_services(self) -> AsyncIterator[str | None]:
         """Yield the full name of each new service. Read it to its end, in one task.
 
-        None means that any service may be new: at the beginning, and after lost changes.
+        None means that any service may be new: at the start, and after lost changes.
         """
         with self.watch() as changes:
             yield None
@@ -230,7 +230,7 @@ class Graph:
             self._services.pop(slot.name, None)
 
     def offer(self, offered: OfferedEntity) -> None:
-        """Start *offered*, an action or a service, when it, or a part of it, is first used."""
+        """Start *offered*, an action or a service, when it or a part of it is first used."""
         name, kind = offered.info.name, offered.info.kind
         if self._endpoints.find(kind, name, None):
             raise DuplicateNameError(f"the {kind.removesuffix(' server')} {name} is already served")
@@ -252,7 +252,7 @@ class Graph:
             self._notify(GraphChange("removed", info))
 
     def _start_offered(self, endpoint: str) -> None:
-        """Start the offered entity that *endpoint* is, or is a part of."""
+        """Start the offered entity that is, or contains, *endpoint*."""
         if not self._offered:
             return
         offered = self._offered.get(endpoint.partition("/_action/")[0])

@@ -21,7 +21,7 @@ __all__ = ["TURN", "BoundedQueue", "KeyedQueue", "Mailbox", "Queue", "keyed_queu
 T = TypeVar("T")
 
 TURN = 256  # items read before a reader that never waits yields to other tasks
-MAX_KEYED_ITEMS = 100_000  # over all keys, which outside peers choose
+MAX_KEYED_ITEMS = 100_000  # over all keys, which external peers choose
 _FEW = 64
 
 
@@ -85,7 +85,7 @@ class Mailbox(Generic[T]):
         self._losses.count = count
 
     def put(self, item: T) -> None:
-        """Add *item*, dropping the oldest one of a full mailbox. A closed mailbox ignores it."""
+        """Add *item*, dropping the oldest one if the mailbox is full. A closed mailbox ignores it."""
         if self._closed:
             return
         if self._keyed is None and len(self.queue) >= self.depth:
@@ -162,7 +162,7 @@ class Mailbox(Generic[T]):
     def admit_senders(self) -> None:
         """Wake all waiting senders, in the order of arrival.
 
-        All of them, because the first may also wait for another mailbox or another key.
+        All, because the first may also wait for another mailbox or another key.
         """
         while self.senders:
             sender = self.senders.popleft()
@@ -175,7 +175,7 @@ class Mailbox(Generic[T]):
         self._losses.count += 1
 
     def close(self) -> None:
-        """Accept no more items; queued ones can still be read. Idempotent."""
+        """Stop accepting items; queued ones can still be read. Idempotent."""
         self._closed = True
         self.wake()
         self.admit_senders()
@@ -211,7 +211,7 @@ class _Losses:
 class KeyedQueue(Generic[T]):
     """A queue that keeps the newest ``depth`` items of each key, all in order of arrival.
 
-    A full key drops its oldest item. At most 100,000 items wait over all keys; one more drops the oldest of all.
+    A full key drops its oldest item. At most 100,000 items are queued over all keys; one more drops the oldest of all.
 
     Attributes:
         items: The items by sequence number, or by key for depth 1.

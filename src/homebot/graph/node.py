@@ -9,13 +9,13 @@ and the asynchronous one::
     async for message in node.create_subscription(String, "chatter"):
         ...
 
-Callbacks and timers run inside ``async with node``; earlier ones start then. By default a callback receives one message
-at a time, in order. An exception in a callback (also SystemExit, GeneratorExit or a stray cancellation) costs its
-message: it is logged and counted in ``graph.failures``.
+Callbacks and timers run inside ``async with node``; those created earlier start then. By default a callback receives
+one message at a time, in order. An exception in a callback (even SystemExit, GeneratorExit or a stray cancellation)
+costs only its message: it is logged and counted in ``graph.failures``.
 
-An exception in one of the node's tasks ends the ``async with`` block, which raises it, or a group of several.
+An exception in one of the node's tasks ends the ``async with`` block, which raises it, or several as a group.
 
-The class is long because it offers all operations of a node, as rclpy's does; each mechanism has its own file.
+The class is long because it offers all operations of a node, like rclpy's; each mechanism has its own file.
 """
 
 import asyncio
@@ -58,9 +58,9 @@ _ACTION_ENDS = frozenset({EntityKind.ACTION_SERVER, EntityKind.ACTION_CLIENT})
 class Node:
     """A named member of the graph.
 
-    Names of topics, services and actions are relative, absolute, or private (``~/name``). What creates one of these
-    raises InvalidNameError for an illegal name, TypeMismatchError for one that has another type, DuplicateNameError for
-    a second server, and on a closed node ClosedError.
+    Names of topics, services and actions are relative, absolute, or private (``~/name``). Methods that create one of
+    these raise InvalidNameError for an illegal name, TypeMismatchError if the name has another type, DuplicateNameError
+    for a second server, and ClosedError on a closed node.
 
     Args:
         name: ``[A-Za-z0-9_]``, unique in its namespace.
@@ -99,8 +99,8 @@ class Node:
         """Return a publisher of *msg_type* on *topic*.
 
         Args:
-            qos_profile: The quality of service that is offered; a number is the depth of its history.
-            history: Keeps the messages for late joiners in its own way.
+            qos_profile: The offered quality of service; a number is the depth of its history.
+            history: Custom store of the messages for late joiners.
 
         Raises:
             QosError: *qos_profile* contradicts itself.
@@ -133,11 +133,11 @@ class Node:
 
         Args:
             callback: A function or coroutine function for each message; without one, iterate.
-            qos_profile: The quality of service that is requested; a number is the depth of the queue.
+            qos_profile: The requested quality of service; a number is the depth of the queue.
             concurrent: Whether the callback may run several times at once, up to the depth of the queue.
-            from_node: Full name of the only publishing node to receive; empty for all nodes, `OTHERS` for all but this
-                one.
-            queue: A custom queue; by default one of the depth of *qos_profile*.
+            from_node: Full name of the only publishing node to receive from; empty for all nodes, `OTHERS` for all but
+                this one.
+            queue: A custom queue; by default it has the depth of *qos_profile*.
 
         Raises:
             QosError: *qos_profile* contradicts itself.
@@ -166,13 +166,13 @@ class Node:
         concurrent: bool = False,
         cancel_with_caller: bool = False,
     ) -> Service[RequestT, ResponseT]:
-        """Serve *srv_name*; only one node may.
+        """Serve *srv_name*, which only one node may do.
 
-        A handler that waits runs in a task of this node and continues if its caller gives up. While the node does not
-        run, handlers run in the tasks of their callers and are cancelled with them.
+        A handler that waits runs in a task of this node and continues if its caller gives up. Before the node runs,
+        handlers run in the tasks of their callers and are cancelled with them.
 
         Args:
-            concurrent: Whether up to 1,000 calls are served at once; by default they wait in line.
+            concurrent: Whether up to 1,000 calls are served at once; by default they are queued.
             cancel_with_caller: Whether a handler ends with its caller, for handlers that only wait for others.
 
         Raises:
@@ -222,7 +222,7 @@ class Node:
         self.add_entity(offered)
 
     def create_timer(self, timer_period_sec: float, callback: Callable[[], Awaitable[None] | None]) -> Timer:
-        """Call *callback* every *timer_period_sec* seconds, first one period after now or the start of the node.
+        """Call *callback* every *timer_period_sec* seconds, first one period from now or from the node's start.
 
         Raises:
             UsageError: The period is not above 0.
@@ -234,7 +234,7 @@ class Node:
         return timer
 
     def create_task(self, function: Callable[[], Coroutine[object, object, None]]) -> None:
-        """Run *function* as a task of the node, from now or from the start of the node, until the node ends."""
+        """Run *function* as a task of the node, from now or from the node's start, until the node ends."""
         self._check_open()
         self._tasks.start(function)
 
@@ -261,7 +261,7 @@ class Node:
         self.graph.remove_endpoint(entity)
 
     def resolve_name(self, name: str, kind: str = "topic name") -> str:
-        """Return the full name of *name*, as seen from this node."""
+        """Return the full name to which *name* expands in this node."""
         return expand_name(name, self.name, self.namespace, kind)
 
     @property
@@ -271,7 +271,7 @@ class Node:
 
     @property
     def is_closed(self) -> bool:
-        """True if the node left the graph."""
+        """True if the node has left the graph."""
         return self._closed
 
     def close(self) -> None:
@@ -321,7 +321,7 @@ class Node:
         entities = self.entities
         for entity in entities:
             if entity.info.kind in _ACTION_ENDS:
-                entity.close()  # first, so that those that wait for results receive them
+                entity.close()  # first, so that callers that wait for results receive them
         for entity in entities:
             if isinstance(entity, Service) and not entity.is_closed:
                 entity.cancel_handlers()

@@ -1,4 +1,4 @@
-"""The tasks of a node: those that it starts, and those of the handlers of its services."""
+"""The tasks of a node: those that it starts, and those of its service handlers."""
 
 import asyncio
 from collections.abc import Callable, Coroutine
@@ -19,24 +19,24 @@ _Function: TypeAlias = Callable[[], Coroutine[object, object, None]]
 
 @final
 class NodeTasks:
-    """The tasks of one node; those that are started before it runs begin then.
+    """The tasks of one node; tasks started before the node runs begin when it does.
 
     Args:
-        cancel_handlers: Called at the end of the node: ends the handlers at work, each by its own scope.
+        cancel_handlers: Called at the end of the node to cancel the running handlers, each by its own scope.
     """
 
     def __init__(self, name: str, cancel_handlers: Callable[[], None]) -> None:
         self._name = name
         self._cancel_handlers = cancel_handlers
         self._group: TaskGroup | None = None
-        self._handlers: asyncio.TaskGroup | None = None  # of services, which have scopes of their own
+        self._handlers: asyncio.TaskGroup | None = None  # of service handlers, which have their own scopes
         self._exits = AsyncExitStack()
         self._scopes: dict[anyio.CancelScope, None] = {}  # in order of start, for reproducible runs
         self._waiting: list[_Function] = []
 
     @property
     def are_running(self) -> bool:
-        """True from the begin of the node's block to its end."""
+        """True from the beginning of the node's block to its end."""
         return self._group is not None
 
     def start(self, function: _Function) -> None:
@@ -54,7 +54,7 @@ class NodeTasks:
         return True
 
     def cancel(self) -> None:
-        """Cancel the tasks, but for those of handlers; the block of the node continues."""
+        """Cancel all tasks except those of handlers; the block of the node continues."""
         for scope in tuple(self._scopes):
             scope.cancel()
 
@@ -72,7 +72,7 @@ class NodeTasks:
     async def exit(
         self, exc_type: type[BaseException] | None, exc: BaseException | None, traceback: TracebackType | None
     ) -> bool | None:
-        """End all running tasks; return whether *exc*, the error of the block, was only the end of these.
+        """End all running tasks; return whether *exc*, the error of the block, was only caused by their cancellation.
 
         Raises:
             Exception: The error of a task, or a group of several.
@@ -92,11 +92,11 @@ class NodeTasks:
         try:
             raise only
         finally:
-            only.__context__ = context  # not the group that it was in: a log would have it twice
+            only.__context__ = context  # not its group: a log would show it twice
 
     async def _end_handlers(self, handlers: asyncio.TaskGroup) -> None:
         self._cancel_handlers()
-        with anyio.CancelScope(shield=True):  # the group would cancel the handlers without regard to their shields
+        with anyio.CancelScope(shield=True):  # the group would cancel the handlers despite their shields
             await handlers.__aexit__(None, None, None)
 
     async def _run(self, function: _Function) -> None:

@@ -1,4 +1,4 @@
-"""The services by which ROS's tools read and set the parameters of a node: ``~/get_parameters`` and five others.
+"""The services with which ROS tools read and set the parameters of a node: ``~/get_parameters`` and five others.
 
 Source: ROS 2, rclpy ``parameter_service.py``, rcl_interfaces.
 """
@@ -22,11 +22,11 @@ _RANGES: Final = {
 }
 """The field, message and limits of the range of a number, by its type."""
 
-# The messages are of types made of text, so they are any; pydantic checks them where they are made.
+# The message types are built from text, so they are typed as Any; pydantic validates each message.
 
 
 def offer_parameter_services(node: Node) -> None:
-    """Offer the parameters of *node* by ROS's services, unless it does so already. They end with the node."""
+    """Offer the parameters of *node* through ROS's services, unless they are offered already, until the node ends."""
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=f"{node.full_name}/list_parameters"):
         return
     known = node.parameters
@@ -60,12 +60,12 @@ def _handler(response: type[Message], answer: Callable[[Any], object]) -> Callab
 
 
 def _each(parameters: ParameterSet, request: Any, read: Callable[[str], Any]) -> tuple[Any, ...]:
-    """Return what *read* returns for each name; with an unknown one nothing, as in ROS."""
+    """Return the results of *read* for all names; nothing if one is unknown, as in ROS."""
     return tuple(map(read, request.names)) if all(map(parameters.has, request.names)) else ()
 
 
 def _list(parameters: ParameterSet, request: Any) -> Message:
-    """Return the names below any of the prefixes, at most *depth* parts below it; 0 is any depth."""
+    """Return the names below any of the prefixes, at most *depth* levels below it; 0 means any depth."""
     found = [
         name
         for name in parameters.names()

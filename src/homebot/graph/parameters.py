@@ -1,7 +1,7 @@
 """The parameters of one node: declared, typed, checked, announced.
 
-As in ROS: a parameter must be declared, its type is that of its default and stays, and a start-up override replaces the
-default. Unlike ROS, a double accepts integers. An empty list fits any array; as a default it declares an array of
+As in ROS, a parameter must be declared, its type is fixed by its default, and a start-up override replaces the default.
+Unlike ROS, a double accepts integers. An empty list fits any array; as a default it declares an array of
 strings.
 """
 
@@ -38,7 +38,7 @@ class Parameter(NamedTuple):
     value: Value
 
     def to_message(self) -> ParameterMessage:
-        """Return it as a ROS message."""
+        """Return the parameter as a ROS message."""
         return ParameterMessage(name=self.name, value=_to_message_value(self.value))
 
 
@@ -74,14 +74,14 @@ class ParameterSet:
         self._sources: list[Callable[[], None]] = []
 
     def declare_later(self, declare: Callable[[], None]) -> None:
-        """Call *declare*, which declares parameters, when a parameter is first asked for."""
+        """Call *declare*, which declares parameters, when a parameter is first requested."""
         self._sources.append(declare)
 
     def declare(self, name: str, default: Value, descriptor: ParameterDescriptor | None = None) -> Parameter:
         """Declare a parameter and return it with its start-up value.
 
         Raises:
-            ParameterError: It is declared already, or the start-up value does not fit.
+            ParameterError: It is already declared, or the start-up value does not fit.
         """
         if not name or name in self._declared:
             raise ParameterError(f"{self._node}: parameter {name!r} is {'declared already' if name else 'nameless'}")
@@ -106,7 +106,7 @@ class ParameterSet:
         return Parameter(name, self._find(name).value)
 
     def describe(self, name: str) -> tuple[int, ParameterDescriptor]:
-        """Return the type of the parameter *name*, a number of ``rcl_interfaces/msg/ParameterType``, and its limits."""
+        """Return the type number of the parameter *name*, from ``rcl_interfaces/msg/ParameterType``, and its limits."""
         declared = self._find(name)
         return _TYPES.index(declared.kind), declared.descriptor
 
@@ -218,7 +218,7 @@ def _kind_of(value: Value) -> str:
 
 
 def _kind_of_one(value: object) -> str:
-    """Return the kind of a single value, or an empty string, as for an integer beyond 64 bits."""
+    """Return the kind of a single value; empty if it has none, as an integer beyond 64 bits."""
     if type(value) is int and not -(2**63) <= value < 2**63:
         return ""
     return _KINDS.get(type(value), "")

@@ -1,4 +1,4 @@
-"""The writing end of a topic."""
+"""Publisher of a topic."""
 
 import math
 from collections import deque
@@ -31,7 +31,7 @@ _WATCHERS = attrgetter("watchers")
 
 
 class History(Protocol[MessageT]):
-    """The messages that a publisher keeps for late joiners; iterated oldest first."""
+    """The messages that a publisher keeps for late joiners; iterates from the oldest."""
 
     def append(self, item: MessageT | Expiring[MessageT], /) -> None:
         """Add *item* at the end."""
@@ -124,9 +124,9 @@ class Publisher(GraphEntity, Generic[MessageT]):
                 mailbox.wake()
 
     async def send(self, message: MessageT) -> bool:
-        """Publish *message* when every RELIABLE subscription has room for it (keyed: room for its key).
+        """Publish *message* once every RELIABLE subscription has room for it (keyed: room for its key).
 
-        Waits without limit until the reader reads or either end is closed. The order of several waiting senders is
+        Waits indefinitely until the reader reads or either end is closed. The order of several waiting senders is
         undefined.
 
         Returns:
@@ -162,7 +162,7 @@ class Publisher(GraphEntity, Generic[MessageT]):
                 mailbox.admit_senders()
 
     def on_event(self, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
-        """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; present matches count."""
+        """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; existing matches count."""
         self.watchers += (status.watch(self, callback),)
 
     def assert_liveliness(self) -> None:
@@ -208,10 +208,10 @@ class Publisher(GraphEntity, Generic[MessageT]):
         lost = mailbox.lost
         for item in self._kept():
             mailbox.put(item)
-        mailbox.lost = lost  # a shorter queue than the history is no loss
+        mailbox.lost = lost  # a queue shorter than the history does not count as loss
 
     def _publish_watched(self, message: MessageT) -> None:
-        """Publish *message* with a lifespan, a deadline or as a sign of life."""
+        """Publish *message* with a lifespan, a deadline or a liveliness assertion."""
         self._check_open()
         lifespan = self.qos.lifespan
         item = Expiring(message, self._clock.monotonic() + lifespan) if lifespan else message

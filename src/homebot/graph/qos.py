@@ -30,14 +30,14 @@ KEEP_ALL_LIMIT = 65_536  # bounds KEEP_ALL
 
 
 class HistoryPolicy(IntEnum):
-    """The rule for the number of messages that a queue keeps."""
+    """Limit on the number of messages that a queue keeps."""
 
     KEEP_LAST = 1
     KEEP_ALL = 2
 
 
 class ReliabilityPolicy(IntEnum):
-    """The rule that decides whether ``await publisher.send()`` waits for the reader.
+    """Choice of whether ``await publisher.send()`` waits for the reader.
 
     In one process nothing is lost on the way; a full KEEP_LAST queue still drops its oldest message, as in ROS.
     """
@@ -47,14 +47,14 @@ class ReliabilityPolicy(IntEnum):
 
 
 class DurabilityPolicy(IntEnum):
-    """The rule that decides whether late joiners receive earlier messages."""
+    """Choice of whether late joiners receive earlier messages."""
 
     TRANSIENT_LOCAL = 1
     VOLATILE = 2
 
 
 class LivelinessPolicy(IntEnum):
-    """The way a publisher asserts that it is alive."""
+    """Method by which a publisher asserts that it is alive."""
 
     AUTOMATIC = 1
     MANUAL_BY_TOPIC = 3
@@ -65,13 +65,13 @@ class QoSProfile:
     """The quality of service that one end of a topic offers or requests, as in ROS 2.
 
     Attributes:
-        depth: Messages kept, at least 1. On a keyed topic: per key.
+        depth: The number of messages kept, at least 1; per key on a keyed topic.
         history: KEEP_LAST drops the oldest of ``depth`` and counts it; KEEP_ALL is bounded at 65,536.
         durability: TRANSIENT_LOCAL publishers replay their last ``depth`` messages to late TRANSIENT_LOCAL joiners.
-        lifespan: Seconds after which a message is no longer delivered; 0 is for ever.
-        deadline: Longest gap between messages, in seconds; 0 is any. Longer ones are events (``on_event``).
+        lifespan: Seconds after which a message is no longer delivered; 0 for never.
+        deadline: Longest gap between messages, in seconds; 0 for any. Longer gaps are events (``on_event``).
         liveliness: AUTOMATIC, or MANUAL_BY_TOPIC by messages and ``assert_liveliness()``.
-        liveliness_lease_duration: Seconds after which a MANUAL_BY_TOPIC publisher is not alive; 0 is for ever.
+        liveliness_lease_duration: Seconds after which a MANUAL_BY_TOPIC publisher is not alive; 0 for never.
     """
 
     depth: int = 10

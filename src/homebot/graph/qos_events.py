@@ -1,6 +1,6 @@
 """Events of quality of service: matched ends, missed deadlines, and liveliness. Loaded when used.
 
-A status counts from the request for it; its changes are those since the last call of its callback.
+A status counts from the moment it is requested; its changes are those since the last call of its callback.
 
 Sources: DDS 1.4, section 2.2.4.1 (communication status); ROS 2, rmw ``events_statuses``.
 """
@@ -55,7 +55,7 @@ class QosStatus:
 
 @dataclass(frozen=True, slots=True)
 class MatchedStatus(QosStatus):
-    """The number of matched ends of a topic: all so far, and those that match now."""
+    """The number of matched ends of a topic: in total, and now."""
 
     total_count: int = 0
     total_count_change: int = 0
@@ -70,22 +70,22 @@ class _CountedStatus(QosStatus):
 
 
 class OfferedDeadlineMissedStatus(_CountedStatus):
-    """The number of deadlines in which a publisher did not publish, counted from its first message."""
+    """The number of deadlines that a publisher missed, counted from its first message."""
 
 
 class RequestedDeadlineMissedStatus(_CountedStatus):
-    """The number of deadlines in which a subscription received nothing, counted from its first message."""
+    """The number of deadlines without a message for a subscription, counted from its first message."""
 
 
 class LivelinessLostStatus(_CountedStatus):
-    """The number of leases in which a publisher with MANUAL_BY_TOPIC asserted nothing."""
+    """The number of leases in which a MANUAL_BY_TOPIC publisher did not assert its liveliness."""
 
 
 @dataclass(frozen=True, slots=True)
 class LivelinessChangedStatus(QosStatus):
-    """The number of matched publishers that are alive, and that are not since their lease ended.
+    """The number of matched publishers that are alive, and of those whose lease ended.
 
-    A publisher with MANUAL_BY_TOPIC counts from its first assertion.
+    A MANUAL_BY_TOPIC publisher counts from its first assertion.
     """
 
     alive_count: int = 0
@@ -118,7 +118,7 @@ class EventWatcher(Generic[StatusT]):
         """Handle a message or another assertion of liveliness by *publisher*."""
 
     def close(self) -> None:
-        """Call back no more."""
+        """Stop calling back."""
         self._is_closed = True
         for key in tuple(self._numbers):
             self._stop_timer(key)
@@ -149,7 +149,7 @@ class EventWatcher(Generic[StatusT]):
 
 
 class _MatchWatcher(EventWatcher[StatusT]):
-    def on_match(self, end: TopicEnd, change: int) -> None:  # noqa: ARG002 - all ends count alike
+    def on_match(self, end: TopicEnd, change: int) -> None:  # noqa: ARG002 - all ends count the same
         self._count(total_count=max(change, 0), current_count=change)
 
 
@@ -164,7 +164,7 @@ class _DeadlineWatcher(EventWatcher[StatusT]):
 
 
 class _LeaseWatcher(EventWatcher[StatusT]):
-    """Counts the leases that a publisher let pass."""
+    """Counts the leases that a publisher missed."""
 
     def on_activity(self, publisher: TopicEnd, *, is_message: bool) -> None:  # noqa: ARG002 - either asserts
         lease = publisher.qos.liveliness_lease_duration
@@ -177,7 +177,7 @@ class _LeaseWatcher(EventWatcher[StatusT]):
 
 
 class _LivelinessWatcher(_LeaseWatcher[StatusT]):
-    """Counts the publishers that are alive among those that a subscription matches."""
+    """Counts the live publishers among those that a subscription matches."""
 
     def __init__(self, end: TopicEnd, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
         super().__init__(end, status, callback)

@@ -54,5 +54,5 @@ class RosoutFeed:
 
 
 def _text(value: object) -> str:
-    """Return *value* as valid UTF-8 text; lone surrogates, as from odd file names, become ``?``."""
+    """Return *value* as valid UTF-8 text; lone surrogates, such as from odd file names, become ``?``."""
     return str(value).encode(errors="replace").decode()

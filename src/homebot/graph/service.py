@@ -1,8 +1,8 @@
-"""The answering end of a service; a client calls its handler (:mod:`homebot.graph.client`).
+"""Server of a service; a client calls its handler (:mod:`homebot.graph.client`).
 
 A plain function is called in its caller's task. A handler that waits runs in a task of the serving node: it continues
-after its caller's time limit, and its late answer is dropped and counted. Without ``concurrent`` one handler is at work
-at a time; further calls wait in line.
+after its caller's time limit, and its late answer is dropped and counted. Without ``concurrent`` one handler runs at a
+time; further calls are queued.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ Handler: TypeAlias = Callable[[RequestT], ResponseT | Awaitable[ResponseT]]
 StartHandler: TypeAlias = Callable[[Callable[[], Coroutine[object, object, None]]], bool]
 """Starts a task of the serving node; returns False if the node does not run."""
 
-MAX_AT_WORK = 1000  # handlers of a concurrent service that wait, their callers' time limits passed or not
-MAX_WAITING = 1000  # callers in line
+MAX_AT_WORK = 1000  # waiting handlers of a concurrent service, even after their callers' time limits
+MAX_WAITING = 1000  # queued callers
 
 
 class ServiceSlot:
@@ -72,7 +72,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
     """Serves the calls of one service name.
 
     Attributes:
-        room: Number of further handlers that may begin to wait; without room, calls wait in line.
+        room: Number of further handlers that may begin to wait; without room, calls are queued.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
         """Wait until there is room for another call; the caller begins its handler before it waits again.
 
         Raises:
-            UsageError: The call comes from this service's own handler, which would wait for itself.
+            UsageError: The caller is this service's own handler, which would wait for itself.
             ServiceUnavailableError: 1,000 calls wait already.
             ServiceGoneError: The server was closed meanwhile.
         """
@@ -133,7 +133,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
             raise ServiceGoneError(self.service_name)
 
     def call_next(self) -> None:
-        """Reserve the free room for the next call in line."""
+        """Reserve the free room for the next queued call."""
         while self.line and self.room > 0:
             turn = self.line.popleft()
             if not turn.done():
@@ -142,7 +142,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
                 return
 
     def add_run(self, run: HandlerRun) -> None:
-        """Count a handler at work."""
+        """Count a running handler."""
         self._runs[run] = None
         self.room -= 1
 
@@ -166,7 +166,7 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
         return failure
 
     def drop(self, outcome: object) -> None:
-        """Count a late *outcome*; the end of a closed service is none."""
+        """Count a late *outcome*, except that of a closed service."""
         if isinstance(outcome, ServiceGoneError):
             return
         cause = outcome.__cause__ if isinstance(outcome, ServiceFailedError) else None
@@ -179,14 +179,14 @@ class Service(GraphEntity, Generic[RequestT, ResponseT]):
         return next((now - run.began for run in self._runs if run.outcome.done()), 0.0)
 
     def cancel_handlers(self) -> None:
-        """Cancel all handlers at work."""
+        """Cancel all running handlers."""
         for run in tuple(self._runs):
             run.cancel()
 
     def close(self, *, finish: bool = False) -> None:
-        """Stop serving: handlers at work are cancelled, and calls under way end with ServiceGoneError.
+        """Stop serving: running handlers are cancelled, and pending calls end with ServiceGoneError. Idempotent.
 
-        A handler that closes its own server still answers; with *finish* all handlers at work do. Idempotent.
+        A handler that closes its own server still answers; with *finish* all running handlers do.
         """
         if self.is_closed:
             return
@@ -214,7 +214,7 @@ class HandlerRun:
 
     Attributes:
         outcome: The response or a :class:`homebot.errors.ServiceError`; cancelled if the caller left first.
-        task: The task that runs the handler, or None before and after.
+        task: The task that runs the handler; None before and after.
         ended: Set when the handler has ended.
     """
 
@@ -281,13 +281,13 @@ class HandlerRun:
 
     @property
     def parent(self) -> HandlerRun | None:
-        """The handler that waits for this one, or None if the caller is no handler or has left."""
+        """The handler that waits for this one; None if the caller is not a handler or has left."""
         return None if self.outcome.done() else self._parent
 
     def _end(self, outcome: object) -> None:
         if outcome is _UNSERVED:
             outcome = ServiceGoneError(self.server.service_name)
-        self.task = None  # the loop holds this run in the context of each cancelled timer of the handler for a while
+        self.task = None  # cancelled timers of the handler keep this run alive in their context for a while
         self.ended.set()
         if self.outcome.done():
             self.server.drop(outcome)
@@ -302,7 +302,7 @@ class HandlerRun:
 
 
 def calling_runs() -> Iterator[HandlerRun]:
-    """Yield the handler that runs in the current task, the handler that waits for that one, and so on."""
+    """Yield the handler that runs in the current task, the handler that waits for it, and so on."""
     run = _run_of_current_task()
     while run is not None:
         yield run

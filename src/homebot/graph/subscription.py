@@ -1,4 +1,4 @@
-"""The reading end of a topic."""
+"""Subscription to a topic."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Expiring(Generic[T]):
     expires_at: float
 
     def __getattr__(self, name: str) -> object:
-        """Return a field of the message, so that keys are read as from a bare message."""
+        """Return a field of the message, so that keys can be read as if from the message itself."""
         return getattr(self.message, name)
 
 
@@ -60,11 +60,11 @@ class Subscription(GraphEntity, Generic[MessageT]):
     """Reads messages of one type from one topic: ``async for message in subscription``, or a callback.
 
     Attributes:
-        from_node: Full name of the only publishing node that it receives; empty for all nodes, :data:`OTHERS` for all
-            but its own.
+        from_node: Full name of the only publishing node that it receives from; empty for all nodes, :data:`OTHERS` for
+            all but its own.
         expired: The number of messages not delivered because their lifespan had passed.
-        unbegun: The number of received messages without a started task.
-        slowest: Seconds that its callback, one at a time, needed at most, waiting included; None if not measured.
+        unbegun: The number of received messages whose task has not begun.
+        slowest: The longest run of its sequential callback in seconds, including waits; None if not measured.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
         self.watchers: tuple[EventWatcher[Any], ...] = ()
         self.matched_ends: Callable[[], Sequence[TopicEnd]] = tuple
         """Return the matched publishers; set by the topic while it is connected."""
-        self._is_abandoned = False  # the callback loop has ended and unread messages are useless
+        self._is_abandoned = False  # the callback loop has ended, and nothing will read the remaining messages
         self._clock = clock
         self.mailbox: Mailbox[MessageT | Expiring[MessageT]] = Mailbox(
             qos.queue_depth, key_of(message_type) if queue is None else None, queue
@@ -110,7 +110,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
 
     @property
     def wants_all(self) -> bool:
-        """True if every message counts, not only the newest one (of each key)."""
+        """True if every message matters, not only the newest one (of each key)."""
         return self.qos.queue_depth > 1 and not self._is_keyed
 
     def take(self) -> MessageT | None:
@@ -137,7 +137,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
                 return message
 
     def on_event(self, status: type[StatusT], callback: Callable[[StatusT], None]) -> None:
-        """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; present matches count."""
+        """Call back with each new *status*, a class of :mod:`homebot.graph.qos_events`; existing matches count."""
         self.watchers += (status.watch(self, callback),)
 
     def __aiter__(self) -> Subscription[MessageT]:
@@ -152,7 +152,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
     def close(self) -> None:
         """Leave the topic and end the iteration after the last queued message. Idempotent."""
         if not self.is_closed:
-            # The callback refers to the subscription: without this the cycle keeps all unread messages in memory.
+            # The callback refers to the subscription: the cycle would keep all unread messages in memory.
             for watcher in self.watchers:
                 watcher.close()
             super().close()
@@ -163,7 +163,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
     async def run_in_turn(self, callback: Callback[MessageT]) -> None:
         """Call *callback* with one message at a time until the subscription is closed.
 
-        A failing callback costs its message.
+        A failing callback costs only its message.
         """
         mailbox = self.mailbox
         pop, waiting, senders = mailbox.queue.popleft, mailbox.waiting, mailbox.senders
@@ -214,7 +214,7 @@ class Subscription(GraphEntity, Generic[MessageT]):
             async with anyio.create_task_group() as tasks:
                 with suppress(ClosedError):
                     while True:
-                        await limit.acquire()  # first: until then messages wait in the queue that counts losses
+                        await limit.acquire()  # first, so that messages wait in the queue that counts losses
                         message = await self.receive()
                         self.unbegun += 1
                         tasks.start_soon(self._handle, callback, limit, message)
@@ -238,8 +238,8 @@ class Subscription(GraphEntity, Generic[MessageT]):
     async def run_batches(self, handle: Callable[[Iterator[MessageT]], None]) -> None:
         """Call *handle* with an iterator over the queued messages, until the subscription is closed.
 
-        *handle* consumes at least one message; unread ones stay queued for the next call. A failure costs the message
-        read last.
+        *handle* consumes at least one message; unread ones stay queued for the next call. A failure costs only the
+        message that was read last.
         """
         mailbox, task = self.mailbox, asyncio.current_task()
         try:

@@ -41,7 +41,7 @@ class KeptFile(Generic[F]):
 
     Args:
         title: Its name in the log, such as ``the journal``.
-        without: What is so without it, in the log, such as ``the journal is in memory alone``.
+        without: What is so without it, in the log, such as ``the journal is in memory only``.
         now: Returns seconds since the Unix epoch.
         allows: The limit of lines in the log, :meth:`homebot.log.LogLimit.allows`.
         on_new: Called when it has lost all that was written.

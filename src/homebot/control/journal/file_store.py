@@ -64,7 +64,7 @@ class FileStore(JournalStore):
         self._kept = KeptFile(
             JournalFile(path),
             "the journal",
-            "the journal is in memory alone",
+            "the journal is in memory only",
             node.log,
             clock.now,
             LogLimit(clock).allows,

@@ -1,4 +1,4 @@
-"""The end of an action that sends goals.
+"""Client of an action: sends goals.
 
 Source: ROS 2, rclpy ``action/client.py``.
 """
@@ -44,7 +44,7 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
         self._outcome: tuple[GoalState, ResultT] | None = None
 
     async def result(self) -> tuple[GoalState, ResultT]:
-        """Return the final state and the result when the goal has ended; UNKNOWN if the server has forgotten it.
+        """Wait for the end of the goal; return its final state and result, or UNKNOWN if the server has forgotten it.
 
         Raises:
             ServiceUnavailableError: There is no server.
@@ -72,7 +72,7 @@ class ClientGoal(Generic[ResultT, FeedbackT]):
 
 
 class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
-    """Sends goals of one action. Its goals are cancelled when it closes, or its node.
+    """Sends goals of one action. Its goals are cancelled when it or its node closes.
 
     Feedback and changes of state arrive while *node* runs.
 
@@ -105,7 +105,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
 
     @property
     def has_feedback(self) -> bool:
-        """True while feedback has arrived that was not handed to its goal yet."""
+        """True while received feedback has not been delivered to its goal yet."""
         return bool(self._subscriptions and self._subscriptions[0].mailbox.waiting)
 
     def server_is_ready(self) -> bool:
@@ -121,7 +121,7 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         return await self._sending.wait_for_service(timeout)
 
     async def perform(self, goal: GoalT, on_feedback: _OnFeedback[FeedbackT] = None) -> ResultT:
-        """Send *goal* and return its result. Cancelling this cancels the goal.
+        """Send *goal* and return its result. Cancelling the caller cancels the goal.
 
         Raises:
             GoalRejectedError, GoalAbortedError, GoalCanceledError: The goal did not succeed.
@@ -141,11 +141,11 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
     async def send_goal(
         self, goal: GoalT, on_feedback: _OnFeedback[FeedbackT] = None, *, goal_id: UUID | None = None
     ) -> ClientGoal[ResultT, FeedbackT]:
-        """Send *goal* and return it when the server has accepted it.
+        """Send *goal* and return it once the server has accepted it.
 
         Args:
             on_feedback: A function or coroutine function for each feedback message.
-            goal_id: By default a random one.
+            goal_id: A random id by default.
 
         Raises:
             GoalRejectedError: The server did not accept it.
@@ -196,12 +196,12 @@ class ActionClient(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
             create(GoalStatusArray, endpoint("status"), self._on_states, qos_profile_latched),
         )
 
-    def _on_feedback(self, message: Any) -> Awaitable[None] | None:  # its type is made by the action type
+    def _on_feedback(self, message: Any) -> Awaitable[None] | None:  # the action type creates its type
         goal = self._goals.get(message.goal_id.uuid)
         return None if goal is None or goal.on_feedback is None else goal.on_feedback(message.feedback)
 
     def _on_states(self, message: GoalStatusArray) -> None:
-        """Record the states of goals; an ended one is forgotten with the server: until then feedback may wait."""
+        """Record the states of goals; an ended goal is kept until the server drops it, for queued feedback."""
         states = {one.goal_info.goal_id.uuid: GoalState(one.status) for one in message.status_list}
         for goal_id, goal in list(self._goals.items()):
             goal.status = states.get(goal_id, goal.status)

@@ -1,4 +1,4 @@
-"""The end of an action that executes its goals.
+"""Server of an action: executes goals.
 
 Source: ROS 2, rclpy ``action/server.py``, rcl_action ``action_server.c``.
 """
@@ -43,7 +43,7 @@ NO_TERMINAL_STATE: Final = "graph.goal_without_end"
 
 
 class Preemption(StrEnum):
-    """The rule for a goal that arrives while another one is active."""
+    """Rule for active goals when another goal arrives."""
 
     REJECT = "reject"
     ABORT = "abort"
@@ -51,18 +51,18 @@ class Preemption(StrEnum):
 
 
 class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
-    """Executes the goals of one action; at most 256 are active at once, and those refused are counted as calls.
+    """Executes the goals of one action; at most 256 are active at once, and refused ones are counted like calls.
 
     *execute* ends its goal by ``succeed``, ``abort`` or ``canceled`` and returns the result. Without one of these the
     goal is ABORTED with a warning; after an exception it is ABORTED with an empty result, and the failure is counted.
-    The last 256 results are kept for *result_timeout*; those dropped before are counted as late answers.
+    The last 256 results are kept for *result_timeout*; results dropped earlier are counted as late answers.
 
     Args:
         node: The node that executes the goals while it runs.
         name: The name of the action; relative, absolute, or private (``~/name``).
-        on_goal: Returns whether to accept a goal; by default all are accepted.
-        on_cancel: Returns whether to accept the cancellation of a goal, whose execution then ends by itself; by default
-            a cancellation is accepted and cancels the execution.
+        on_goal: Returns whether to accept a goal; all are accepted by default.
+        on_cancel: Returns whether to accept the cancellation of a goal, whose execution then has to end by itself; by
+            default a cancellation is accepted and cancels the execution.
         preemption: The rule for a goal that arrives while another one is active; by default both are executed.
         result_timeout: Seconds after the end of a goal.
 
@@ -118,7 +118,7 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         return tuple(goal for goal in self._goals.values() if goal.is_active)
 
     def close(self) -> None:
-        """Leave the graph: active goals are ABORTED, and whoever waits for their results is answered. Idempotent."""
+        """Leave the graph: active goals are ABORTED, and callers waiting for their results are answered. Idempotent."""
         if self.is_closed:
             return
         for goal in self.goals:
@@ -128,7 +128,7 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         for end in (self._sending, self._canceling, self._feedback, self._status):
             end.close()
 
-    def _accept(self, request: Any) -> Message:  # the types of the request and the response are made by the action type
+    def _accept(self, request: Any) -> Message:  # the action type creates the types of the request and the response
         stamp = Time.from_seconds(self._node.graph.clock.now())
         accepted = self._is_acceptable(request.goal_id.uuid) and (self._on_goal is None or self._on_goal(request.goal))
         if accepted:
@@ -183,7 +183,7 @@ class ActionServer(GraphEntity, Generic[GoalT, ResultT, FeedbackT]):
         return response
 
     async def _run(self, goal: ServerGoal[GoalT, ResultT, FeedbackT]) -> None:
-        """Execute *goal*; whatever happens, it ends and has a result."""
+        """Execute *goal*; in any case it ends and has a result."""
         result: ResultT | None = None
         try:
             with goal.scope:

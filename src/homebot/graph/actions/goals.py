@@ -58,7 +58,7 @@ def endpoint_name(action: str, endpoint: str) -> str:
 
 
 class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
-    """An accepted goal, as its server executes it.
+    """An accepted goal at its server.
 
     Attributes:
         state: Its state; the server publishes each change.
@@ -113,7 +113,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         """End the goal as SUCCEEDED.
 
         Args:
-            result: By default the message that the execution returns.
+            result: The message that the execution returns, by default.
 
         Raises:
             TypeMismatchError: *result* is not of the action's result type.
@@ -135,7 +135,7 @@ class ServerGoal(Generic[GoalT, ResultT, FeedbackT]):
         """Enter *state*.
 
         Raises:
-            UsageError: It cannot follow the present one.
+            UsageError: It cannot follow the present state.
         """
         if not self.state.can_become(state):
             raise UsageError(f"a goal that is {self.state.name} cannot become {state.name}")
