@@ -44,7 +44,7 @@ async def test_a_handler_that_does_not_end_is_a_problem() -> None:
         assert (await health.call(HealthRequest())).troubles == ()
         await anyio.sleep(300)
         assert (await health.call(HealthRequest())).troubles == (
-            "a handler of /stuck has been at work for 6 minutes: its caller gave up, and later calls may wait for it",
+            "a handler of /stuck has been running for 6 minutes: its caller gave up, and later calls may wait for it",
         )
 
 

@@ -36,7 +36,7 @@ def test_every_door_may_have_a_contact(doors: dict[str, list[str]], rooms: dict[
         (
             {"hall": ["Front door"]},
             "control.presence_guard.doors.hall",
-            "hall has 2 doors (to bath, outside), and only 1 of them a contact; it takes one on each",
+            "hall has 2 doors (to bath, outside), but only 1 of them with a contact; each needs one",
         ),
         ({"bath": []}, "control.presence_guard.doors.bath", "should have at least 1 item"),
     ],

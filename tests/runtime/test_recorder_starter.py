@@ -43,7 +43,7 @@ async def test_a_client_that_leaves_while_it_waits_for_lines_makes_room_at_once(
     async with running_app() as app:
         assert (await start(app)).success
         reader = await read_all(app)
-        assert "another client records" in (await start(app)).message
+        assert "another client is recording" in (await start(app)).message
         left_at = app.graph.clock.monotonic()
         with anyio.move_on_after(0.5):
             await reader.call(ReadRecordingRequest())

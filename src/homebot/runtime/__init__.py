@@ -1,4 +1,4 @@
-"""The runtime: everything together, supervised."""
+"""The runtime: starts and supervises all components."""
 
 from homebot.runtime.plan import Plan, index_place, make_plan
 from homebot.runtime.runtime import Runtime

@@ -1,4 +1,4 @@
-"""Apps as nodes of the graph, with their settings and with what they keep."""
+"""Apps as nodes of the graph, with their settings and stores."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["STORE_FILE", "AppHost"]
 
 STORE_FILE = "apps.sqlite"
-"""The name of the file of what apps keep, beside that of the index."""
+"""The name of the file of the app stores, beside the index file."""
 
 
 @final
@@ -32,8 +32,8 @@ class AppHost:
     """The surroundings of apps: nodes, context and stores.
 
     Args:
-        plan: Has the zone and the place of the home, and where notifications go.
-        file: The file of what apps keep; None for nowhere.
+        plan: Contains the zone and the location of the home, and the settings of notifications.
+        file: The file of the app stores; None for none.
     """
 
     def __init__(self, graph: Graph, plan: Plan, file: Path | None, clock: Clock) -> None:
@@ -65,18 +65,18 @@ class AppHost:
         return self._notifier
 
     async def read_stores(self, main: Node) -> None:
-        """Read what apps kept in earlier runs; *main* runs the task that writes it."""
+        """Read the stores of earlier runs; *main* runs the task that writes them."""
         self._main = main
         if self._file is not None and await anyio.Path(self._file).exists():
             await self._app_stores().read()
 
     async def close_stores(self) -> None:
-        """Write what is left to write."""
+        """Write pending changes."""
         if self._stores is not None:
             await self._stores.close()
 
     async def serve(self, component: PlannedComponent[App], *, task_status: TaskStatus[None]) -> None:
-        """Run an app in a node of its own until cancelled."""
+        """Run an app in its own node until cancelled."""
         async with Node(self._graph, component.name) as node:
             component.offer_settings(node)
             app = component.kind(node, component.settings)
@@ -103,7 +103,7 @@ class AppHost:
             yield self._stores.trouble
 
     def given_up(self) -> set[tuple[str, str]]:
-        """Return the node and the callback of each job that apps have given up."""
+        """Return the node and the callback of each job that was given up."""
         apps = self.running.values()
         return {(app.node.full_name, f"job {job.name}") for app in apps for job in app.jobs if job.runs.trouble}
 
@@ -111,7 +111,7 @@ class AppHost:
         return await self.notifier.send(message, title, app, self.context.zone)
 
     def _app_stores(self) -> AppStores:
-        """Return what apps keep; it is written from the first time that an app asks for it."""
+        """Return the app stores, which are written from their first use on."""
         if self._stores is None:
             from homebot.apps.stores import AppStores  # noqa: PLC0415 - few apps keep anything
 

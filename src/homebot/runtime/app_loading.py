@@ -1,8 +1,8 @@
-"""Loads an app by the files and settings as they are now, while the old one is at work.
+"""Loads an app from its current files and settings while the old one is running.
 
-The modules keep their names, which recordings hold, and are put back where the new ones turn out not to work. An app
-in a file or a module is loaded alone, one in a package with all modules of its folder; homebot's own are never loaded
-twice. Python's cache of compiled files is not read: it takes two saves within a second, of one length, for the same.
+The modules keep their names, which are in recordings, and are restored if the new ones do not work. An app in a file or
+module is loaded alone, one in a package with all modules of its folder; homebot's own are never loaded twice. Python's
+cache of compiled files is not read: it mistakes two saves of equal length within a second for one.
 """
 
 import importlib
@@ -30,10 +30,10 @@ _OWN: Final = __name__.partition(".")[0]
 
 @final
 class FreshCode:
-    """The code of an app, loaded anew.
+    """The freshly loaded code of an app.
 
     Attributes:
-        prefix: The module, or the package, that was loaded anew; empty before that, and for homebot's own.
+        prefix: The module, or the package, that was reloaded; empty before that, and for homebot's own.
     """
 
     def __init__(self) -> None:
@@ -41,10 +41,10 @@ class FreshCode:
         self.prefix = ""
 
     def load(self, group: str, name: str) -> type[Any]:
-        """Return the class that *name* means, as :func:`homebot.plugins.load_plugin`, or of ``FILE.py``; blocking.
+        """Return the class *name*, as for :func:`homebot.plugins.load_plugin`, or of ``FILE.py``; blocking.
 
         Raises:
-            PluginError: Likewise; the old modules are back then.
+            PluginError: As for that function; the old modules are restored.
         """
         path = plugins.plugin_path(group, name)
         module_name, _, class_name = path.partition(":")
@@ -68,7 +68,7 @@ class FreshCode:
                 module = run()
             kind = getattr(module, class_name or plugins.class_in(module, name, App), None)
             if not isinstance(kind, type):
-                raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - one way back for all
+                raise TypeError(f"{class_name} is {kind!r}, not a class")  # noqa: TRY301 - restored in one place
         except (Exception, SystemExit) as exc:
             self.restore()
             if isinstance(exc, PluginError):
@@ -77,7 +77,7 @@ class FreshCode:
         return kind
 
     def restore(self) -> None:
-        """Put the old modules back, if any; twice is fine."""
+        """Restore the old modules, if any; idempotent."""
         if self.prefix:
             for name in _modules_of(self.prefix):
                 del sys.modules[name]
@@ -95,7 +95,7 @@ class FreshCode:
 
 
 def source_of(kind: type[object]) -> Path | None:
-    """Return the file of an app, or the folder of its package; None where it is homebot's own, or has none."""
+    """Return the file of an app, or the folder of its package; None if it is homebot's own, or has none."""
     module = sys.modules.get(kind.__module__)
     file = getattr(module, "__file__", None)
     if module is None or file is None or kind.__module__.partition(".")[0] == _OWN:
@@ -111,7 +111,7 @@ def _modules_of(prefix: str) -> tuple[str, ...]:
 @contextmanager
 def _without_cache() -> Iterator[None]:
     before = sys.pycache_prefix, sys.dont_write_bytecode
-    sys.pycache_prefix, sys.dont_write_bytecode = os.devnull, True  # a folder below a file: there is nothing in it
+    sys.pycache_prefix, sys.dont_write_bytecode = os.devnull, True  # a folder below a file cannot exist
     try:
         yield
     finally:
@@ -128,11 +128,11 @@ class AppPlanner:
         self._files: dict[str, str] = {}
 
     def plan(self, name: str, *, is_new: bool) -> tuple[PlannedComponent[App], FreshCode]:
-        """Return the app *name* and its code, which can be taken back.
+        """Return the app *name* and its code, which can be restored.
 
         Raises:
-            ConfigError: It cannot be loaded, or its table is wrong; its old code is back then.
-            PluginError: Its file cannot be loaded; likewise.
+            ConfigError: It cannot be loaded, or its table is wrong; the old code is restored.
+            PluginError: Its file cannot be loaded; the old code is restored.
         """
         config, code = self._read_config(), FreshCode()
         try:

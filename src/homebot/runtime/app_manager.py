@@ -1,4 +1,4 @@
-"""Apps while homebot runs: started with it, and loaded, unloaded and reloaded afterwards."""
+"""Apps while homebot runs: started with it, and loaded, unloaded and reloaded later."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ UNLOADED = "app.unloaded"
 RELOADED = "app.reloaded"
 NOT_RELOADED = "app.not_reloaded"
 _MOST_WAITS = 20
-"""Devices that are listed for an app that waits whether they stay as they are."""
+"""The limit of listed devices that an app waits for to stay as they are."""
 
 _TRIAL = 1.0
-"""Seconds of the first start, in which a crash of the new code brings back the old."""
+"""Seconds after the start in which a crash of the new code restores the old."""
 
 PlannedApp: TypeAlias = "PlannedComponent[App]"
 _log = get_logger(node="/homebot")
@@ -74,7 +74,7 @@ class AppManager:
     """Starts, stops and replaces apps, one at a time.
 
     Args:
-        make_planner: Returns the planner of apps that are loaded or reloaded; called when it is first needed.
+        make_planner: Returns the planner of apps that are loaded or reloaded; called on first use.
 
     Attributes:
         trial: Seconds for which new code must run without a crash.
@@ -97,10 +97,10 @@ class AppManager:
 
     @asynccontextmanager
     async def running(self, planned: Iterable[PlannedApp], is_cut: Callable[[], bool]) -> AsyncIterator[None]:
-        """Start *planned*, each when the one before is ready; at the end, stop all in reverse order.
+        """Start *planned*, each when the previous one is ready; at the end, stop all in reverse order.
 
         Raises:
-            UsageError: One cannot be started as it is configured.
+            UsageError: An app cannot be started as configured.
         """
         mistake = None
         async with anyio.create_task_group() as tasks:
@@ -121,10 +121,10 @@ class AppManager:
             raise mistake
 
     async def load(self, name: str) -> str:
-        """Start the app *name*: of the configuration, installed, or in a file; return the text for people.
+        """Start the app *name* from the configuration, an installed package or a file; return a text for people.
 
         Raises:
-            HomebotError: It runs already, cannot be loaded, or crashes at once; names the reason.
+            HomebotError: It is already running, cannot be loaded, or crashes at once; names the reason.
         """
         async with self._turn:
             planned, code = await self._plan(name, is_new=True)
@@ -141,7 +141,7 @@ class AppManager:
             return self._report(LOADED, f"loaded the app {planned.name}", planned.name)
 
     async def unload(self, name: str) -> str:
-        """Stop the app *name*; return the text for people.
+        """Stop the app *name*; return a text for people.
 
         Raises:
             UsageError: There is none.
@@ -151,10 +151,10 @@ class AppManager:
             return self._report(UNLOADED, f"unloaded the app {name}", name)
 
     async def reload(self, name: str) -> str:
-        """Replace the app *name* by its code and settings as they are now; return the text for people.
+        """Restart the app *name* with its current code and settings; return a text for people.
 
         Raises:
-            UsageError: There is none, or the new one cannot be loaded or crashes at once; the old one runs then.
+            UsageError: There is none, or the new code cannot be loaded or crashes at once; the old one keeps running.
         """
         async with self._turn:
             old = self._find(name).planned
@@ -175,11 +175,11 @@ class AppManager:
 
     async def reload_changed(self, *, task_status: TaskStatus[None]) -> None:
         """Reload each app when its file changes, until cancelled."""
-        module = await to_thread.run_sync(import_module, "homebot.runtime.app_watch")  # with an extra
+        module = await to_thread.run_sync(import_module, "homebot.runtime.app_watch")  # needs an extra
         await module.reload_changed_apps(self.apps, self.reload, task_status=task_status)
 
     def running_text(self, planned: Iterable[PlannedApp]) -> str:
-        """Return which apps of *planned* run after the start, for people."""
+        """Return a text for people that names the apps of *planned* that run after the start."""
         names = [app.name for app in planned]
         if not names:
             installed = ", ".join(plugin_names(APPS)) or "none"
@@ -215,7 +215,7 @@ class AppManager:
         raise UsageError(f"no app {name!r} runs; {hint}")
 
     async def _try(self, planned: PlannedApp) -> str:
-        """Start *planned* and wait until it has shown that it runs; return its crash, empty if there was none."""
+        """Start *planned* and wait until it has proved to run; return its crash, empty if there was none."""
         try:
             app = await self._start(planned)
         except UsageError as exc:

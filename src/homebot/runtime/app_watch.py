@@ -1,4 +1,4 @@
-"""Apps that are reloaded when their files change: ``homebot run --reload``."""
+"""Reloading of apps when their files change: ``homebot run --reload``."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ __all__ = ["reload_changed_apps"]
 WATCHED: Final = "app.watched"
 
 _DEBOUNCE: Final = 200
-"""Milliseconds: an editor may write a file in several steps."""
+"""Milliseconds to wait for further changes: an editor may write a file in several steps."""
 
 _TURN: Final = 300
-"""Milliseconds until its thread looks whether it is cancelled."""
+"""Milliseconds after which its thread checks whether it is cancelled."""
 
 _log = get_logger(node="/homebot")
 
@@ -34,14 +34,14 @@ _log = get_logger(node="/homebot")
 async def reload_changed_apps(
     apps: Iterable[PlannedApp], reload: Callable[[str], Awaitable[str]], *, task_status: TaskStatus[None]
 ) -> None:
-    """Call *reload* with the name of each of *apps* when its file changes, or one of its package."""
+    """Call *reload* with the name of an app in *apps* when its file, or a file of its package, changes."""
     sources = await to_thread.run_sync(_sources, apps)
     text = f"{', '.join(sources)}: reloaded on each change of the file" if sources else "no app is in a file of its own"
     _log.info(WATCHED, message=text, apps=[*sources])
     task_status.started()
     if not sources:
         return
-    # Folders are watched, as an editor may replace a file; not recursively, as they may hold whole environments.
+    # Folders are watched, because an editor may replace a file; not recursively: they may contain whole environments.
     folders = await to_thread.run_sync(_folders, sources.values())
 
     def is_source(change: Change, path: str) -> bool:
@@ -52,7 +52,7 @@ async def reload_changed_apps(
         changed = {Path(path) for _, path in changes}
         for name, source in sources.items():
             if any(_has(source, path) for path in changed):
-                with suppress(HomebotError):  # logged, with what is wrong
+                with suppress(HomebotError):  # already logged
                     await reload(name)
 
 

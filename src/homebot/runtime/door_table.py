@@ -1,4 +1,4 @@
-"""The table ``[door]``, and the tokens of servers for other programs, read from where they are kept."""
+"""The table ``[door]``, and the access tokens of servers, read from the files that contain them."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -40,7 +40,7 @@ class TokenTable(BaseModel):
 
 
 def read_door(config: Config) -> DoorSettings:
-    """Return the door's settings, with the tokens read from where they are kept.
+    """Return the door's settings, with the tokens read from their files.
 
     Raises:
         ConfigError: The table is wrong, or a secret cannot be read.
@@ -65,10 +65,10 @@ def read_access(
     *,
     has_other_tokens: bool = False,
 ) -> dict[str, Any]:
-    """Return the values of the *table* of a server, with the token read from where it is kept.
+    """Return the values of the *table* of a server, with the token read from its file or *variable*.
 
     Raises:
-        ConfigError: It cannot be read, is named twice, or is missing where others can reach the server.
+        ConfigError: The token cannot be read, is given twice, or is missing although others can reach the server.
     """
     values = {name: getattr(table, name) for name in table.model_fields_set if name != "token_file"}
     if token_file is not None:

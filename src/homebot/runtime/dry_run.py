@@ -1,4 +1,4 @@
-"""A dry run: gateways that only observe, on nodes that receive no command."""
+"""A dry run: gateways only observe, on nodes that receive no commands."""
 
 from typing import Any, ClassVar, Final, TypeVar, final
 
@@ -24,7 +24,7 @@ RequestT = TypeVar("RequestT", bound=Message)
 ResponseT = TypeVar("ResponseT")
 
 DRY_RUN: Final = "dry_run"
-"""The policy that refuses the commands of people in a dry run."""
+"""The name of the policy that refuses the commands of people in a dry run."""
 
 
 def observing(config: Config) -> Config:
@@ -43,7 +43,7 @@ class DryRun:
     is_live: ClassVar[bool] = True
 
     def outcome(self, command: IssuedCommand) -> Outcome:
-        """Return the outcome; see :class:`homebot.control.executor.Rehearsal`."""
+        """See :class:`homebot.control.executor.Rehearsal`."""
         if command.is_client:
             problem = "homebot runs with --dry-run and sends nothing; otherwise it would have sent this"
             return Refused(DRY_RUN, problem, command_id=command.id)
@@ -52,10 +52,10 @@ class DryRun:
 
 @final
 class MutedNode(Node):
-    """The node of a gateway that cannot receive commands, whether or not the gateway respects `act`.
+    """The node of a gateway that cannot receive commands, even if the gateway ignores `act`.
 
-    It receives nothing on topics below its own name, such as raw commands and exposed devices.
-    Its services are refused, but for those that only read (:data:`homebot.devices.names.GATEWAY_READING`).
+    It receives nothing on topics below its own name, such as raw commands and exposed devices. Its services refuse all
+    calls, except read-only services (:data:`homebot.devices.names.GATEWAY_READING`).
     """
 
     def __init__(self, graph: Graph, name: str) -> None:
@@ -72,7 +72,7 @@ class MutedNode(Node):
         from_node: str = "",
         queue: BoundedQueue[MessageT | Expiring[MessageT]] | None = None,
     ) -> Subscription[MessageT]:
-        """Return a subscription, see :class:`Node`; one to a topic below its own name receives nothing."""
+        """Return a subscription, see :class:`Node`; on a topic below the node's own name it receives nothing."""
         if self.resolve_name(topic).startswith(f"{self.full_name}/"):
             queue = _Nothing()
         return super().create_subscription(
@@ -88,7 +88,7 @@ class MutedNode(Node):
         concurrent: bool = False,
         cancel_with_caller: bool = False,
     ) -> Service[RequestT, ResponseT]:
-        """Serve *srv_name*, see :class:`Node`; a service that does more than read refuses every call."""
+        """Serve *srv_name*, see :class:`Node`; unless it is read-only, it refuses every call."""
         name = self.resolve_name(srv_name, "service name")
         if name.rpartition("/")[2] not in GATEWAY_READING:
             callback = _refusal(srv_type, name)
@@ -98,13 +98,13 @@ class MutedNode(Node):
 
 
 class _Nothing:
-    """A queue that takes every item and has none, so that publishers find their subscriber and never wait for it."""
+    """A queue that discards every item, so that publishers find their subscriber and never wait for it."""
 
     def append(self, _: object, /) -> None:
-        """Forget an item."""
+        """Discard an item."""
 
     def popleft(self) -> Any:
-        """Raise a LookupError: there is never an item."""
+        """Raise LookupError, because there is never an item."""
         raise LookupError("it is empty")
 
     def has_room_for(self, _: object, /) -> bool:
@@ -116,7 +116,7 @@ class _Nothing:
 
 
 def _refusal(srv_type: ServiceType[RequestT, ResponseT], name: str) -> Handler[RequestT, ResponseT]:
-    """Return a handler that refuses every call, by the response where that of *srv_type* has the usual fields."""
+    """Return a handler that refuses every call, in the response if that of *srv_type* has the usual fields."""
     said = {"success": False, "message": SENDS_NOTHING, "problem": "refused"}
     response: Any = srv_type.Response  # a message
 

@@ -1,4 +1,4 @@
-"""The key ``act`` of a table of the configuration: the devices that an app or a bridge may command."""
+"""The key ``act`` in tables of the configuration: the devices that an app or a bridge may command."""
 
 from collections.abc import Iterator
 
@@ -10,15 +10,15 @@ from homebot.errors import ConfigError, UsageError
 __all__ = ["ACT", "grants_of", "scope_of", "without_act"]
 
 ACT = "act"
-"""The key that says which devices an app, or a client of the directory of things, may command, and whether a gateway
+"""The key for the devices that an app, or a client of the directory of things, may command, and for whether a gateway
 sends commands at all."""
 
 
 def grants_of(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the nodes with grants, and these.
+    """Yield each node that has grants, with its grants.
 
     Raises:
-        ConfigError: Those of a table are wrong.
+        ConfigError: The grants of a table are wrong.
     """
     tables = {f"/{name}": (f"apps.{name}", table) for name, table in config.apps.items()}
     if config.thing_directory is not None:
@@ -29,7 +29,7 @@ def grants_of(config: Config) -> Iterator[tuple[str, tuple[str, ...]]]:
 
 
 def scope_of(key: str, table: Table, config: Config) -> tuple[str, ...] | None:
-    """Return the grants of the table *key*, or None without any.
+    """Return the grants of the table *key*; None if it has none.
 
     Raises:
         ConfigError: They are wrong.

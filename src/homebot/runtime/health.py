@@ -1,4 +1,4 @@
-"""``/homebot/health``: the failures in this process: crashes, failed callbacks, a blocked loop, lost messages."""
+"""``/homebot/health``: crashes, failed callbacks, a blocked event loop and lost messages of this process."""
 
 from collections.abc import Callable, Iterator
 
@@ -13,11 +13,11 @@ from homebot.support.production_loop import LoopWatch
 __all__ = ["RuntimeHealth"]
 
 _LONG = 300.0
-"""Seconds that a handler may work on when its caller has left; commissioning a device takes three minutes."""
+"""Seconds for which a handler may continue after its caller has left; commissioning a device takes three minutes."""
 
 
 class RuntimeHealth:
-    """Answers how the runtime is."""
+    """Reports the health of the runtime."""
 
     def __init__(
         self,
@@ -66,7 +66,7 @@ class RuntimeHealth:
         for service, seconds in self._graph.handlers_without_caller():
             if seconds >= _LONG:
                 why = "its caller gave up, and later calls may wait for it"
-                yield f"a handler of {service} has been at work for {seconds / 60:.0f} minutes: {why}"
+                yield f"a handler of {service} has been running for {seconds / 60:.0f} minutes: {why}"
 
     def _failures(self) -> Iterator[PartFailure]:
         for name, crash in sorted(self._supervisor.crashes.items()):
@@ -88,7 +88,7 @@ class RuntimeHealth:
             )
 
     def _losses(self) -> Iterator[tuple[str, str, int]]:
-        """Return the losses of subscriptions that want more than the newest, without those of the door's clients."""
+        """Return the losses of subscriptions that want more than the newest message, without the door's clients."""
         for name in self._graph.get_node_names():
             node = self._graph.get_node(name)
             if node is not None and not name.endswith("/rosbridge_websocket"):

@@ -1,4 +1,4 @@
-"""The files that a run keeps beside each other: their schemas, and copies of them."""
+"""The data files of a run, which are in one folder: their schemas, and copies of them."""
 
 import shutil
 import time
@@ -37,7 +37,7 @@ _LEFT_BEHIND: Final = 3600.0
 
 
 def copy_kept_files(folder: Path) -> Path:
-    """Copy the files in *folder* into a new folder in it, which the caller removes; return that.
+    """Copy the files in *folder* into a new folder in it, and return the latter, which the caller has to remove.
 
     Raises:
         LinkError: Another process has a file open, or a copy cannot be written.
@@ -68,7 +68,7 @@ def copy_kept_files(folder: Path) -> Path:
 
 
 def serve_copies(node: Node, folder: Path | None) -> None:
-    """Serve the copying of the files in *folder*; the message of the answer is where the copies are."""
+    """Serve copying the files in *folder*; the message of the answer is the folder of the copies."""
 
     async def answer(_: TriggerRequest) -> SuccessResponse:
         if folder is None:

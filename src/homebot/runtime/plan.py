@@ -1,4 +1,4 @@
-"""Plan of a run: the classes and tables that a configuration asks for, checked before anything is started."""
+"""Plan of a run: the classes and settings in a configuration, checked before anything is started."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ GATEWAYS = "homebot.gateways"
 APPS = "homebot.apps"
 
 JOURNAL_FILE = "journal.sqlite"
-"""The name of the journal, beside the file of the index."""
+"""The name of the journal's file, beside the index file."""
 
 _DOORS = "control.presence_guard.doors"
 
@@ -80,23 +80,23 @@ class PlannedComponent(Generic[ComponentT]):
     settings: BaseModel
 
     def offer_settings(self, node: Node) -> None:
-        """Have the settings declared as parameters of *node* when these are first asked for."""
+        """Declare the settings as parameters of *node* when parameters are first requested."""
         node.parameters.declare_later(partial(declare_settings, node, self.settings))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """A configuration, understood.
+    """A validated configuration.
 
     Attributes:
-        control: The control layer's settings; None for the usual ones.
-        grants: The scope of each app that may not command everything, and of the directory of things likewise, by the
-            full names of their nodes; replaced at a reload.
-        thing_directory: The settings of the directory that is served over HTTP; None where none is.
-        interfaces: The interfaces of ROS that clients may name; None for those that homebot comes with.
+        control: The control layer's settings; None for the defaults.
+        grants: The scope of each app, and of the directory of things, that may not command everything, by the full name
+            of its node; updated by a reload.
+        thing_directory: The settings of the directory that is served over HTTP; None for none.
+        interfaces: The ROS interfaces that clients may name; None for those built into homebot.
         places: The rooms and the owner's statements about devices.
-        history: The settings of the history; None for the usual ones.
-        notify: Where notifications of apps go; None for the log alone.
+        history: The settings of the history; None for the defaults.
+        notify: The settings of notifications of apps; None to only log them.
     """
 
     home: str
@@ -115,16 +115,16 @@ class Plan:
     notify: NotifySettings | None = None
 
     def robot_owners(self) -> RobotOwners:
-        """Return the robots that a table or the right of a token names, with their topics and frames."""
+        """Return the robots named in a table or in the right of a token, with their topics and frames."""
         return self.door.robot_owners({name: one.frames for name, one in self.robots.items()})
 
     @property
     def names_robots(self) -> bool:
-        """True if a table or the right of a token names a robot."""
+        """True if a table or a token's right names a robot."""
         return bool(self.robots or self.door.robots())
 
     def keeps_history(self, *, by_default: bool) -> bool:
-        """Return whether a history is kept: in a file where there is an index, else in memory."""
+        """Return whether a history is kept: in a file if there is an index, else in memory."""
         if self.history is not None and self.history.enabled is not None:
             return self.history.enabled
         return by_default
@@ -148,7 +148,7 @@ def make_plan(config: Config) -> Plan:
 
 
 def plan_errors(config: Config) -> tuple[ConfigError, ...]:
-    """Return all that keeps :func:`make_plan` from making a plan of *config*, table by table."""
+    """Return all errors that prevent :func:`make_plan` from planning *config*, table by table."""
     parts: list[Callable[[], object]] = [partial(read, config) for read in _TABLES.values()]
     parts += [partial(_gateway, name, table, config) for name, table in config.gateways.items()]
     parts += [partial(planned_app, name, table, config) for name, table in config.apps.items()]
@@ -162,10 +162,10 @@ def plan_errors(config: Config) -> tuple[ConfigError, ...]:
 
 
 def index_place(config: Config) -> Path:
-    """Return where the index of *config* is kept.
+    """Return the index file of *config*.
 
-    The network is that of the first gateway: the broker's host and port without any credentials, ``embedded`` for
-    homebot's own broker, else the gateway's name.
+    Its name contains the network of the first gateway: the broker's host and port without any credentials, ``embedded``
+    for homebot's own broker, else the gateway's name.
 
     Raises:
         ConfigError: As :func:`make_plan`.
@@ -218,13 +218,13 @@ def _control(config: Config) -> ControlSettings | None:
         try:
             places = _places(config)
         except ConfigError:
-            return settings  # it is told by itself
+            return settings  # reported separately
         _check_door_contacts(settings.presence_guard.doors, HousePlan(config.home.name, places.rooms), config.source)
     return settings
 
 
 def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, source: str) -> None:
-    """Check that each room is in *plan*, where that has rooms, and that no door of it is without a contact."""
+    """Check that each room is in *plan*, if that has rooms, and that each of its doors has a contact."""
     if not plan.rooms:
         return
     for name, contacts in doors.items():
@@ -235,7 +235,7 @@ def _check_door_contacts(doors: Mapping[str, tuple[str, ...]], plan: HousePlan, 
             raise ConfigError(source, f"{_DOORS}.{name}", f"there is no room {name!r}; {hint}")
         if len(contacts) < len(room.doors):
             joined = f"{len(room.doors)} doors (to {', '.join(room.doors)})"
-            problem = f"{room.name} has {joined}, and only {len(contacts)} of them a contact; it takes one on each"
+            problem = f"{room.name} has {joined}, but only {len(contacts)} of them with a contact; each needs one"
             raise ConfigError(source, f"{_DOORS}.{name}", problem)
 
 
@@ -326,7 +326,7 @@ _TABLES: Mapping[str, Callable[[Config], Any]] = {
     "history": _history,
     "notify": _notify,
 }
-"""The values of a plan that are each read from a table of their own."""
+"""The values of a plan that are each read from one table."""
 
 
 def _component(
@@ -351,7 +351,7 @@ def _component(
 
 
 def _check_class(kind: type[object], base: type[ComponentT], wanted: str, source: str, key: str) -> None:
-    """Find the mistakes that would show at the first start otherwise."""
+    """Find mistakes that would otherwise only show at the first start."""
     what = "an App" if base.__name__ == "App" else f"a {base.__name__}"
     if not issubclass(kind, base):
         raise ConfigError(source, f"{key}.class", f"{wanted} is not {what}; derive it from {base.__module__}")

@@ -1,4 +1,4 @@
-"""A changed configuration while homebot runs: tokens, rights, policies and places are live, other keys not."""
+"""Reloading of the configuration: tokens, rights, policies and places change at once, other keys at the next start."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
@@ -24,7 +24,7 @@ RELOADED = "runtime.reloaded"
 _log = get_logger(node="/homebot")
 
 _SECTIONS: Final = ("gateways", "apps", "robots")
-"""The keys that hold tables by name."""
+"""The keys that contain tables by name."""
 
 _LIVE: Final[Mapping[str, frozenset[str]]] = {
     "door": frozenset({"token", "token_file", "tokens", "scope"}),
@@ -36,12 +36,12 @@ _LIVE: Final[Mapping[str, frozenset[str]]] = {
 
 
 class RunningParts(NamedTuple):
-    """The parts that take over what changed.
+    """The running components to update.
 
     Attributes:
         door: Returns the door; None before it listens.
         control: None before it runs.
-        directory: Likewise.
+        directory: None before it runs.
     """
 
     door: Callable[[], Door | None]
@@ -58,7 +58,7 @@ def keys_for_restart(before: Config, after: Config) -> tuple[str, ...]:
 
 
 def _robots(door: Mapping[str, Any]) -> set[str]:
-    """Return the names of the robots that tokens may be, which are tracked from the start on."""
+    """Return the names of the robots that tokens may act as, which are tracked from the start."""
     return {name for one in door.get("tokens", {}).values() for name in read_scope(one.get("scope", ())).robots}
 
 
@@ -76,11 +76,11 @@ def _changed(table: str, old: Mapping[str, Any], new: Mapping[str, Any]) -> Iter
 async def reload_configuration(
     running: Config, plan: Plan, parts: RunningParts, read: Callable[[], Config], make_plan: Callable[[Config], Plan]
 ) -> Plan:
-    """Apply the configuration that *read* returns as far as it needs no restart; one with a mistake changes nothing.
+    """Apply the changes in the configuration from *read* that need no restart; if it has a mistake, change nothing.
 
     Args:
         read: Called in a worker thread.
-        make_plan: Likewise, with what *read* returned.
+        make_plan: Called in a worker thread, with the result of *read*.
     """
     try:
         config = await to_thread.run_sync(read)
@@ -91,7 +91,7 @@ async def reload_configuration(
         return plan
     if (server := parts.door()) is not None:
         server.update_tokens(new.door)
-    plan.grants.clear()  # which others hold
+    plan.grants.clear()  # in place: other components refer to it
     plan.grants.update(new.grants)
     needs_approval = parts.control is None or parts.control.update_policies(new.control)
     if parts.directory is not None and rooms is not None:

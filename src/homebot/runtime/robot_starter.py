@@ -1,4 +1,4 @@
-"""The tracker of robots, started where there is one."""
+"""The tracker of robots, started if there is a robot."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["track_robots"]
 async def track_robots(
     graph: Graph, plan: Plan, rooms: Callable[[], HousePlan], *, task_status: TaskStatus[None]
 ) -> None:
-    """Track robots until cancelled, where none is named from when the first publishes its pose."""
+    """Track robots until cancelled; if none is configured, start when the first one publishes its pose."""
     if not plan.names_robots:
         task_status.started()
         await _first_pose_topic(graph, plan)

@@ -1,4 +1,4 @@
-"""The recording of a run, with its facts, which a replay needs; a client may start one."""
+"""The recording of a run with the facts that a replay needs; a client may start one."""
 
 import json
 from collections.abc import Awaitable, Callable
@@ -26,14 +26,14 @@ from homebot.version import __version__
 
 __all__ = ["RecorderStarter", "facts_of_run"]
 
-BUSY = "another client records; homebot makes one recording at a time for a client"
+BUSY = "another client is recording; homebot makes one recording for clients at a time"
 
 _READY_WITHIN = 10.0
 _SCOPE = "act: "
 
 
 def facts_of_run(plan: Plan, *, trusts_apps: bool, approves_all: bool, detected: tuple[str, ...]) -> RecordingHeader:
-    """Return the facts of a run of *plan*, with the settings that it has in truth, without secrets; not yet begun."""
+    """Return the facts of a run of *plan* with its effective settings, without secrets; the start time is missing."""
     control = plan.control or ControlSettings()
     if approves_all:
         control = control.model_copy(update={"approvals": False})
@@ -53,7 +53,7 @@ def facts_of_run(plan: Plan, *, trusts_apps: bool, approves_all: bool, detected:
 
 @final
 class RecorderStarter:
-    """Starts recorders for clients, one at a time, by a service of the node of the runtime, which runs their tasks."""
+    """Starts recorders for clients, one at a time, through a service of the runtime's node, which runs their tasks."""
 
     def __init__(self, node: Node, facts: Callable[[], Awaitable[RecordingHeader]]) -> None:
         self._node = node
@@ -89,7 +89,7 @@ def _recorded(app: PlannedComponent[App], plan: Plan) -> RecordedApp:
 
 
 def _home_table(home: HomeSettings) -> str:
-    """Return the table ``[home]`` without the name, and with the zone where it is the computer's."""
+    """Return the table ``[home]`` without the name, and with the zone if it is the computer's."""
     table = home.model_dump(exclude={"name"}, exclude_none=True)
     return json.dumps(table | {"zone": zone_name(home.zone)})
 

@@ -1,6 +1,6 @@
-"""The runtime: builds the graph from a configuration, starts everything in order, stops it in reverse.
+"""The runtime: builds the graph from a configuration, starts all components in order, stops them in reverse.
 
-The order is: broker (where it is ours), gateways, directory, apps, robots, door, directory of things, simulated house.
+The order is: embedded broker, gateways, directory, apps, robots, door, directory of things, simulated house.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ APPS = "runtime.apps"
 STOPPING = "runtime.stopping"
 
 _HISTORY_AFTER = 2.0
-"""Seconds after which the history begins: the start goes on without it, and devices are known by then."""
+"""Seconds after which the history begins, so that it does not delay the start, and devices are known."""
 
 ServiceT = TypeVar("ServiceT")
 
@@ -73,31 +73,32 @@ class Runtime:
 
     Args:
         house: A simulated house whose devices connect to the embedded broker, or are found by gateways that are added
-            where the configuration has none of that name; its state is that of last midnight, UTC.
-        robot: The name of the robot with ROS that a *house* with a floor plan has; empty for none.
+            if the configuration has none of that name; its state is that of last midnight, UTC.
+        robot: The name of the ROS robot in a *house* with a floor plan; empty for none.
         with_door: Whether to listen for rosbridge clients, such as the command line.
         clock: The clock; by default that of the running loop.
-        services: Running services for gateways, such as a broker in memory, in place of those it would start itself.
-        random: The source of random numbers; a seeded one makes every run the same.
+        services: Running services for gateways, such as an in-memory broker, which are not started then.
+        random: The source of random numbers; a seeded one makes runs reproducible.
         loop_watch: Detects code that blocks the event loop, for health reports.
         lost_lines: Returns the number of log lines lost so far.
-        trusts_apps: Whether apps may command what always asks without a grant, since no device is real; always so with
-            a *house*. No device needs an approval then, but where a *house* has gateways that may find real ones.
-        index_file: The file in which the directory keeps devices over a restart; None for none.
-        record_into: Takes the lines of a recording of the whole run; None for no recording.
-        is_dry_run: Whether nothing is sent to any device: the gateways only observe, and commands are noted as what
-            would have been sent.
+        trusts_apps: Whether apps may command always-ask devices without a grant, because no device is real; always so
+            with a *house*. Then no device needs an approval either, unless the *house* has gateways that may find real
+            ones.
+        index_file: The file in which the directory keeps devices across restarts; None for none.
+        record_into: Receives the lines of a recording of the whole run; None for no recording.
+        is_dry_run: Whether nothing is sent to any device: gateways only observe, and commands are recorded instead of
+            sent.
         rehearsal: Answers commands in place of the devices, as in a replay; by default that of a dry run, if it is one.
         known: Initial content of the directory without an *index_file*, as in a replay.
         detected: Motion sensors that have detected motion before, in a replay.
-        read_config: Reads the configuration anew, for apps that are loaded later; by default *config* is used again.
+        read_config: Reads the configuration again, for apps that are loaded later; by default *config* is used.
         watches_apps: Whether an app is reloaded when its file changes.
 
     Attributes:
         door: The server for rosbridge clients; None before it listens.
 
     Raises:
-        ConfigError: A class cannot be found, a table is wrong, or there is no gateway that a *house* could use.
+        ConfigError: A class cannot be found, a table is wrong, or there is no gateway for the devices of *house*.
     """
 
     config: Config
@@ -190,26 +191,26 @@ class Runtime:
         await self._stop(error)
 
     def service(self, kind: type[ServiceT]) -> ServiceT | None:
-        """Return the service of the class *kind* that runs for the gateways; None where there is none."""
+        """Return the service of the class *kind* that runs for the gateways; None if there is none."""
         return self._context.service(kind)
 
     async def reload(self, read: Callable[[], Config]) -> None:
-        """Apply the configuration that *read*, called in a thread, returns; one with a mistake is ignored."""
+        """Apply the configuration that *read* returns, called in a thread; ignore it if it has a mistake."""
         from homebot.runtime.reload import RunningParts, reload_configuration  # noqa: PLC0415 - few runs are reloaded
 
         parts = RunningParts(lambda: self.door, self._controller, self._index)
         self._plan = await reload_configuration(self.config, self._plan, parts, read, self._make_plan)
 
     def cut_start_short(self) -> None:
-        """Abort a start that is under way: entering returns at once, and nothing more is started."""
+        """Abort the start: entering returns at once, and nothing more is started."""
         self._start_is_cut = True
         self.supervisor.hurry()
 
     async def _stop(self, error: BaseException | None) -> None:
         """Stop all started components. An error is raised without exception groups.
 
-        A cancellation is shown to the task groups, which know whether it is their own: kept from them it comes up again
-        in each, and where two are each other's cause anyio 4.16 looks for the first for ever.
+        A cancellation is passed to the task groups, which know whether it is their own: otherwise it is raised again in
+            each, and if two are each other's cause, anyio 4.16 searches for the first one forever.
         """
         if isinstance(error, anyio.get_cancelled_exc_class()):
             await self._stack.__aexit__(type(error), error, error.__traceback__)
@@ -218,7 +219,7 @@ class Runtime:
 
     async def _start(self, stack: AsyncExitStack) -> None:
         stack.callback(self._installation.close)
-        if self.with_door:  # looked at first: what starts before the door may wait for another homebot's files
+        if self.with_door:  # checked first: components before the door may wait for another homebot's files
             await to_thread.run_sync(self._plan.door.check_port)
         main = await stack.enter_async_context(Node(self.graph, "homebot"))
         stack.enter_context(observed_lines(RosoutFeed(main)))
@@ -242,13 +243,13 @@ class Runtime:
             _log.info(RUNNING, message=self._greeting(), gateways=len(gateways), apps=len(self._plan.apps))
             text = self.app_manager.running_text(self._plan.apps)
             _log.info(APPS, message=text, names=[app.name for app in self._plan.apps])
-            # Loaded last: it takes longer than other parts of the start, and clients shake hands before they ask.
+            # Loaded last: it takes longer than other parts of the start, and clients need a handshake first.
             await stack.enter_async_context(self.supervisor.running("rosapi", self._rosapi, ""))
 
     def _components(
         self, gateways: tuple[PlannedComponent[Gateway], ...]
     ) -> Iterator[AbstractAsyncContextManager[None]]:
-        """Yield components in the order of their start. Each is made when those before are ready."""
+        """Yield components in the order of their start; each is created when the previous ones are ready."""
         running = self.supervisor.running
         yield from (running(gateway.name, partial(self._gateway, gateway), "gateway") for gateway in gateways)
         yield running("discovery", self._directory)
@@ -278,7 +279,7 @@ class Runtime:
         return f"{home} is running{note}; listening for rosbridge clients on {door}; its page is {page}{lack}"
 
     async def _start_services(self, stack: AsyncExitStack) -> None:
-        """Start each in-process peer that gateways need once, unless it was given."""
+        """Start each in-process peer that gateways need, once, unless it was passed in."""
         running = dict(self._context.services)
         if self._house is not None:
             for given in await stack.enter_async_context(self._house.network.running(self._context.random)):
@@ -307,7 +308,7 @@ class Runtime:
     async def _directory(self, *, task_status: TaskStatus[None]) -> None:
         async with Node(self.graph, "discovery") as node:
             self._owner = OwnerFacts(self._plan.home, self._plan.places, self._clock.now())
-            control = self._plan.control  # None stands for its defaults, which are not loaded for this
+            control = self._plan.control  # None means the defaults, which are not loaded just for this
             needs_approval = not self._approves_all and (control is None or control.approvals)
             settings, file = self._plan.discovery, self.index_file
             self._index = Directory(node, settings, file, self._owner, needs_approval=needs_approval, known=self.known)

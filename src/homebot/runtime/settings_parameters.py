@@ -1,6 +1,6 @@
 """Settings of gateways and apps as parameters of their nodes.
 
-They are read-only, since tables of the configuration are read at the start.
+They are read-only, because tables of the configuration are read at the start.
 """
 
 import inspect
@@ -22,9 +22,9 @@ _LOGIN: Final = re.compile(r'(?<=://)[^/\s"]*@')
 
 
 def declare_settings(node: Node, settings: BaseModel, prefix: str = "") -> None:
-    """Declare the values in *settings* as parameters of *node*; those in tables have names with dots.
+    """Declare the values in *settings* as parameters of *node*; values in tables have dotted names.
 
-    Left out is what no parameter can hold: what is not set, secrets, logins in addresses, and lists of tables.
+    Unset values, secrets, logins in addresses, and lists of tables are left out.
     """
     docs = (inspect.getdoc(base) or "" for base in reversed(type(settings).__mro__) if issubclass(base, BaseModel))
     descriptions = dict(_ATTRIBUTE.findall("\n".join(docs)))
@@ -38,5 +38,5 @@ def declare_settings(node: Node, settings: BaseModel, prefix: str = "") -> None:
             continue
         plain = json.loads(_LOGIN.sub("", to_json(value).decode()))
         text = " ".join(descriptions.get(key, "").split()).replace("``", "")
-        with suppress(ParameterError):  # no parameter can hold it, or the node has one of the name
+        with suppress(ParameterError):  # not a parameter value, or the node has a parameter of that name
             node.declare_parameter(name, plain, ParameterDescriptor(text, read_only=True))

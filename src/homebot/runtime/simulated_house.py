@@ -1,4 +1,4 @@
-"""The simulated house of a run; the code of the house is loaded with this module."""
+"""The simulated house of a run; importing this module loads the code of the house."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
@@ -31,7 +31,7 @@ _THESIS = "thesis"
 _THESIS_HOME = "home425"
 _FRAMES = ("odom", "base_footprint", "base_link")
 _BOOTS = 1.0
-"""Seconds that a robot boots longer than a house starts, so that its code does not delay the start."""
+"""Seconds by which the robot starts after the house, so that loading its code does not delay the start."""
 
 
 @final
@@ -39,7 +39,7 @@ class HouseOfRun:
     """A simulated house, with the networks and the broker of its devices.
 
     Args:
-        robot: The name of its robot with ROS; empty for none. A house of which no room has an extent has none.
+        robot: The name of its ROS robot; empty for none. A house without any room extents has no robot.
     """
 
     def __init__(self, world: World, configured: Collection[str], robot: str = "") -> None:
@@ -50,11 +50,11 @@ class HouseOfRun:
         self.network = HouseNetwork(world.families())
 
     def completed(self, plan: Plan, source: str) -> Plan:
-        """Return *plan* with the robot of the house, and with its rooms and floor plan where none are stated.
+        """Return *plan* with the robot of the house, and with its rooms and floor plan if none are stated.
 
         Raises:
-            ConfigError: The plan of the configuration *source* has no in-process peer for its devices, or they have
-                names that it has for others.
+            ConfigError: The plan from the configuration *source* has no in-process peer for the devices, or already
+                uses their names.
         """
         if not any(map(_is_host, plan.gateways)):
             raise ConfigError(source, "gateways", SimulatedHouse.WITHOUT_HOST)
@@ -62,20 +62,20 @@ class HouseOfRun:
         self._home = next(filter(None, homes), self._home)
         if plan.places is NO_PLACES:
             places = self.places()
-            HousePlan(plan.home, places.rooms, source, places.doors)  # checks the names
+            HousePlan(plan.home, places.rooms, source, places.doors)  # validates the names
             plan = replace(plan, places=places)
-        if self.robot and plan.names_robots and self.robot not in plan.robots:  # else its frames would be another's
+        if self.robot and plan.names_robots and self.robot not in plan.robots:  # else another would own its frames
             from homebot.robots.settings import RobotSettings  # noqa: PLC0415 - for a house with several robots
 
             plan = replace(plan, robots={**plan.robots, self.robot: RobotSettings(frames=_FRAMES)})
         return plan
 
     def may_meet_real_devices(self, plan: Plan) -> bool:
-        """Return whether a gateway of the configuration may find devices outside the house."""
+        """Return whether a configured gateway may find devices outside the house."""
         return any(one.name in self._configured and not _is_host(one) for one in plan.gateways)
 
     def places(self) -> Places:
-        """Return its devices in their rooms; with a robot also the rooms with an extent, and their doors."""
+        """Return the devices in their rooms; with a robot, also the rooms that have an extent, and their doors."""
         rooms, devices = self._world.rooms, self._world.devices
         known_by = {name: identifiers(placed, self._home) for name, placed in devices.items()}
         facts = {known_by[name]: tuple(_facts(name, placed)) for name, placed in devices.items()}
@@ -117,7 +117,7 @@ class HouseOfRun:
             await house.serve(task_status=task_status)
 
     async def _serve_robot(self, house: SimulatedHouse, graph: Graph) -> None:
-        """Run the robot of the house: the first device that is one, else one that is in the first room."""
+        """Run the robot of the house: its first robot, else one in the first room."""
         await anyio.sleep(_BOOTS)
         from homebot.house import robot, robot_actions, ros_robot  # noqa: PLC0415 - as above
 
@@ -130,7 +130,7 @@ class HouseOfRun:
             if not devices:
                 own.advance(clock.now())
                 return own
-            house.catch_up()  # a world stands still between its events
+            house.catch_up()  # the world only advances at events
             found = unwrap(world.device(devices[0]))
             assert isinstance(found, robot.Robot)  # noqa: S101 - as it was found above
             return found
@@ -150,7 +150,7 @@ class HouseOfRun:
 
 
 def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
-    """Return the id of a simulated device in the directory, or else the id and the hardware address that it may have.
+    """Return the id of a simulated device in the directory, or the possible id and hardware address.
 
     Args:
         home: The first level of the devices' topics, on which hardware addresses depend.
@@ -165,7 +165,7 @@ def identifiers(placed: Placed, home: str) -> tuple[str, ...]:
 
 
 def _facts(name: str, placed: Placed) -> Iterator[OwnerFact]:
-    """Yield the facts that the owner of a simulated device would state: few protocols carry a room, or a name."""
+    """Yield the facts that the owner of a simulated device would state, because few protocols carry rooms or names."""
     yield OwnerFact("area", placed.room, *_STATED)
     if placed.dialect != _THESIS:
         yield OwnerFact("name", name, *_STATED)

@@ -1,10 +1,9 @@
-"""Keeps components running: one that crashes is started anew, and the others do not notice.
+"""Keeps components running: a crashed one is restarted without affecting the others.
 
-Each start of a component has a task of its own. A crash is logged, with its traceback where the one before was another,
-and followed by a new start, after a delay that grows with each crash within a minute; one that crashes five times
-within a minute is given up. SystemExit, GeneratorExit and a cancellation that the component itself caused
-are crashes like any other. A UsageError at the first start is no crash but a mistake to be mended, and ends the
-start of homebot.
+Each start of a component has its own task. A crash is logged, with a traceback if it differs from the previous crash,
+and followed by a restart, after a delay that grows with each crash within a minute; a component that crashes five times
+within a minute is given up. SystemExit, GeneratorExit and a cancellation that the component itself caused are crashes
+like any other. A UsageError at the first start is not a crash but a mistake of the user, and ends the start of homebot.
 """
 
 from __future__ import annotations
@@ -43,16 +42,16 @@ class Work(Protocol):
     """The work of a component until it is cancelled or done; it reports when it is ready."""
 
     def __call__(self, *, task_status: TaskStatus[None]) -> Awaitable[None]:
-        """Work; an exception is a crash, returning is the end."""
+        """Run; an exception is a crash, returning is the normal end."""
         ...
 
 
 @dataclass(slots=True)
 class ComponentCrashes:
-    """The crashes of a component so far.
+    """The previous crashes of a component.
 
     Attributes:
-        at: When that was, in seconds since the Unix epoch.
+        at: The time of the last crash, in seconds since the Unix epoch.
     """
 
     count: int = 0
@@ -70,27 +69,27 @@ class Supervisor:
         self.given_up: list[str] = []
         self._clock = clock
         self._titles: dict[str, str] = {}
-        self._shown: dict[str, _Place] = {}  # where the component of each traceback shown last crashed
+        self._shown: dict[str, _Place] = {}  # where the crash was whose traceback was last shown
         self._awaited: set[_Start] = set()
         self._is_hurried = False
 
     def hurry(self) -> None:
-        """Wait for no component to become ready any more."""
+        """Stop waiting for components to become ready."""
         self._is_hurried = True
         for start in self._awaited:
             start.stop_waiting()
 
     @asynccontextmanager
     async def running(self, name: str, work: Work, kind: str = "") -> AsyncIterator[None]:
-        """Keep *work* running inside the block; entering waits until it is ready, leaving until it is over.
+        """Keep *work* running inside the block; entering waits until it is ready, leaving until it has ended.
 
-        A component that is not ready after 10 s is not waited for any longer.
+        After 10 s it no longer waits for the component to become ready.
 
         Args:
             kind: Prefix of its name in the log, such as ``app``.
 
         Raises:
-            UsageError: The component cannot be started as it is configured.
+            UsageError: The component cannot be started as configured.
         """
         start = _Start()
         self._log_state(name, "running again")
@@ -107,7 +106,7 @@ class Supervisor:
             raise start.mistake
 
     def forget(self, name: str) -> None:
-        """Forget the crashes of a component that does not run any more."""
+        """Forget the crashes of a component that is no longer running."""
         for known in (self.crashes, self.restarts, self._titles, self._shown):
             known.pop(name, None)
         if name in self.given_up:
@@ -146,7 +145,7 @@ class Supervisor:
                 return
             delay = self._delay_after(recent)
             self._report(name, cause, delay)
-            start.started()  # homebot starts without it rather than not at all
+            start.started()  # better to start homebot without it than not at all
             if delay is None:
                 return
             await anyio.sleep(delay)
@@ -154,7 +153,7 @@ class Supervisor:
             self._log_state(name, "running again")
 
     async def _run_once(self, name: str, work: Work, start: _Start) -> Exception | None:
-        """Let *work* run in a task of its own, which it may cancel as it likes; return its crash, where it crashed."""
+        """Run *work* in its own task, which it may cancel; return its crash, or None."""
         crash: Exception | None = None
 
         async def run() -> None:
@@ -163,7 +162,7 @@ class Supervisor:
                 await run_as(name, lambda: work(task_status=start))
             except Exception as exc:  # noqa: BLE001 - a supervisor handles every error
                 crash = exc
-                if is_cancelled():  # nothing after this handles it
+                if is_cancelled():  # nothing else handles it
                     self._report(name, first_cause(exc), None, is_stopping=True)
 
         async with anyio.create_task_group() as tasks:
@@ -171,7 +170,7 @@ class Supervisor:
         return crash
 
     def _delay_after(self, crashes: deque[float]) -> float | None:
-        """Count one more crash; return the seconds until the next start, or None when that is one too many."""
+        """Count a crash; return the seconds until the next start, or None after too many crashes."""
         now = self._clock.monotonic()
         while crashes and now - crashes[0] >= CRASH_WINDOW:
             crashes.popleft()
@@ -208,7 +207,7 @@ class Supervisor:
 
 
 _Place: TypeAlias = "tuple[type[BaseException], tuple[tuple[str, int], ...]]"
-"""An error's class, and file and line of each call that it came through."""
+"""An error's class, and the file and line of each call in its traceback."""
 
 
 def _place(error: BaseException) -> _Place:
@@ -217,7 +216,7 @@ def _place(error: BaseException) -> _Place:
 
 
 class _Start(TaskStatus[None]):
-    """The outcome of a component's first start; a restarted one reports "ready" again, which changes nothing."""
+    """The outcome of a component's first start; later reports of "ready" change nothing."""
 
     def __init__(self) -> None:
         self.is_over = False
@@ -229,9 +228,9 @@ class _Start(TaskStatus[None]):
         self._is_decided.set()
 
     def stop_waiting(self) -> None:
-        """Release waiting tasks before the end."""
+        """Release the waiting tasks."""
         self._is_decided.set()
 
     async def wait(self) -> None:
-        """Wait for the end or for :meth:`stop_waiting`."""
+        """Wait until the component is ready or has ended, or for :meth:`stop_waiting`."""
         await self._is_decided.wait()
