@@ -26,7 +26,7 @@ def test_every_error_is_a_homebot_error() -> None:
             "service /s has no server; wait for it with `await client.wait_for_service(timeout)`",
         ),
         (errors.ServiceFailedError("/s", "ValueError: x"), "service /s failed: ValueError: x"),
-        (errors.ServiceGoneError("/s"), "service /s went away during the call; whether it acted is unknown"),
+        (errors.ServiceGoneError("/s"), "service /s was closed during the call; whether it acted is unknown"),
         (errors.ServiceTimeoutError("/s", 0.5), "service /s did not answer within 0.5 s; whether it acted is unknown"),
     ],
 )

@@ -1,8 +1,8 @@
 """homebot: the home runtime for robots.
 
-An app imports from here: ``from homebot import App, Light, run``. Help for its tests is in
-:mod:`homebot.testing`, ROS's standard messages are in :mod:`homebot.messages`. Each name is imported when it is first
-asked for. Modules below may change from one release to the next; the names of this one are kept.
+An app imports from here: ``from homebot import App, Light, run``. Test helpers are in :mod:`homebot.testing`, ROS's
+    standard messages in :mod:`homebot.messages`. Each name is imported on first use. Submodules may change from one
+    release to the next; the names in this module are stable.
 """
 
 TYPE_CHECKING = False  # typing.TYPE_CHECKING would import typing
@@ -127,7 +127,7 @@ _NAMES = {
 
 __all__ = [name for names in _NAMES.values() for name in names.split()]
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
 
     def __getattr__(name: str) -> object:
         from homebot.support.lazy_names import lazy_names  # noqa: PLC0415 - on first use

@@ -1,8 +1,8 @@
-"""The one clock that everything with a sense of time is given, slices of its time for long work, and time zones.
+"""The clock that is passed to everything that needs the time, time slices for long work, and time zones.
 
-Two readings: :meth:`Clock.monotonic` for durations, which never goes back, and :meth:`Clock.now` for stamps
-that leave the process. In a test both advance together; on a real computer ``now`` also follows when its clock is
-set, and counts the time it slept.
+It has two readings: :meth:`Clock.monotonic` for durations, which never goes back, and :meth:`Clock.now` for time stamps
+    that leave the process. In a test both advance together; on a real computer ``now`` also follows changes of the
+    system clock, and includes time asleep.
 """
 
 import asyncio
@@ -41,14 +41,14 @@ class LoopClock:
     """The clock of the running event loop; under a virtual-time loop this is virtual time.
 
     Args:
-        epoch: The reading of :meth:`now` when the clock is made, in seconds since the Unix epoch; from then on
-            it runs with the loop. By default the computer's own time, also when that is set or slept meanwhile.
+        epoch: The initial reading of :meth:`now`, in seconds since the Unix epoch; from then on it advances with the
+            loop. By default it always is the computer's time, even if that is set or the computer sleeps.
 
     Attributes:
-        monotonic: Returns seconds of the event loop's time. It is asked so often that it is the loop's own function, or
-            the one that this calls.
-        now: Returns seconds since the Unix epoch, UTC; likewise.
-        asleep: Returns for how many seconds the computer was suspended, which :meth:`monotonic` leaves out.
+        monotonic: Returns seconds of the event loop's time. Called so often that it is the loop's own function, or the
+            function that the loop calls.
+        now: Returns seconds since the Unix epoch, UTC; also called often.
+        asleep: Returns the seconds for which the computer was suspended, which :meth:`monotonic` leaves out.
     """
 
     def __init__(self, epoch: float | None = None) -> None:
@@ -62,7 +62,7 @@ class LoopClock:
 
 @final
 class ManualClock:
-    """A clock that stands still until it is moved; for tests of code without an event loop."""
+    """A clock that only advances when told to, for tests of code without an event loop."""
 
     def __init__(self, start: float = 0.0) -> None:
         self._now = start
@@ -87,14 +87,14 @@ class ManualClock:
 
 
 SLICE = 0.005
-"""Seconds of one slice: the work of a piece is not known beforehand, for one device may have hundreds of parts."""
+"""Seconds of one slice: the cost of a piece of work is unknown, as a device may have hundreds of parts."""
 
 
 @final
 class TimeSlice:
-    """The slice that one task works in now; it begins when this is made.
+    """The current time slice of one task, which begins when it is created.
 
-    ``if slice.is_over: await slice.pause()`` after each piece of work.
+    Call ``if slice.is_over: await slice.pause()`` after each piece of work.
     """
 
     def __init__(self, clock: Clock) -> None:
@@ -107,12 +107,12 @@ class TimeSlice:
         return self._monotonic() >= self._ends
 
     async def pause(self) -> None:
-        """Let all others have their turn, and begin the next slice."""
+        """Give all other tasks a turn, and begin the next slice."""
         await anyio.lowlevel.checkpoint()
         self._ends = self._monotonic() + SLICE
 
     async def do(self, work: Generator[None, None, T]) -> T:
-        """Return the result of *work*, with pauses between its steps."""
+        """Run *work* with pauses between its steps, and return its result."""
         while True:
             try:
                 next(work)
@@ -123,7 +123,7 @@ class TimeSlice:
                 await self.pause()
 
 
-_SINCE_BOOT: Final[int | None] = getattr(time, "CLOCK_BOOTTIME", None)  # Linux alone has it
+_SINCE_BOOT: Final[int | None] = getattr(time, "CLOCK_BOOTTIME", None)  # only on Linux
 
 
 def _seconds_asleep() -> float:
@@ -139,10 +139,10 @@ def read_zone(name: str, computer: Path = _ZONE_OF_COMPUTER) -> tzinfo:
     """Read the time zone with the IANA name *name*, such as ``Europe/Berlin``; the computer's if it is empty.
 
     Args:
-        computer: The file of the computer's zone, which is a link into a folder of zones or a copy.
+        computer: The file of the computer's zone: a link into a folder of zones, or a copy.
 
     Raises:
-        UsageError: There is none.
+        UsageError: There is no such zone.
     """
     return _read_zone(name, computer)
 
@@ -152,7 +152,7 @@ def _read_zone(name: str, computer: Path) -> tzinfo:
     for one in (name,) if name else _names_of_computer(computer):
         try:
             return zoneinfo.ZoneInfo(one)
-        except (zoneinfo.ZoneInfoNotFoundError, ValueError, OSError):  # of a folder of zones, an OSError
+        except (zoneinfo.ZoneInfoNotFoundError, ValueError, OSError):  # OSError: the name is that of a folder of zones
             continue
     if name:
         raise UsageError(f"there is no time zone {name!r}")
@@ -169,5 +169,5 @@ def _names_of_computer(file: Path) -> tuple[str, ...]:
 
 
 def zone_name(name: str, computer: Path = _ZONE_OF_COMPUTER) -> str:
-    """Return the IANA name of the zone *name*, also of the computer's; empty where that has none."""
+    """Return the IANA name of the zone *name*, or of the computer's zone if empty; empty if that has none."""
     return getattr(read_zone(name, computer), "key", None) or ""

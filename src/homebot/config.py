@@ -5,22 +5,21 @@
     [home]
     name = "home425"
     zone = "Europe/Berlin"
-    [gateways.mqtt]                  # one table a gateway; class = "module:Class" where it is no plug-in
+    [gateways.mqtt]                  # one table per gateway; class = "module:Class" if it is not a plug-in
     url = "mqtt://192.168.1.10"
-    [apps.light_service]             # one table an app
+    [apps.light_service]             # one table per app
     [door]                           # where tools reach this homebot
     [discovery]
-    [control]                        # how long commands wait for the answers of devices
+    [control]                        # how long commands wait for devices to answer
     [history]                        # how long measurements are kept
-    [notify]                         # where apps send notifications for people
-    [places.rooms.Hall]              # rooms, and devices in them
+    [notify]                         # where notifications of apps are sent
+    [places.rooms.Hall]              # rooms, and the devices in them
     floor = "Downstairs"
-    [robots.rosie]                   # one table a robot: where its pose comes from
-    [ros]                            # interfaces of ROS that clients use, beside those that homebot comes with
-    [thing_directory]                # the devices over HTTP, as W3C Thing Descriptions; not without this table
+    [robots.rosie]                   # one table per robot: where its pose comes from
+    [ros]                            # ROS interfaces of clients, besides the built-in ones
+    [thing_directory]                # serves the devices over HTTP as W3C Thing Descriptions
 
-The table of a gateway or an app belongs to that plug-in: :func:`parse_settings` checks it with
-the plug-in's model.
+The table of a gateway or app belongs to its plug-in: :func:`parse_settings` checks it with the plug-in's model.
 """
 
 import re
@@ -73,12 +72,12 @@ _MOST_ERRORS = 100
 
 
 def folder_of(context: object) -> Path:
-    """Return the folder that relative paths start from, by the *context* with which a model is validated."""
+    """Return the base folder of relative paths from the validation *context* of a model."""
     return Path(context.get(_FOLDER, _HERE)) if isinstance(context, dict) else _HERE
 
 
 def in_folder(folder: Path) -> dict[str, object]:
-    """Return the validation context for models with paths relative to *folder*."""
+    """Return the validation context of models whose paths are relative to *folder*."""
     return {_FOLDER: folder}
 
 
@@ -87,22 +86,22 @@ def _in_folder(path: Path, info: ValidationInfo) -> Path:
 
 
 FilePath: TypeAlias = Annotated[Path, AfterValidator(_in_folder)]
-"""The path of a file in a configuration; a relative one begins at the folder of the configuration's file."""
+"""The path of a file in a configuration, relative to the folder of the configuration file."""
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
 
 UNNAMED = "home"
-"""The name of a home without one."""
+"""The default name of a home."""
 
 
 class HomeSettings(BaseModel):
     """The table ``[home]``.
 
     Attributes:
-        name: Name of the home, in logs and on the web page.
+        name: Name of the home in logs and on the web page.
         zone: The time zone, by its IANA name; empty for the computer's.
-        latitude: Degrees north of the equator; like the next, for the times of the sun.
+        latitude: Degrees north of the equator; this and *longitude* are for the times of the sun.
         longitude: Degrees east of Greenwich.
     """
 
@@ -137,10 +136,10 @@ class Config(BaseModel):
     Attributes:
         door: The address at which rosbridge clients reach this homebot; empty for the default.
         history: The table ``[history]``: which measurements are kept, and how long; None for the defaults.
-        notify: The table ``[notify]``: where notifications of apps go; None for the log alone.
-        thing_directory: The table ``[thing_directory]``, which has the devices served over HTTP; None for none.
+        notify: The table ``[notify]``: where notifications of apps are sent; None to only log them.
+        thing_directory: The table ``[thing_directory]``, which serves the devices over HTTP; None for none.
         source: The file, or another source of the values, for error messages.
-        folder: The folder that relative paths start from: that of the file.
+        folder: The base folder of relative paths: that of the file.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -172,7 +171,7 @@ def load_config(path: Path) -> Config:
 
 
 def load_tables(path: Path) -> dict[str, object]:
-    """Read the TOML file *path* without a look at the keys in its tables.
+    """Read the TOML file *path* without checking the keys in its tables.
 
     Raises:
         ConfigError: It cannot be read, is invalid TOML, or may be changed by other users.
@@ -195,11 +194,11 @@ def load_tables(path: Path) -> dict[str, object]:
 
 
 def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE) -> Config:
-    """Return the configuration in *tables*, which are as in the TOML file.
+    """Return the configuration in *tables*, which have the form of the TOML file.
 
     Args:
         source: The file, or another source of the tables, for error messages.
-        folder: The folder that relative paths start from.
+        folder: The base folder of relative paths.
 
     Raises:
         ConfigError: A key is unknown or a value invalid; the message names *source*, the key and the reason.
@@ -217,16 +216,16 @@ def parse_config(tables: Mapping[str, object], source: str, folder: Path = _HERE
 def parse_settings(
     model: type[ModelT], table: Mapping[str, object], source: str, key: str, folder: Path = _HERE
 ) -> ModelT:
-    """Return *table* checked by *model*.
+    """Return *table*, validated by *model*.
 
     Args:
-        table: The table; a ``class`` in it is passed over, it chose the model.
+        table: The table; its key ``class``, which chose the model, is ignored.
         key: The table's dotted path, for messages.
-        folder: Where the paths in it begin that are of the type :data:`FilePath`.
+        folder: The base folder of its paths of the type :data:`FilePath`.
 
     Raises:
-        ConfigError: The first thing that is wrong: an unknown key, a wrong type, a value that may not be. What else
-            is wrong is in its ``others``.
+        ConfigError: The first problem: an unknown key, a wrong type or an invalid value. Further problems are in its
+            ``others``.
     """
     try:
         text = to_json({name: value for name, value in table.items() if name != "class"}, inf_nan_mode="constants")
@@ -243,7 +242,7 @@ def parse_settings(
 
 @contextmanager
 def value_errors() -> Iterator[None]:
-    """Raise each error of homebot inside the block as a ValueError, which pydantic tells as that of a field."""
+    """Convert homebot's errors in the block to ValueError, which pydantic reports for a field."""
     try:
         yield
     except HomebotError as exc:
@@ -270,7 +269,7 @@ def _shortened(value: object) -> str:
 
 
 def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key: str) -> ConfigError:
-    """Return *error*, which is about a value in the table *key*, in words."""
+    """Return *error*, about a value in the table *key*, with a text for people."""
     path = ".".join(part for part in (key, *(str(part) for part in error["loc"])) if part)
     table = _model_at(model, error["loc"][:-1])
     if error["type"] in _TABLE_ERRORS:
@@ -285,7 +284,7 @@ def _config_error(model: type[BaseModel], error: ErrorDetails, source: str, key:
 
 
 def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseModel]:
-    """Return the model of the table at *path*, as far as tables are models."""
+    """Return the model of the innermost table at *path* that has a model."""
     kind: object = model
     for part in path:
         if get_origin(kind) in {dict, tuple}:
@@ -300,13 +299,13 @@ def _model_at(model: type[BaseModel], path: tuple[int | str, ...]) -> type[BaseM
 
 
 def _table_reason(path: str, *, is_element: bool) -> str:
-    """Return that the value at *path* must be a table, in TOML's way to write it where no key in it takes quotes."""
+    """Return the message that the value at *path* must be a table, in TOML notation unless a key needs quotes."""
     head = f"[[{path.rpartition('.')[0]}]]" if is_element else f"[{path}]"
     return f"must be a table, as in {head}" if _PATH_OF_TABLE.fullmatch(path) else "must be a table"
 
 
 def _array_reason(path: str, field: FieldInfo | None) -> str:
-    """Return that the value at *path* must be an array, in TOML's way to write one of tables."""
+    """Return the message that the value at *path* must be an array, in TOML notation for arrays of tables."""
     elements = () if field is None else get_args(field.annotation)
     of_tables = any(isinstance(one, type) and issubclass(one, BaseModel) for one in elements)
     return f"must be an array of tables, each as in [[{path}]]" if of_tables else "must be an array"
@@ -322,5 +321,5 @@ def _reason(model: type[BaseModel], error: ErrorDetails) -> str:
     if (reason := _TYPE_ERRORS.get(error["type"])) is not None:
         return reason
     message = error["msg"].removeprefix("Value error, ")
-    is_word = message[1:2].islower()  # and not MQTT
+    is_word = message[1:2].islower()  # unlike MQTT
     return f"{message[:1].lower()}{message[1:]}" if is_word else message

@@ -1,37 +1,37 @@
-"""Every error homebot raises, in one tree, split by the possible reactions.
+"""Every error that homebot raises, in one tree, split by how a caller can react.
 
 ::
 
     HomebotError
-    ├── UsageError                  our own mistake: mend the program or the configuration
+    ├── UsageError                  our own mistake: fix the program or the configuration
     │   ├── InvalidNameError        a name breaks the rules for names
-    │   ├── DuplicateNameError      the name is taken
+    │   ├── DuplicateNameError      the name is already taken
     │   ├── TypeMismatchError       a message is not of the type of its topic or service
     │   ├── UnknownTypeError        a message, service or action has no definition
     │   ├── QosError                a QoS profile contradicts itself
     │   ├── ParameterError          a parameter is unknown, read-only or out of its range
     │   ├── ClosedError             the node, topic or connection was closed before
     │   ├── ConfigError             a configuration file, key or value is wrong
-    │   └── PluginError             a plug-in cannot be found, loaded or made
-    ├── PeerError                   a peer outside is wrong or refuses: repeating does not help
+    │   └── PluginError             a plug-in cannot be found, loaded or created
+    ├── PeerError                   an external peer is wrong or refuses: repeating does not help
     │   ├── WireError               bytes that do not follow their protocol
-    │   ├── RefusedError            a login, subscription, publish or command was answered with no
-    │   └── UnableError             a part cannot do that as it is described; nothing was sent
-    ├── LinkError                   the way to a peer outside is down: try again later
-    │   ├── BusyError               the peer did nothing with the request now
-    │   ├── UnansweredError         a request was sent, and no answer came: it may still have its effect
-    │   └── CertificateError        the peer has another certificate than one that is trusted
-    ├── ExitError                   a part of the program called sys.exit(): it counts as a crash of that part
-    ├── AbortError                  a part awaited a cancelled task, or raised an exit of Python: likewise
-    └── ServiceError                a service call brought no response
-        ├── ServiceUnavailableError no server has this name, or its line is full
+    │   ├── RefusedError            a login, subscription, publish or command was refused
+    │   └── UnableError             a part cannot do that as described; nothing was sent
+    ├── LinkError                   the connection to an external peer is down: try again later
+    │   ├── BusyError               the peer did not process the request now
+    │   ├── UnansweredError         a request was sent but not answered: it may still have an effect
+    │   └── CertificateError        the peer has an untrusted certificate
+    ├── ExitError                   a component called sys.exit(), which counts as its crash
+    ├── AbortError                  a component awaited a cancelled task, or raised an exit exception of Python
+    └── ServiceError                a service call got no response
+        ├── ServiceUnavailableError no server has this name, or its queue is full
         ├── ServiceFailedError      the server raised
-        ├── ServiceGoneError        the server went away while it worked
+        ├── ServiceGoneError        the server was closed while it worked
         ├── ServiceTimeoutError     the server was too slow
         └── GoalError               a goal of an action ended without success
-            ├── GoalRejectedError   the server did not accept it
-            ├── GoalAbortedError    the server gave it up, or forgot it
-            └── GoalCanceledError   it was cancelled
+            ├── GoalRejectedError   the server did not accept the goal
+            ├── GoalAbortedError    the server aborted the goal, or forgot it
+            └── GoalCanceledError   the goal was cancelled
 """
 
 from collections.abc import Collection
@@ -83,7 +83,7 @@ class InvalidNameError(UsageError):
     """A name breaks the rules for its kind of name.
 
     Attributes:
-        position: Index of the first bad character, or None where the whole name is wrong.
+        position: Index of the first bad character; None if the whole name is wrong.
     """
 
     def __init__(self, kind: str, name: str, problem: str, position: int | None = None) -> None:
@@ -95,7 +95,7 @@ class InvalidNameError(UsageError):
 
 
 class DuplicateNameError(UsageError):
-    """A name that must be unique is taken."""
+    """A name that must be unique is already taken."""
 
 
 class TypeMismatchError(UsageError):
@@ -127,8 +127,8 @@ class ConfigError(UsageError):
     """A configuration cannot be used.
 
     Attributes:
-        source: The file (or the option) the value came from.
-        key: Dotted path of the culprit, for example ``gateways.mqtt.url``; empty for the whole file.
+        source: The file or option from which the value came.
+        key: Dotted path of the wrong value, for example ``gateways.mqtt.url``; empty for the whole file.
         reason: The problem and its remedy; begins with a verb if it concerns the whole file.
         others: Further problems of the same table.
     """
@@ -142,7 +142,7 @@ class ConfigError(UsageError):
 
 
 class PluginError(UsageError):
-    """A plug-in cannot be found, loaded or made."""
+    """A plug-in cannot be found, loaded or created."""
 
     def __init__(self, name: str, reason: str) -> None:
         super().__init__(f"plug-in {name!r} {reason}")
@@ -172,7 +172,7 @@ class RefusedError(PeerError):
 
     Attributes:
         reason: The reason, for people; never contains a secret.
-        code: The protocol's reason code where there is one.
+        code: The protocol's reason code, if there is one.
     """
 
     def __init__(self, what: str, reason: str, code: int | None = None) -> None:
@@ -195,19 +195,19 @@ class LinkError(HomebotError):
 
 
 class BusyError(LinkError):
-    """A peer did nothing with a request, and says that it may work later."""
+    """A peer did not process a request, and says that it may work later."""
 
 
 class UnansweredError(LinkError):
-    """A request was sent, and no answer came: it may still have its effect."""
+    """A request was sent but not answered: it may still have an effect."""
 
 
 class CertificateError(LinkError):
-    """A peer shows another certificate than one that is trusted; nothing was sent."""
+    """A peer has an untrusted certificate; nothing was sent."""
 
 
 class ExitError(HomebotError):
-    """A part of the program called ``sys.exit()``, which would have ended all the others."""
+    """A component called ``sys.exit()``, which would have ended all others."""
 
     def __init__(self, who: str, exit_: SystemExit) -> None:
         super().__init__(f"{who} called sys.exit({exit_.code!r}); to end it, let it return")
@@ -217,7 +217,7 @@ class AbortError(HomebotError):
     """A component awaited a cancelled task, or raised an exception reserved to Python; the others continue."""
 
     def __init__(self, who: str, error: BaseException) -> None:
-        # By its name, as errors know no event loop.
+        # By its name, because this module is independent of the event loop.
         if type(error).__name__ == "CancelledError":
             what = "awaited something that was cancelled; catch asyncio.CancelledError there"
         else:
@@ -255,7 +255,7 @@ class ServiceGoneError(ServiceError):
     """The server was closed while it served the call; whether it acted is unknown."""
 
     def __init__(self, service: str) -> None:
-        super().__init__(service, "went away during the call; whether it acted is unknown")
+        super().__init__(service, "was closed during the call; whether it acted is unknown")
 
 
 class ServiceTimeoutError(ServiceError, TimeoutError):
@@ -274,7 +274,7 @@ class GoalError(ServiceError):
     """A goal of an action ended without success; ``service`` is the name of the action.
 
     Attributes:
-        result: The result message, as far as the server came; None without one.
+        result: The result message, perhaps partial; None without one.
     """
 
     def __init__(self, action: str, problem: str, result: object = None) -> None:

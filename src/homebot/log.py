@@ -1,7 +1,7 @@
-"""Logging: one place that decides how lines look, and a limit for lines that outsiders can cause.
+"""Logging: the configuration of the output, and a rate limit for lines that outsiders can cause.
 
-A line is an event name (a dotted constant such as ``discovery.appeared``) with facts as keys. The key ``message`` says
-the same in plain words for people, which the terminal shows.
+A line is an event name (a dotted constant such as ``discovery.appeared``) with facts as keys. The key ``message`` has
+the same in plain words, and is shown in terminals.
 """
 
 import logging
@@ -56,7 +56,7 @@ def configure_logging(
     warnings: at a limited rate, and with secrets masked.
 
     Args:
-        log_format: ``console`` for people, ``json`` for programs: one object a line.
+        log_format: ``console`` for people, ``json`` for programs: one object per line.
         level: The lowest level shown: debug, info, warning, error or critical.
         stream: The stream to write to; colours are used only on a terminal.
         processors: Further structlog processors that see each line before it is written.
@@ -86,12 +86,12 @@ def configure_logging(
 
 
 def _raw(stream: TextIO) -> TextIO:
-    """Return the stream that is written, below which a queue may be."""
+    """Return the stream to write to, which may wrap a queue."""
     return stream.raw if isinstance(stream, CleanText) else stream
 
 
 def _renderer(log_format: LogFormat, out: TextIO) -> Processor:
-    """Return the renderer of lines for *out*, which also renders the lines that a queue lost."""
+    """Return the renderer of lines for *out*; the queue of *out* also uses it to report lost lines."""
     renderer: Processor = (
         structlog.processors.JSONRenderer() if log_format == "json" else ConsoleRenderer(colours=wants_colour(out))
     )
@@ -115,11 +115,11 @@ def _loss_line(renderer: Processor, lines: int) -> str:
 
 @final
 class LogLimit:
-    """Lets a few lines of a kind through per interval and counts the others, so that no outsider can flood the log.
+    """Allows a few lines of a kind per interval and counts the others, so that no outsider can flood the log.
 
     Args:
-        interval: Seconds after which a kind may be heard again.
-        burst: Lines of one kind let through per interval.
+        interval: Seconds after which a kind is allowed again.
+        burst: Lines of one kind per interval.
     """
 
     def __init__(self, clock: Clock, interval: float = 10.0, burst: int = 1) -> None:
@@ -129,9 +129,9 @@ class LogLimit:
         self._kinds: BoundedMap[str, _Interval] = BoundedMap(_MAX_KEYS)
 
     def allows(self, kind: str) -> int | None:
-        """Return how many lines of *kind* were held back since the last one, or None when this one must be too.
+        """Return how many lines of *kind* were held back since the last one, or None to hold back this one too.
 
-        The 1,000 kinds used last are remembered.
+        The 1,000 most recently used kinds are remembered.
         """
         now = self._clock.monotonic()
         current = self._kinds.get(kind)
@@ -147,7 +147,7 @@ class LogLimit:
 
 
 def more_like_this(held_back: int) -> str:
-    """Return the end of a line that stands for those that a :class:`LogLimit` held back; empty where there are none."""
+    """Return the suffix of a line that counts those that a :class:`LogLimit` held back; empty if there are none."""
     return f" (and {held_back} more like this)" if held_back else ""
 
 
@@ -165,7 +165,7 @@ _FORGOTTEN = re.compile(r"coroutine '([^']+)' was never awaited")
 
 
 class _StdlibLines(logging.Handler):
-    """Brings a line of the standard library's ``logging`` into our log."""
+    """Forwards records of the standard library's ``logging`` to our log."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -177,7 +177,7 @@ class _StdlibLines(logging.Handler):
             return
         if record.name == _WARNINGS and (forgotten := _FORGOTTEN.search(text := _text(record))) is not None:
             place = text.partition(": RuntimeWarning")[0]
-            called = forgotten[1].removesuffix(".__aenter__")  # a block that waits as it is entered
+            called = forgotten[1].removesuffix(".__aenter__")  # for an async context manager
             word = "await" if called == forgotten[1] else "`async with`"
             message = f"{called}() was called without {word}, so it did nothing: {place}"
             structlog.get_logger(node=record.name).error(FORGOTTEN_AWAIT, message=message, held_back=held_back)
@@ -195,12 +195,12 @@ class _StdlibLines(logging.Handler):
 def _text(record: logging.LogRecord) -> str:
     try:
         return record.getMessage()
-    except (KeyError, TypeError, ValueError):  # the library's own slip must not become ours
+    except (KeyError, TypeError, ValueError):  # a library's mistake must not become ours
         return str(record.msg)
 
 
 class _SinceStart:
-    """The clock of lines that come from any thread, with an event loop or without."""
+    """Clock for lines from any thread, with or without an event loop."""
 
     def monotonic(self) -> float:
         return time.monotonic()

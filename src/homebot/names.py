@@ -1,4 +1,4 @@
-"""Names on the graph: their rules, their expansion, and the escape that makes any text a name.
+"""Names on the graph: their rules, their expansion, and an escape that turns any text into a name.
 
 The rules are those of ROS 2 (rmw ``validate_node_name``, ``validate_namespace``, ``validate_full_topic_name``; rcl
 ``expand_topic_name``): tokens of ``[A-Za-z0-9_]`` that do not start with a digit, joined by ``/``.
@@ -64,14 +64,14 @@ def validate_full_name(name: str, kind: str = "topic name") -> str:
     """Return *name* if it is a legal full (absolute) topic or service name.
 
     Raises:
-        InvalidNameError: It is not absolute, ends in a slash, holds ``//`` or a bad character, a token starts with
+        InvalidNameError: It is not absolute, ends in a slash, contains ``//`` or a bad character, a token starts with
             a digit, or it is over 247 characters.
     """
     return _checked_length(kind, _validate_path(kind, name), MAX_FULL_NAME)
 
 
 def absolute_name(name: str) -> str:
-    """Return *name* with a slash at its begin, which people and some programs leave out."""
+    """Return *name* with a leading slash, which people and some programs omit."""
     return name if name.startswith("/") else f"/{name}"
 
 
@@ -83,7 +83,7 @@ def full_node_name(node: str, namespace: str = "/") -> str:
 
 
 def expand_name(name: str, node: str, namespace: str, kind: str = "topic name") -> str:
-    """Return the full name that *name* means to *node* in *namespace*.
+    """Return the full name to which *name* expands for *node* in *namespace*.
 
     In this order: ``~`` becomes the node's full name; ``{node}``, ``{ns}`` and ``{namespace}`` are replaced; a name
     that is still relative goes below the namespace.
@@ -104,12 +104,12 @@ def expand_name(name: str, node: str, namespace: str, kind: str = "topic name") 
 
 
 def is_hidden(name: str) -> bool:
-    """Return whether tools leave *name* out unless asked: a token of it starts with an underscore."""
+    """Return whether tools hide *name* by default: one of its tokens starts with an underscore."""
     return "/_" in name or name.startswith("_")
 
 
 def escape_token(text: str) -> str:
-    """Return a legal, visible token for any non-empty *text*; :func:`unescape_token` gives the text back.
+    """Return a legal, visible token for any non-empty *text*; :func:`unescape_token` restores the text.
 
     - Each UTF-8 byte outside ``[A-Za-z0-9_]`` becomes ``_xHH`` (two lower-case hexadecimal digits).
     - An underscore that would read as the start of such an escape becomes ``_x5f``.
@@ -119,7 +119,7 @@ def escape_token(text: str) -> str:
     ``roomlights405`` stays, ``Küche 1`` is ``K_xc3_xbcche_x201``, ``0x00158d`` is ``x_0x00158d``.
 
     Raises:
-        InvalidNameError: *text* is empty or holds a lone surrogate.
+        InvalidNameError: *text* is empty or contains a lone surrogate.
     """
     if not text:
         raise InvalidNameError("name", text, "is empty")
@@ -133,7 +133,7 @@ def escape_token(text: str) -> str:
 
 
 def unescape_token(token: str) -> str:
-    """Return the text that :func:`escape_token` made *token* from.
+    """Return the text from which :func:`escape_token` built *token*.
 
     Raises:
         InvalidNameError: The escapes do not spell UTF-8.
@@ -191,5 +191,5 @@ def _checked_length(kind: str, name: str, limit: int) -> str:
 
 
 def snake_case(class_name: str) -> str:
-    """Return the name of an app for its class: ``my_app`` for ``MyApp``."""
+    """Return the name of an app by its class name: ``my_app`` for ``MyApp``."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name).lower()

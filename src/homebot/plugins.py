@@ -42,10 +42,10 @@ __all__ = [
 _Groups = Mapping[str, tuple[EntryPoint, ...]]
 
 _LOADERS: Final = {Path(__file__), Path(importlib.__file__), Path(importlib.metadata.__file__)}
-"""The files of Python and of homebot that import a plug-in."""
+"""The files of Python and homebot that import plug-ins."""
 
 INSTALL_EXTRA: Final = 'pip install "homebot['
-"""The beginning of the command that installs an extra."""
+"""The beginning of the command to install an extra."""
 
 _FILE: Final = re.compile(r"(?P<file>.+\.py)(?::(?P<kind>\w+))?")
 
@@ -61,15 +61,15 @@ def has_plugin(group: str, name: str) -> bool:
 
 
 def load_plugin(group: str, name: str) -> type[Any]:
-    """Return the class that *name* means.
+    """Return the plug-in class *name*.
 
     Args:
         group: The entry-point group, for example ``homebot.apps``.
-        name: A name in that group, ``module:Class`` or ``FILE.py:Class``. Of two with one name homebot's own is taken.
-            A module that is not installed is looked for in the working directory.
+        name: A name in that group, ``module:Class`` or ``FILE.py:Class``. If two packages offer a name, homebot's own
+            is used. A module that is not installed is looked for in the working directory.
 
     Raises:
-        PluginError: There is no such plug-in, importing it fails, it is no class, or it is in a file or folder that
+        PluginError: There is no such plug-in, importing it fails, it is not a class, or it is in a file or folder that
             others may write to.
     """
     if is_file(name):
@@ -82,7 +82,7 @@ def load_plugin(group: str, name: str) -> type[Any]:
 
 
 def plugin_path(group: str, name: str) -> str:
-    """Return *name*, as for :func:`load_plugin`, as ``module:Class`` or as the file that it names.
+    """Return *name*, as for :func:`load_plugin`, as ``module:Class`` or as its file.
 
     Raises:
         PluginError: It is not installed.
@@ -91,9 +91,9 @@ def plugin_path(group: str, name: str) -> str:
 
 
 def installed_plugin(group: str, kind: str) -> type[Any] | None:
-    """Return the class *kind*, as ``module:Class``, of the entry-point group *group*; None if no name offers it.
+    """Return the class *kind*, as ``module:Class``, of the entry-point group *group*; None if no entry point offers it.
 
-    Nothing else is loaded, so *kind* may come from outside.
+    Nothing else is loaded, so *kind* may come from an untrusted source.
     """
     for name in plugin_names(group):
         with suppress(PluginError):
@@ -104,25 +104,25 @@ def installed_plugin(group: str, kind: str) -> type[Any] | None:
 
 
 def is_file(name: str) -> bool:
-    """Return whether *name* names a plug-in by its file, ``FILE.py`` or ``FILE.py:Class``."""
+    """Return whether *name* refers to a plug-in by file, ``FILE.py`` or ``FILE.py:Class``."""
     return _FILE.fullmatch(name) is not None
 
 
 def name_in_file(name: str, base: type[object]) -> str:
-    """Return *name*, a file, as ``FILE.py:Class`` with the class that it has, where *name* lacks it.
+    """Return the file *name* as ``FILE.py:Class``, adding its only class if *name* has none.
 
     Raises:
-        PluginError: As :func:`load_plugin`; or it has none, or several.
+        PluginError: As for :func:`load_plugin`; or the file has no class, or several.
     """
     path, class_name = file_and_class(name)
     return name if class_name is not None else f"{name}:{class_in(_module_in(path, name), name, base)}"
 
 
 def class_in(module: ModuleType, name: str, base: type[object]) -> str:
-    """Return the name of the one class in *module*, the file *name*, that is derived from *base*.
+    """Return the name of the only class in *module*, the file *name*, that is derived from *base*.
 
     Raises:
-        PluginError: It has none, or several.
+        PluginError: It has no such class, or several.
     """
     kinds = [text for text, kind in vars(module).items() if _is_own(kind, base, module)]
     if len(kinds) != 1:
@@ -132,7 +132,7 @@ def class_in(module: ModuleType, name: str, base: type[object]) -> str:
 
 
 def add_app(apps: MutableMapping[str, dict[str, object]], wanted: str) -> None:
-    """Add *wanted* to the tables *apps* unless one is of it; a class MyApp gets my_app, with the settings there."""
+    """Add *wanted* to the tables *apps* unless one has it; a class MyApp becomes my_app, with the settings there."""
     if any(_is_same(str(table.get("class", name)), wanted) for name, table in apps.items()):
         return
     kind = wanted.rpartition(":")[2]
@@ -151,19 +151,19 @@ def _is_same(one: str, other: str) -> bool:
 
 
 def _place_of(name: str) -> tuple[Path, str]:
-    """Return the file in which ``module:Class`` or ``FILE.py:Class`` is looked for, and the rest of *name*."""
+    """Return the file that contains ``module:Class`` or ``FILE.py:Class``, and the rest of *name*."""
     module, _, kind = name.rpartition(":")
     return Path(module if module.endswith(".py") else f"{module.replace('.', '/')}.py"), kind
 
 
 def check_extra(what: str, extra: str, *modules: str) -> None:
-    """Check that the libraries of an extra of homebot, such as ``homebot[mdns]``, are installed; none is imported.
+    """Check, without importing, that the libraries of an extra such as ``homebot[mdns]`` are installed.
 
     Args:
         what: The feature, as text: ``the gateway "mdns"``.
 
     Raises:
-        UsageError: One is missing; names the command that installs it.
+        UsageError: A library is missing; names the command that installs it.
     """
     missing = [name for name in modules if importlib.util.find_spec(name) is None]
     if missing:
@@ -186,7 +186,7 @@ def _installed(group: str, name: str) -> EntryPoint:
 
 
 def _entry_point(group: str, name: str) -> EntryPoint | None:
-    """Return the plug-in *name*; the files of other packages are read only where homebot has none of that name."""
+    """Return the plug-in *name*; the files of other packages are read only if homebot has none of that name."""
     path = tuple(sys.path)
     for groups in (_own_entry_points, _entry_points):
         for point in groups(path).get(group, ()):
@@ -197,8 +197,8 @@ def _entry_point(group: str, name: str) -> EntryPoint | None:
 
 @lru_cache(maxsize=1)
 def _own_entry_points(path: tuple[str, ...]) -> _Groups:
-    """Return homebot's groups in its own package on *path*, Python's; none where it is not installed."""
-    del path  # where Python looks; it is here for the cache
+    """Return the groups of homebot's own package on Python's *path*; none if it is not installed."""
+    del path  # only the key of the cache
     try:
         return _groups(distribution("homebot").entry_points)
     except PackageNotFoundError:
@@ -207,7 +207,7 @@ def _own_entry_points(path: tuple[str, ...]) -> _Groups:
 
 @lru_cache(maxsize=1)
 def _entry_points(path: tuple[str, ...]) -> _Groups:
-    """Return homebot's groups in all packages on *path*; to ask for one alone reads the files of all as well."""
+    """Return homebot's groups in all packages on *path*: reading a single group would read all files too."""
     del path  # as above
     installed = entry_points()
     return _groups(point for group in installed.groups for point in installed.select(group=group))
@@ -222,7 +222,7 @@ def _groups(points: Iterable[EntryPoint]) -> _Groups:
 
 
 def _hint(name: str, known: tuple[str, ...]) -> str:
-    """Return suggestions for *name*: a module without its class, or another plug-in."""
+    """Return a suggestion for *name*: add the class to a module, or use a similar plug-in."""
     if name.isidentifier() and (Path(f"{name}.py").exists() or _is_installed(name)):
         return f"did you mean {name}:CLASS, with the name of a class in that module?"
     for group, points in _own_entry_points(tuple(sys.path)).items():
@@ -263,7 +263,7 @@ def _load_from_file(name: str) -> object:
 
 
 def file_and_class(name: str) -> tuple[Path, str | None]:
-    """Return the file of *name*, ``FILE.py`` or ``FILE.py:Class``, and the name of the class; None for none."""
+    """Return the file and the class of *name*, ``FILE.py`` or ``FILE.py:Class``; None without a class."""
     match = _FILE.fullmatch(name)
     assert match is not None  # noqa: S101 - for the type checker: the callers know it
     return Path(match["file"]), match["kind"]
@@ -274,7 +274,7 @@ def _is_own(kind: object, base: type[object], module: ModuleType) -> bool:
 
 
 def _module_in(path: Path, name: str) -> ModuleType:
-    """Return *path* as a module, run once while it stays as it is."""
+    """Return *path* as a module, which is run again only if the file changes."""
     check_file(path, name)
     try:
         return _run_as_module(path.resolve(), path.stat().st_mtime_ns)
@@ -283,10 +283,10 @@ def _module_in(path: Path, name: str) -> ModuleType:
 
 
 def check_file(path: Path, name: str) -> None:
-    """Check that the plug-in *name* is in a file, and that others may not write it.
+    """Check that the file of the plug-in *name* exists, and that others may not write to it.
 
     Raises:
-        PluginError: It is not, or they may.
+        PluginError: The file is missing, or others may write to it.
     """
     if not path.is_file():
         raise PluginError(name, f"cannot be loaded: there is no file {path}")
@@ -304,14 +304,14 @@ def module_name_of(file: Path) -> str:
 def _run_as_module(file: Path, _changed_at: int) -> ModuleType:
     """Run *file* as a module.
 
-    The modules in its folder can be imported afterwards, the next plug-in among them: that is no other module.
+    Afterwards the modules in its folder can be imported; a plug-in among them is then the same module.
     """
     look_in(file.parent)
     return run_file(module_name_of(file), file)
 
 
 def run_file(name: str, file: Path) -> ModuleType:
-    """Run *file* as the module *name*, which there is afterwards unless it fails."""
+    """Run *file* as the module *name*, and register it unless it fails."""
     spec = importlib.util.spec_from_file_location(name, file)
     assert spec is not None  # noqa: S101 - for the type checker: its name ends with .py
     assert spec.loader is not None  # noqa: S101 - likewise
@@ -337,7 +337,7 @@ def _is_installed(module_name: str) -> bool:
 
 
 def _file_of_module(name: str) -> str | None:
-    """Return the file of the module *name*: empty for one without a file, None if there is no such module."""
+    """Return the file of the module *name*: empty if it has none, None if there is no such module."""
     if (module := sys.modules.get(name)) is not None:
         return getattr(module, "__file__", None) or ""
     spec = importlib.util.find_spec(name)
@@ -345,7 +345,7 @@ def _file_of_module(name: str) -> str | None:
 
 
 def _look_here_too(path: str, module_name: str) -> None:
-    """Find modules in the working directory, after all others, if only its owner can write there."""
+    """Search the working directory for modules, after all others, if only its owner can write there."""
     here = Path.cwd()
     package = here / module_name.partition(".")[0]
     for place in (here, package.with_suffix(".py"), package, package / "__init__.py"):
@@ -358,14 +358,14 @@ def _look_here_too(path: str, module_name: str) -> None:
 
 
 def look_in(folder: Path) -> None:
-    """Let modules be found in *folder*, after all others."""
+    """Search *folder* for modules, after all others."""
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
     importlib.invalidate_caches()
 
 
 def error_text(error: Exception | SystemExit) -> str:
-    """Return *error* with the line of the plug-in that raised it; a syntax error names its own."""
+    """Return *error* with the line of the plug-in that raised it; a syntax error has its own line."""
     traced = ((Path(frame.f_code.co_filename), line) for frame, line in traceback.walk_tb(error.__traceback__))
     own = [f" ({file.name}, line {line})" for file, line in traced if file not in _LOADERS and file.exists()]
     line = own[0] if own and not isinstance(error, SyntaxError) else ""

@@ -1,4 +1,4 @@
-"""Quantities, each with its unit and bounds, once for the whole project."""
+"""Quantities with their units and bounds, for the whole project."""
 
 import math
 import re
@@ -13,7 +13,7 @@ __all__ = ["DURATION", "Bytes", "Celsius", "Port", "Seconds", "parse_duration"]
 
 
 def _from_text(value: object) -> object:
-    """Return the seconds of a text; anything else as it is."""
+    """Return a text as seconds, and anything else unchanged."""
     if not isinstance(value, str):
         return value
     try:
@@ -24,7 +24,7 @@ def _from_text(value: object) -> object:
 
 
 DURATION: Final = BeforeValidator(_from_text)
-"""Has a number of seconds in a configuration also read from a text such as ``"7d"``."""
+"""Validator that also accepts texts such as ``"7d"`` for seconds in a configuration."""
 
 Seconds = Annotated[float, DURATION, Field(gt=0, allow_inf_nan=False, description="seconds")]
 Celsius = Annotated[float, Field(ge=-273.15, allow_inf_nan=False, description="degrees Celsius")]
@@ -41,7 +41,7 @@ def parse_duration(text: str | float | timedelta, key: str = "") -> float:
         key: The name of the setting or argument, for the error.
 
     Raises:
-        UsageError: It cannot be read, is below 0, or is without end.
+        UsageError: It cannot be parsed, is negative or is infinite.
     """
     where = f"{key}: " if key else ""
     if isinstance(text, str):

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from homebot.messages.std_srvs import SetBool as SetBool
     from homebot.messages.std_srvs import Trigger as Trigger
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from homebot.places.settings import stated_position as stated_position
     from homebot.places.text import places_text as places_text
 
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
     __getattr__ = lazy_names(
         __name__,
         {

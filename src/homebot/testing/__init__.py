@@ -40,7 +40,7 @@ _NAMES = {
     "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
     "homebot.support.virtual_time": "VirtualTimeLoop",
 }
-if not TYPE_CHECKING:  # else a name that does not exist would pass for one
+if not TYPE_CHECKING:  # else a type checker would accept any name
 
     def __getattr__(name: str) -> object:
         if name not in __all__:  # a module of the package, which pytest's plug-in asks for in every program
