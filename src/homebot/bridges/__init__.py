@@ -1,1 +1,1 @@
-"""Bridges to other worlds; each sub-package speaks one foreign protocol."""
+"""Bridges to other systems; each sub-package speaks one foreign protocol."""

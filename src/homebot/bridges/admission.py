@@ -1,7 +1,7 @@
-"""Admission to a server for other programs: where it listens, and the rules on Host, Origin and token.
+"""Admission to a server for other programs: its address, and the rules for Host, Origin and token.
 
-A web page anywhere can make a browser connect to a local port; the browser then tells the page's origin, and the name
-that the page used for us. A foreign origin, or a foreign name that was bent to our address (DNS rebinding), is refused.
+Any web page can make a browser connect to a local port; the browser then sends the page's origin, and the name that the
+page used for this server. Foreign origins, and foreign names that resolve to our address (DNS rebinding), are refused.
 """
 
 import errno
@@ -20,25 +20,25 @@ from homebot.support.addresses import is_loopback
 __all__ = ["AccessSettings", "Count", "is_same_origin", "name_of_token", "refusal", "token_of"]
 
 _HOST = re.compile(r"[A-Za-z0-9._~%:\[\]-]*")
-"""A name or an address, with its port (RFC 9110, section 7.2): addresses in answers begin with it."""
+"""A name or an address with its port (RFC 9110, section 7.2), with which addresses in answers begin."""
 
 _ORIGIN = re.compile(r"null|[a-z][a-z0-9+.-]*://[^/?#\s]*")
-"""An origin (RFC 6454, section 6.2): anything else is never the one of a page."""
+"""An origin (RFC 6454, section 6.2); nothing else can be that of a page."""
 
 Count = Annotated[int, Field(ge=1)]
 
 
 class AccessSettings(BaseModel):
-    """The settings that all servers for other programs have.
+    """The settings that all servers for other programs share.
 
     Attributes:
         host: Name or address to listen on. Any other than a loopback one needs a token.
         port: TCP port; 0 takes a free one.
         token: The required token, as ``Authorization: Bearer TOKEN`` or, for browsers, as ``?token=TOKEN``.
-        allowed_origins: Web pages that may connect besides those of the same host and of loopback, for example
-            ``https://panel.example.org``; ``null`` is a page opened from a file. Where every client needs a token,
-            the names in them are names of this server too, such as behind a proxy.
-        max_clients: Clients at a time; one more is turned away.
+        allowed_origins: Web pages that may connect in addition to those of the same host and of loopback, for example
+            ``https://panel.example.org``; ``null`` is a page opened from a file. If every client needs a token, their
+            host names also count as names of this server, such as behind a proxy.
+        max_clients: Most clients at a time; one more is refused.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -68,7 +68,7 @@ class AccessSettings(BaseModel):
         return origins
 
     def why_not_free(self, key: str) -> str:
-        """Return why the address cannot be listened on now, and the remedy; empty where it can, or any port does."""
+        """Return why listening on the address is impossible now, with the remedy; empty if possible, or for port 0."""
         if not self.port:
             return ""
         with socket.socket(socket.AF_INET6 if ":" in self.host else socket.AF_INET) as probe:
@@ -80,7 +80,7 @@ class AccessSettings(BaseModel):
         return ""
 
     def listening_problem(self, error: OSError, key: str) -> str:
-        """Return the reason why the address cannot be used, and the remedy: *key* chooses another port."""
+        """Return why the address cannot be used, with the remedy: *key* chooses another port."""
         where = f"{self.host}:{self.port}"
         if error.errno == errno.EADDRINUSE:
             return f"{where} is in use, maybe by another homebot; stop that one, or choose another port ({key})"
@@ -90,7 +90,7 @@ class AccessSettings(BaseModel):
 
 
 def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[str]) -> str | None:
-    """Return why a client with these Host and Origin headers is turned away, or None."""
+    """Return why a client with these Host and Origin headers is refused, or None."""
     if len(hosts) != 1 or len(origins) > 1:
         return "exactly one Host and at most one Origin header are expected"
     host = _host_of(f"//{hosts[0]}") if _HOST.fullmatch(hosts[0]) else ""
@@ -104,12 +104,12 @@ def refusal(settings: AccessSettings, hosts: Sequence[str], origins: Sequence[st
 
 
 def is_same_origin(host: str, origin: str) -> bool:
-    """Return whether the page at *origin* comes from the server that it calls *host*, its port included."""
+    """Return whether the page at *origin* comes from the server that it calls *host*, port included."""
     return urlsplit(origin).netloc.lower() == host.lower()
 
 
 def token_of(path: str, authorizations: Sequence[str]) -> str:
-    """Return the token that a request shows, in its Authorization header or in its query; empty without one."""
+    """Return the token of a request, from its Authorization header or its query; empty for none."""
     for value in authorizations:
         scheme, _, token = value.partition(" ")
         if scheme.lower() == "bearer":
@@ -118,7 +118,7 @@ def token_of(path: str, authorizations: Sequence[str]) -> str:
 
 
 def name_of_token(tokens: Mapping[str, SecretStr], shown: str) -> str:
-    """Return the name of the token that is *shown*, empty where it is none; takes as long for a wrong one."""
+    """Return the name of the token *shown*, empty if it is wrong; takes equally long in both cases."""
     told, found = shown.encode(errors="replace"), ""
     for name, token in tokens.items():
         if hmac.compare_digest(told, token.get_secret_value().encode()):
@@ -134,7 +134,7 @@ def _is_ours(settings: AccessSettings, host: str) -> bool:
         return True
     try:
         _address(host)
-        return _address(settings.host).is_unspecified  # listens everywhere; an address cannot be bent, only a name can
+        return _address(settings.host).is_unspecified  # it listens everywhere; only names can be rebound, not addresses
     except ValueError:
         return False
 

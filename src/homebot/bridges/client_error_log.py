@@ -1,4 +1,4 @@
-"""The rate-limited log of mistakes of a bridge's clients, with the lines of the library of its server."""
+"""The rate-limited log of the mistakes of a bridge's clients, including lines of its server's library."""
 
 import logging
 from collections.abc import Callable
@@ -9,12 +9,12 @@ from homebot.log import LogLimit, more_like_this
 
 __all__ = ["ClientErrorLog", "LibraryLog", "short_text"]
 
-_LINES = 20  # of one kind in ten seconds
+_LINES = 20  # per kind in ten seconds
 _LONGEST = 300  # a client may send a text of a megabyte
 
 
 class ClientErrorLog:
-    """Logs mistakes of clients."""
+    """Logs the mistakes of clients."""
 
     def __init__(self, node: Node) -> None:
         self._log = node.log
@@ -32,11 +32,11 @@ class ClientErrorLog:
     ) -> int | None:
         """Log one line, unless there were 20 of its *kind* in the last ten seconds.
 
-        Returns the number of lines held back before it; None where it is held back itself.
+        Returns the number of lines suppressed before it; None if it is suppressed itself.
 
         Args:
             kind: Group for the rate limit, such as one client's mistakes.
-            message: The same in plain words; cut, as are the texts among the facts, to 300 characters.
+            message: The message, cut to 300 characters like the texts among the facts.
         """
         if (held_back := self._limit.allows(kind)) is None:
             return None
@@ -60,9 +60,9 @@ class LibraryLog(logging.Handler):
     """Handler that writes the lines of a library, which serves clients, to the limited log.
 
     Args:
-        server: The beginning of its events, such as ``door``.
-        mistake: The mistake of a client that a line is about, in words.
-        crash_in: Returns the crash that a line is about instead, in words; empty for none.
+        server: The prefix of its events, such as ``door``.
+        mistake: Describes the mistake of a client that a line reports.
+        crash_in: Describes the crash that a line reports instead; empty for none.
     """
 
     def __init__(

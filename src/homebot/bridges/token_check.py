@@ -1,12 +1,12 @@
-"""The check of clients' tokens, with a delay for those that guess.
+"""The check of clients' tokens, with delays against guessing.
 
-The right token and wrong ones wait alike, otherwise a guesser could hang up early. An address may be
-wrong a few times for nothing. After that each of its tokens waits, longer with each wrong one, and only a few may wait
-at a time; so an address tries four tokens a second at most, and its honest client comes in after a second.
+Right and wrong tokens wait equally long, as a guesser could otherwise hang up early. An address may be wrong a few
+times without a delay. After that each of its tokens waits, longer after each wrong one, and only a few may wait at a
+time, so that an address tries at most four tokens a second, and an honest client there gets in after a second.
 
-A long token that was right from an address before does not wait there: guessers at the same address, or behind the
-same router, cannot lock its program out. They would learn at once that a guess is right, which helps them with short
-tokens alone.
+A long token that was right from an address before does not wait there, so that guessers at the same address, or behind
+the same router, cannot lock its program out. That would tell them at once that a guess is right, which only helps with
+short tokens.
 """
 
 from collections.abc import Mapping
@@ -33,7 +33,7 @@ _MOST_WAITING = 4
 _MOST_ADDRESSES = 1000
 _MOST_PROVEN = 1000
 _LONG = 16
-"""Characters of a token that is too long to be guessed."""
+"""Characters of a token too long to guess."""
 
 
 @dataclass(slots=True)
@@ -45,9 +45,9 @@ class _Attempts:
 
 @final
 class TokenCheck:
-    """The check of the tokens that clients of one server show.
+    """The check of the tokens of one server's clients.
 
-    It remembers the wrong tokens of the 1,000 addresses that were wrong last, and the 1,000 programs that came in last.
+    It remembers the wrong tokens of the last 1,000 addresses with any, and the last 1,000 programs admitted.
 
     Args:
         tokens: The right tokens by name; at least one.
@@ -61,9 +61,9 @@ class TokenCheck:
         self._proven: BoundedMap[tuple[str, str], None] = BoundedMap(_MOST_PROVEN)
 
     async def check(self, address: str, token: str) -> str | None:
-        """Return the name of the *token* that a client at *address* shows; empty for a wrong one.
+        """Return the name of the *token* of a client at *address*; empty if it is wrong.
 
-        None where too many from there wait already. A check that is cancelled counts as none.
+        None if too many from there are waiting already. A cancelled check does not count.
         """
         network, name = network_of(address), name_of_token(self._tokens, token)
         if len(token) >= _LONG and (network, name) in self._proven:
@@ -88,7 +88,7 @@ class TokenCheck:
         return name
 
     def problems(self) -> tuple[str, ...]:
-        """Return the guessing addresses (IPv6: networks), as text for a health report."""
+        """Return the guessing addresses (IPv6: networks), in words for a health report."""
         guessing = [one for one in tuple(self._attempts) if self._attempts_of(one).wrong >= _FREE_ATTEMPTS]
         return (f"wrong tokens were received from {', '.join(guessing[:5])}",) if guessing else ()
 

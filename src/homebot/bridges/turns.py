@@ -1,4 +1,4 @@
-"""ServerTurns of the tasks of a server within its turn budget."""
+"""The turns of a server's tasks within its turn budget."""
 
 import asyncio
 import time
@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 @final
 class ServerTurns:
-    """Hands out turns; a piece of work is the part of a task between two of them."""
+    """The turns of a server; a piece of work is the part of a task between two of them."""
 
     def __init__(self, now: Callable[[], float] = time.perf_counter) -> None:
         self._budget = TurnBudget(now, lambda call: asyncio.get_running_loop().call_soon(call))
@@ -30,7 +30,7 @@ class ServerTurns:
         await waiter
 
     async def run(self, steps: Generator[None, None, T]) -> T:
-        """Return the result of *steps*, each of which is work of its own."""
+        """Return the result of *steps*, each a separate piece of work."""
         while True:
             try:
                 next(steps)
@@ -41,7 +41,7 @@ class ServerTurns:
 
 
 def _wake(waiter: asyncio.Future[None]) -> bool:
-    if waiter.done():  # cancelled meanwhile
+    if waiter.done():  # cancelled in the meantime
         return False
     waiter.set_result(None)
     return True

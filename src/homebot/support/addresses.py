@@ -1,4 +1,4 @@
-"""Addresses of hosts: which are this computer's own, and which belong to one owner. Pure."""
+"""Addresses of hosts: those of this computer, and those of one owner. Pure."""
 
 import ipaddress
 from functools import lru_cache
@@ -12,9 +12,9 @@ _IPV6_PREFIX: Final = 64
 
 
 def parse_address(host: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
-    """Return the address that *host* spells, IPv4 also if it is mapped into IPv6; None for a name.
+    """Return *host* as an address, IPv4 also if it is mapped into IPv6; None for a name.
 
-    Brackets around an IPv6 address are fine; its scope is left out.
+    An IPv6 address may have brackets; its scope is dropped.
     """
     try:
         known = ipaddress.ip_address(host.removeprefix("[").removesuffix("]").partition("%")[0])
@@ -31,7 +31,7 @@ def is_loopback(host: str) -> bool:
 
 
 def ip_version(host: str) -> int | None:
-    """Return 4 or 6 where *host* is an address, which needs no look-up; None where it is a name."""
+    """Return 4 or 6 if *host* is an address; None if it is a name."""
     try:
         return ipaddress.ip_address(host).version
     except ValueError:
@@ -50,10 +50,10 @@ def network_of(host: str) -> str:
 
 
 def resolve_uri(base: str, href: str) -> str:
-    """Return *href* resolved against *base* by RFC 3986, section 5.2, for any scheme; Python knows only some.
+    """Return *href* resolved against *base* by RFC 3986, section 5.2, for any scheme, unlike Python's function.
 
     Raises:
-        ValueError: One of them is invalid.
+        ValueError: One of the two is invalid.
     """
     scheme, separator, rest = base.partition("://")
     if urlsplit(href).scheme or not separator:

@@ -1,4 +1,4 @@
-"""Pauses between attempts: one policy, with the randomness handed in."""
+"""Pauses between attempts: one policy, with injected randomness."""
 
 import math
 from random import Random
@@ -18,14 +18,14 @@ __all__ = [
 
 
 class Backoff(NamedTuple):
-    """Delays that double up to a cap, with jitter so that many clients do not come back in one moment.
+    """Delays that grow up to a cap, with jitter so that clients do not all return at the same moment.
 
     Attributes:
         first: Longest delay after the first failure, in seconds.
         factor: Growth of that limit from one failure to the next; at least 1.
-        cap: The limit grows to this many seconds and no further, ...
-        late_cap: ... unless it has failed for longer than `late_after`; then to this many.
-        late_after: Seconds of failing after which a quick return is no longer expected.
+        cap: Largest limit in seconds,
+        late_cap: or this one after failing for longer than `late_after`.
+        late_after: Seconds of failures after which a quick return is no longer expected.
         jitter: Random share of the delay, 0 (none) to 1 (full jitter: anything from 0 to the limit).
     """
 
@@ -37,12 +37,12 @@ class Backoff(NamedTuple):
     jitter: float = 1.0
 
     def delay(self, failures: int, failing_for: float, random: Random) -> float:
-        """Return seconds to wait before the next try.
+        """Return the seconds to wait before the next attempt.
 
         Args:
-            failures: Failures in a row up to now, at least 1.
+            failures: Consecutive failures so far, at least 1.
             failing_for: Seconds since the first of them.
-            random: Source of the jitter; a seeded one gives the same delays again.
+            random: Source of the jitter, seeded for reproducible delays.
         """
         cap = self.cap if failing_for < self.late_after else self.late_cap
         limit = self.first
@@ -54,13 +54,13 @@ class Backoff(NamedTuple):
 
 
 class BackoffCounter:
-    """Counter of consecutive failures, with the next delay.
+    """A counter of consecutive failures, and the next delay.
 
-    The failures of each policy count by themselves: one wrong answer after hours of silence is the first one.
+    Failures are counted per policy: one wrong answer after hours of silence is the first one.
 
     Args:
-        steady_after: Seconds that an attempt has to last for its failure to count as the first; infinite where only
-            :meth:`succeed` says so.
+        steady_after: Seconds that an attempt must last for its failure to count as the first; infinite if only
+            :meth:`succeed` resets the count.
     """
 
     def __init__(self, clock: Clock, random: Random, steady_after: float = math.inf) -> None:
@@ -76,11 +76,11 @@ class BackoffCounter:
         return bool(self._failures)
 
     def begin(self) -> None:
-        """Note that an attempt begins."""
+        """Record the beginning of an attempt."""
         self._began = self._clock.monotonic()
 
     def succeed(self) -> None:
-        """Note that the attempt succeeded: its failure, if it fails later, is the first."""
+        """Record that the attempt succeeded, so that a later failure is the first."""
         self._failures.clear()
 
     def fail(self, backoff: Backoff) -> float:
@@ -97,19 +97,19 @@ class BackoffCounter:
 # 1.5 s plus the handshake a client is back within 2 s. A hub or router that reboots takes a few minutes;
 # a longer absence means switched off, and 30 s keep the log short.
 LINK_BACKOFF: Final = Backoff(first=0.1, factor=2.0, cap=1.5, late_cap=30.0, late_after=300.0)
-"""For a link that is absent or broke."""
+"""For a link that is absent or broken."""
 
 # A refused login needs a person. Trying fast fills the broker's log and trips tools that ban by failed logins.
 REFUSED_BACKOFF: Final = Backoff(first=15.0, factor=2.0, cap=300.0, late_cap=300.0, late_after=300.0, jitter=0.5)
-"""For a broker that answered with no."""
+"""For a broker that refuses."""
 
-# A device that lost its power is often back in a minute; one that is asked more often than that pays with its battery.
+# A device that lost power is often back in a minute; more frequent attempts drain batteries.
 DEVICE_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=60.0, late_cap=300.0, late_after=3600.0, jitter=0.5)
-"""For a device, or a directory of devices, that does not answer."""
+"""For a device or a directory that does not answer."""
 
 DEVICE_REFUSED_BACKOFF: Final = Backoff(first=30.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
-"""For refused logins: a person has to change something."""
+"""For refused logins, which a person has to fix."""
 
-# One that is starting may answer half of what it should, and be right a second later; one of another kind never is.
+# A device that is starting may give a partial answer, and be right a second later; one of another kind never is.
 WRONG_ANSWER_BACKOFF: Final = Backoff(first=2.0, factor=2.0, cap=600.0, late_cap=600.0, late_after=600.0, jitter=0.5)
-"""For an answer that breaks the rules of the protocol."""
+"""For an answer that breaks the protocol."""

@@ -1,4 +1,4 @@
-"""The Bluetooth stack that a gateway uses, as a service of its host: the gateway and the host both know it."""
+"""The Bluetooth stack of a gateway, as a service of its host."""
 
 from dataclasses import dataclass
 
@@ -7,9 +7,9 @@ __all__ = ["BleBackend"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BleBackend:
-    """The two classes by which bleak reaches a Bluetooth stack; see ``backend=`` of its scanner and its client.
+    """The two classes through which bleak uses a Bluetooth stack; see ``backend=`` of its scanner and client.
 
-    Without this service the gateway uses bleak's own: BlueZ, CoreBluetooth, WinRT.
+    Without this service the gateway uses bleak's defaults: BlueZ, CoreBluetooth, WinRT.
 
     Attributes:
         scanner: A class derived from ``bleak.backends.scanner.BaseBleakScanner``.

@@ -1,4 +1,4 @@
-"""Bounded map: the newest entries by key. Pure."""
+"""A bounded map: the newest entries by key. Pure."""
 
 from collections import OrderedDict
 from typing import TypeVar, final
@@ -11,7 +11,7 @@ Value = TypeVar("Value")
 
 @final
 class BoundedMap(OrderedDict[Key, Value]):
-    """A dictionary that drops its oldest entry if it gets too large; an assignment makes an entry the newest."""
+    """A dictionary that drops its oldest entry when too large; assignment makes an entry the newest."""
 
     def __init__(self, most: int) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Byte account: how much memory all clients of a server may hold together. Pure."""
+"""The byte account: a limit on the memory of all clients of a server together. Pure."""
 
 from collections.abc import Callable, Iterable
 from typing import Generic, TypeVar, final
@@ -10,17 +10,17 @@ Client = TypeVar("Client")
 
 @final
 class ByteAccount(Generic[Client]):
-    """The bytes that all clients hold together; above the bound, the client with the most loses some.
+    """The bytes held for all clients; above the limit, the client with the most loses some.
 
     Args:
-        clients: Returns the clients, the oldest first: of equal ones it loses first.
-        size_of: Returns the bytes of a client now.
-        shed: Drops some of a client's bytes, or the client, and subtracts them with :meth:`add`; returns True if the
-            client may lose more although it has lost none yet.
+        clients: Returns the clients, oldest first: of equal ones the oldest loses.
+        size_of: Returns the current bytes of a client.
+        shed: Drops some of a client's bytes, or the client, and subtracts them with :meth:`add`; returns True if more
+            will be dropped later although nothing was yet.
 
     Attributes:
-        used: The bytes now.
-        on_overrun: Called when they exceed the bound; by default :meth:`relieve`.
+        used: The current bytes.
+        on_overrun: Called when they exceed the limit; by default :meth:`relieve`.
     """
 
     __slots__ = ("_clients", "_is_relieving", "_most", "_shed", "_size_of", "on_overrun", "used")
@@ -41,13 +41,13 @@ class ByteAccount(Generic[Client]):
         self._is_relieving = False
 
     def add(self, size: int) -> None:
-        """Count *size* more bytes, or fewer if it is negative."""
+        """Add *size* bytes, which may be negative."""
         self.used += size
         if self.used > self._most and size > 0 and not self._is_relieving:
             self.on_overrun()
 
     def relieve(self, has_time: Callable[[], bool] = lambda: True) -> bool:
-        """Drop bytes of the largest client, again and again, until the bound is kept; False if there was no time."""
+        """Drop bytes of the largest clients until the limit is met; return False if there was no time."""
         if self.used <= self._most:
             return True
         self._is_relieving = True

@@ -1,4 +1,4 @@
-"""Reasons why a connection could not be made, as text for people."""
+"""Reasons for failed connections, in words for people."""
 
 import errno
 import os
@@ -17,7 +17,7 @@ _UNKNOWN_NAME: Final = {getattr(socket, name, socket.EAI_NONAME) for name in ("E
 
 
 def connect_problem(error: OSError) -> str:
-    """Return the reason of *error*, without the address: asyncio puts that into its texts, as a tuple of Python."""
+    """Return the reason of *error*, without the address that asyncio includes as a Python tuple."""
     if isinstance(error, socket.gaierror):
         known = error.errno not in _UNKNOWN_NAME
         return (

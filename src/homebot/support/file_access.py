@@ -1,7 +1,7 @@
-"""Permissions of files: one that others can change is refused, a secret that others can read is reported.
+"""Permissions of files: files that others can change are refused, secrets that others can read are reported.
 
-As ssh does it. A group counts as its user's own where it has the user's name and no other member. Where there are no
-such rights, as on Windows, nothing is refused.
+This follows ssh. A group counts as the user's own if it has the user's name and no other member. Without such
+permissions, as on Windows, nothing is refused.
 """
 
 import os
@@ -28,8 +28,8 @@ _GROUP, _OTHERS = stat.S_IRWXG, stat.S_IRWXO
 def why_not_trusted(path: Path) -> str:
     """Return a problem with the owner or mode of *path*, with its remedy; empty if it is safe.
 
-    The file or folder and the folder that it is in must be the user's or root's, and neither these nor any folder above
-    may be writable by others; a parent folder with the sticky bit, such as ``/tmp``, is fine.
+    The path and its folder must belong to the user or root, and neither these nor any folder above may be writable by
+    others, except for parents with the sticky bit, such as ``/tmp``.
     """
     if os.name != "posix":
         return ""
@@ -48,7 +48,7 @@ def why_not_trusted(path: Path) -> str:
 
 
 def why_not_private(path: Path, found: os.stat_result) -> str:
-    """Return a problem with the owner or mode of the secret *path*, given its *found* status; empty if it is safe.
+    """Return a problem with the owner or mode of the secret *path* with status *found*; empty if it is safe.
 
     Pipes and other non-files are not checked.
     """
@@ -58,7 +58,7 @@ def why_not_private(path: Path, found: os.stat_result) -> str:
 
 
 def readable_by_others(path: Path, found: os.stat_result) -> str:
-    """Return the warning that others can read the secret in the file *path*; empty where they cannot."""
+    """Return a warning that others can read the secret file *path*; empty if they cannot."""
     if os.name != "posix" or not stat.S_ISREG(found.st_mode):
         return ""
     is_seen = bool(found.st_mode & _OTHERS) or (bool(found.st_mode & _GROUP) and not _is_private_group(found))
@@ -68,10 +68,10 @@ def readable_by_others(path: Path, found: os.stat_result) -> str:
 def read_secret(path: Path) -> str:
     """Return the first line of the file *path*, without its line ending.
 
-    Where others can read it as well, a warning is logged.
+    If others can read it too, a warning is logged.
 
     Raises:
-        UsageError: The file cannot be read, others can write it, or its first line is empty; never holds the secret.
+        UsageError: The file cannot be read, others can write it, or its first line is empty; never shows the secret.
     """
     try:
         with path.open(encoding="utf-8") as file:
@@ -85,9 +85,9 @@ def read_secret(path: Path) -> str:
 
 
 def check_secret_file(path: Path, found: os.stat_result) -> None:
-    """Refuse the file *path*, which is *found* so, where others can write it; warn where others can read it.
+    """Refuse the file *path* with status *found* if others can write it; warn if others can read it.
 
-    A file that is read several times, as one is that is checked before it is used, is warned of once.
+    Each file is warned of once, even if it is read repeatedly.
 
     Raises:
         UsageError: Others can write it.

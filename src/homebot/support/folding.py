@@ -1,4 +1,4 @@
-"""Words as they are compared: without case, accents and punctuation, and with a typo's tolerance. Pure."""
+"""Comparison of words without case, accents and punctuation, and tolerating a typo. Pure."""
 
 import re
 import unicodedata
@@ -21,7 +21,7 @@ _TABLE = str.maketrans(_LETTERS)
 
 @lru_cache(maxsize=4096)
 def fold(text: str) -> str:
-    """Return *text* in lower case and without accents, each run of blanks, ``_`` and ``-`` one blank.
+    """Return *text* in lower case without accents, with each run of blanks, ``_`` and ``-`` as one blank.
 
     Only its first 400 characters count.
     """
@@ -34,7 +34,7 @@ def fold(text: str) -> str:
 
 @lru_cache(maxsize=4096)
 def words_of(text: str) -> tuple[str, ...]:
-    """Return the words of *text*, folded, each once, in order."""
+    """Return the folded words of *text*, each once, in order."""
     words = _WORD.findall(fold(text))
     if max(map(len, words), default=0) > MAX_WORD:
         words = [word[:MAX_WORD] for word in words]
@@ -42,20 +42,19 @@ def words_of(text: str) -> tuple[str, ...]:
 
 
 def may_be_typo(word: str, shortest: int = WORD_TYPO) -> bool:
-    """Return whether a typo in *word* would be noticed and forgiven; not in a short word or a number."""
+    """Return whether a typo in *word* is tolerated: not in short words and numbers."""
     return len(word) >= shortest and word.isalpha()
 
 
 def is_room_typo(room: str, other: str) -> bool:
-    """Return whether *room*, folded, is *other* with a typo; rooms are few, so short names and blanks count too."""
+    """Return whether the folded *room* is *other* with a typo, even in a short name or a blank, as rooms are few."""
     return is_typo(room.replace(" ", ""), other.replace(" ", ""), _ROOM_TYPO)
 
 
 def is_typo(word: str, other: str, shortest: int = WORD_TYPO) -> bool:
-    """Return whether one letter more, less, changed or swapped with its neighbour makes *word* out of *other*.
+    """Return whether *word* is *other* with one letter added, removed, changed or swapped with its neighbour.
 
-    False for equal words, and for words of less than *shortest* letters or with digits: a typo there makes another
-    word.
+    False for equal words, and for words shorter than *shortest* or with digits, where a typo makes another word.
     """
     if word == other or abs(len(word) - len(other)) > 1:
         return False

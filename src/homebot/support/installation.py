@@ -1,7 +1,7 @@
-"""The identity of this homebot, which tells it from others on the network and on this computer.
+"""The identity of this homebot, which distinguishes it from others on the network and on this computer.
 
-It is kept in a file beside the index, so that it stays the same over a restart and a move to another computer. A file
-belongs to one running homebot; a second one of the same home, and one that keeps nothing, has an identity for this run.
+A file beside the index keeps it across restarts and moves to another computer. A file belongs to one running homebot; a
+second one of the same home, or one without files, gets an identity for the run.
 """
 
 import hashlib
@@ -29,16 +29,16 @@ _DIGITS: Final = 16
 
 
 class Installation:
-    """The id of this homebot, and the names that it got on the network. Blocking; called from worker threads.
+    """The id of this homebot, and its names on the network. Blocking; called from worker threads.
 
-    A file that cannot be used, or holds no identity, costs a new one.
+    An unusable file, or one without an identity, is replaced by a new identity.
 
     Args:
-        file: Where it is kept; None for nowhere.
-        random: The source of new ids; a seeded one makes every run the same.
+        file: The file; None for none.
+        random: The source of new ids, seeded for reproducible runs.
 
     Attributes:
-        problem: The reason why it is not kept in the file, as text; empty where it is, or was not needed yet.
+        problem: Why the identity could not be saved, in words; empty if it was, or has not been needed yet.
     """
 
     def __init__(self, file: Path | None = None, random: Random | None = None) -> None:
@@ -52,30 +52,30 @@ class Installation:
 
     @property
     def folder(self) -> Path | None:
-        """The folder of homebot's own files; None if it keeps nothing."""
+        """The folder of homebot's files; None if it has none."""
         return None if self._file is None else self._file.parent
 
     def id_of(self, part: str) -> str:
-        """Return the id of a part of this homebot, 16 hexadecimal digits, which say nothing about the computer."""
+        """Return the id of a part of this homebot: 16 hexadecimal digits that reveal nothing about the computer."""
         with self._lock:
             self._load()
             return hashlib.sha256(f"homebot {self._id} {part}".encode()).hexdigest()[:_DIGITS]
 
     def renew(self) -> None:
-        """Take another id: another homebot has this one, for example because the file was copied."""
+        """Choose a new id, because another homebot has this one, for example after the file was copied."""
         with self._lock:
             self._load()
             self._id = self._new_id()
             self._save()
 
     def name_for(self, wanted: str) -> str:
-        """Return the name that was got on the network the last time that *wanted* was taken; else *wanted*."""
+        """Return the network name used the last time that *wanted* was taken, or else *wanted*."""
         with self._lock:
             self._load()
             return self._names.get(wanted, wanted)
 
     def store_name(self, wanted: str, got: str) -> None:
-        """Keep the name that was got in place of *wanted*, as RFC 6762, section 9, recommends."""
+        """Store the name used in place of *wanted*, as RFC 6762, section 9, recommends."""
         with self._lock:
             self._load()
             if self._names.get(wanted, wanted) != got and len(self._names) < _MOST_NAMES:
@@ -83,7 +83,7 @@ class Installation:
                 self._save()
 
     def close(self) -> None:
-        """Leave the file to others; the identity stays."""
+        """Release the file; the identity stays."""
         with self._lock:
             if self._descriptor is not None:
                 os.close(self._descriptor)
@@ -128,7 +128,7 @@ class Installation:
 
 
 def _opened_alone(path: Path) -> int:
-    """Open the file for this process alone, for as long as it is open.
+    """Open the file exclusively for this process.
 
     Raises:
         OSError: It cannot be opened, or another homebot has it.

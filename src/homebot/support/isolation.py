@@ -1,9 +1,9 @@
-"""Keeps the failure of one part of the program from ending the others.
+"""Isolation of parts of the program, so that the failure of one does not end others.
 
-Python ends a task by raising ``CancelledError`` in it, and a program by ``SystemExit``. Both are also raised by
-``await task`` if *task* was cancelled elsewhere, and by any library that calls ``sys.exit()``. Where the code of one
-part runs on behalf of the whole, these functions tell the two apart: an end of the task itself passes, and
-everything else becomes a crash of that part.
+Python ends a task by raising ``CancelledError`` in it, and a program by ``SystemExit``. But ``await task`` also raises
+the former if *task* was cancelled elsewhere, and any library may call ``sys.exit()``. These functions tell the two
+apart where the code of one part runs on behalf of the whole: an end of the task itself passes, everything else becomes
+a crash of that part.
 """
 
 import asyncio
@@ -31,13 +31,13 @@ __all__ = [
 
 @contextmanager
 def isolated(owner: str) -> Iterator[None]:
-    """Make sure that the block, the whole of a task in a task group, ends by an error that is one to everybody.
+    """Let the block, the entire body of a task in a task group, only fail with ordinary errors.
 
     A task group treats any task that ends in a CancelledError as cancelled and silently ends the others too.
 
     Raises:
-        AbortError: A cancellation came out of the block although its task is not to end, or a GeneratorExit.
-        ExitError: A SystemExit came out of it.
+        AbortError: The block raised a cancellation although its task is not being cancelled, or a GeneratorExit.
+        ExitError: The block raised SystemExit.
     """
     task = asyncio.current_task()
     try:
@@ -54,36 +54,36 @@ def isolated(owner: str) -> Iterator[None]:
 
 
 async def run_as(owner: str, function: Callable[[], Awaitable[None]]) -> None:
-    """Await *function* as the whole of a task in a task group; see :func:`isolated`."""
+    """Await *function* as the entire body of a task in a task group; see :func:`isolated`."""
     with isolated(owner):
         await function()
 
 
 def is_cancelled() -> bool:
-    """Return whether the current task is ending, because a cancel scope around the caller is cancelled.
+    """Return whether the current task is being cancelled by a cancel scope around the caller.
 
-    A task of one of our task groups is ended in no other way, so that any other CancelledError in it is a stray one.
+    Tasks of our task groups end in no other way, so that any other CancelledError in them is a stray one.
     """
     return anyio.current_effective_deadline() == -math.inf
 
 
 def is_end_of(task: asyncio.Task[object] | None, error: BaseException) -> bool:
-    """Return whether *error* is meant to end *task*, the one that ran the code which it came out of."""
+    """Return whether *error* is meant to end *task*, which ran the code that raised it."""
     if isinstance(error, asyncio.CancelledError):
         return is_cancelled()
     return isinstance(error, GeneratorExit) and _is_thrown_away(task)
 
 
 def _is_thrown_away(task: asyncio.Task[object] | None) -> bool:
-    """Return whether *task* is not the one that runs now, so that its coroutine is closed from outside."""
+    """Return whether *task* is not the current one, so that its coroutine is being closed from outside."""
     try:
         return asyncio.current_task() is not task
-    except RuntimeError:  # no event loop runs
+    except RuntimeError:  # no running event loop
         return True
 
 
 def uncancel() -> None:
-    """Revoke cancellations of the current task by itself, outside cancelled scopes."""
+    """Revoke cancellations of the current task that no cancel scope made."""
     task = asyncio.current_task()
     while task is not None and task.cancelling():
         task.uncancel()
@@ -95,7 +95,7 @@ def crash_of(owner: str, error: BaseException) -> Exception:
     An exception is returned unchanged; in a group only the dangerous members are replaced.
 
     Raises:
-        KeyboardInterrupt: *error* is one, or holds one: it is meant for the whole program.
+        KeyboardInterrupt: *error* is or contains one, which is meant for the whole program.
     """
     if isinstance(error, Exception):
         return error
@@ -109,7 +109,7 @@ def crash_of(owner: str, error: BaseException) -> Exception:
 
 
 def first_cause(error: BaseException) -> BaseException:
-    """Return the first error inside the exception groups of *error*."""
+    """Return the first error in the exception groups of *error*."""
     while isinstance(error, BaseExceptionGroup):
         error = error.exceptions[0]
     return error
@@ -117,9 +117,9 @@ def first_cause(error: BaseException) -> BaseException:
 
 @contextmanager
 def ungrouped() -> Iterator[None]:
-    """Raise the first :class:`LinkError` or :class:`PeerError` of the block in place of the group around it.
+    """Raise the first :class:`LinkError` or :class:`PeerError` of the block in place of its group.
 
-    A group that holds any other error is raised as it is.
+    A group with any other error is raised unchanged.
     """
     try:
         yield
@@ -131,7 +131,7 @@ def ungrouped() -> Iterator[None]:
 
 
 def only_cause(group: BaseExceptionGroup[BaseException]) -> BaseException | None:
-    """Return the one exception in *group*, also where it lies in a group of its own, or None when there are several."""
+    """Return the only exception in *group*, nested groups included, or None if there are several."""
     while len(group.exceptions) == 1:
         only = group.exceptions[0]
         if not isinstance(only, BaseExceptionGroup):
@@ -141,7 +141,7 @@ def only_cause(group: BaseExceptionGroup[BaseException]) -> BaseException | None
 
 
 def error_text(error: BaseException) -> str:
-    """Return the first error inside the exception groups of *error*, as text."""
+    """Return the text of the first error in the exception groups of *error*."""
     cause = first_cause(error)
     text = str(cause)
     return f"{type(cause).__name__}: {text}" if text else type(cause).__name__

@@ -13,7 +13,7 @@ __all__ = ["lazy_names"]
 
 
 def lazy_names(package: str, modules: Mapping[str, str]) -> Callable[[str], object]:
-    """Return the ``__getattr__`` of *package*, in which there are the names of other *modules*.
+    """Return a ``__getattr__`` for *package* with the names of other *modules*.
 
     Args:
         package: Its ``__name__``.

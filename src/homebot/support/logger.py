@@ -1,8 +1,7 @@
-"""The logger that every module of homebot has, and how a line looks for people.
+"""The logger of homebot's modules, and the format of its lines.
 
-Where the program has configured structlog, or called :func:`homebot.log.configure_logging`, a line goes that way. Where
-it has not, homebot is a guest in another program: warnings and worse go to standard error, all else only to
-the readers of ``/rosout``.
+Lines go where the program has configured structlog, or :func:`homebot.log.configure_logging`, to send them. Without
+either, homebot is a guest in another program: warnings and worse go to standard error, the rest only to ``/rosout``.
 """
 
 import sys
@@ -27,13 +26,13 @@ _observers: Final[list[Processor]] = []
 
 
 def get_logger(**facts: object) -> FilteringBoundLogger:
-    """Return a logger that adds *facts* to each line; the output is looked up when a line is written."""
+    """Return a logger that adds *facts* to each line, and looks up the output when a line is written."""
     return cast("FilteringBoundLogger", _Logger(facts))
 
 
 @contextmanager
 def observed_lines(observer: Processor) -> Iterator[None]:
-    """Pass every line to *observer* during the block, of any level if logging is not configured."""
+    """Pass every line to *observer* during the block; of any level if logging is not configured."""
     if not structlog.is_configured():
         _observers.append(observer)
         try:
@@ -50,7 +49,7 @@ def observed_lines(observer: Processor) -> Iterator[None]:
 
 
 def sentence(event: EventDict) -> str:
-    """Return the line's plain words: its ``message``, or the event name with its facts."""
+    """Return the text of a line: its ``message``, or the event name with its facts."""
     if "message" in event:
         return str(event["message"])
     facts = "  ".join(f"{key}={value}" for key, value in event.items() if key not in _NOT_FACTS)
@@ -58,16 +57,16 @@ def sentence(event: EventDict) -> str:
 
 
 def with_local_time(_logger: WrappedLogger, _method: str, event: EventDict) -> EventDict:
-    """Stamp a line in ISO 8601, in the computer's own time, with how far that is from UTC."""
+    """Add a time stamp in ISO 8601: local time with its offset from UTC."""
     event["timestamp"] = datetime.now().astimezone().isoformat(timespec="microseconds")
     return event
 
 
 @final
 class ConsoleRenderer:
-    """Renders a line as ``12:30:01  node  words``, in local time, and a traceback below it, set in.
+    """Renders a line as ``12:30:01  node  words``, in local time, with any traceback indented below it.
 
-    Outside text cannot break the line, imitate another one or control the terminal.
+    Text from outside cannot break the line, imitate another one or control the terminal.
     """
 
     def __init__(self, *, colours: bool) -> None:
@@ -90,7 +89,7 @@ class LineWriter:
     """Writes lines; a closed reader is not an error.
 
     Args:
-        out: The stream; None for standard error at the time of each line.
+        out: The stream; None for the current standard error.
     """
 
     def __init__(self, out: TextIO | None = None) -> None:
@@ -100,8 +99,8 @@ class LineWriter:
         """Write *line*."""
         out = self._out or sys.stderr
         if isinstance(out, CleanText):
-            out = out.raw  # a line is made harmless where its parts are known, and may have colours
-        with suppress(OSError, ValueError):  # a broken pipe, or a stream that was closed: nowhere left to say it
+            out = out.raw  # lines are sanitized where their parts are known, and may have colours
+        with suppress(OSError, ValueError):  # a broken pipe or a closed stream: there is nowhere to report it
             out.write(f"{line}\n")
             out.flush()
 
@@ -134,20 +133,20 @@ _DEFAULT_LOGGER: Final = structlog.wrap_logger(
 
 
 class _Logger:
-    """Stands for structlog's logger, or for the one of a guest, at each call."""
+    """A proxy for structlog's logger, or that of a guest, chosen at each call."""
 
     def __init__(self, facts: dict[str, object]) -> None:
         self._configured = structlog.get_logger(**facts)
         self._default = _DEFAULT_LOGGER.bind(**facts)
 
     def __getattr__(self, name: str) -> object:
-        if name.startswith("__"):  # a copy or a pickle asks before there is anything
+        if name.startswith("__"):  # copying and pickling ask before attributes exist
             raise AttributeError(name)
         return getattr(self._configured if structlog.is_configured() else self._default, name)
 
 
 def _harmless_lines(text: str) -> str:
-    """Return a traceback, of which the end says most, as lines that are each harmless and set in."""
+    """Return the last lines of a traceback, sanitized and indented."""
     lines = text.split("\n")
     if len(lines) > _MOST_LINES:
         left_out = len(lines) - _MOST_LINES

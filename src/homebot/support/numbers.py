@@ -1,4 +1,4 @@
-"""Parsing of numbers in untrusted input: one rule for all. Pure; nothing here raises."""
+"""Parsing of numbers in untrusted input. Pure; never raises."""
 
 from typing import Final
 
@@ -10,21 +10,21 @@ _UNDERSCORE: Final = ord("_")
 
 
 def finite_number(value: object) -> float | None:
-    """Return *value* where it is a number of a size that devices have, one of 64 bits; a bool is none."""
+    """Return *value* if it is a number of at most 64 bits, otherwise None; a bool is not a number."""
     if isinstance(value, (int, float)) and not isinstance(value, bool) and -_HUGE < value < _HUGE:
         return float(value)
     return None
 
 
 def whole_number(value: object) -> int | None:
-    """Return *value* if it is a whole number, otherwise None; a bool is none."""
+    """Return *value* if it is an integer, otherwise None; a bool is not."""
     return value if isinstance(value, int) and not isinstance(value, bool) else None
 
 
 def to_number(value: object) -> float | None:
-    """Return the number that *value* is as :func:`finite_number` has it, or that a text or its bytes spell.
+    """Return *value* as a number by :func:`finite_number`, or the number in a text or bytes.
 
-    Plain spelling is meant: ASCII of at most 40 characters, no ``1_000``, no ``nan`` or ``inf``.
+    Texts must be plain: ASCII, at most 40 characters, no ``1_000``, ``nan`` or ``inf``.
     """
     if isinstance(value, str):
         is_plain = "_" not in value

@@ -1,8 +1,8 @@
 """Standard output and error without blocking, and without control sequences from outside.
 
-A paused terminal, or a pipe without a reader, takes no more after some kilobytes; a writer then waits.
-An :class:`OutputQueue` lets a thread of its own wait instead. Lines keep their order; the excess is
-dropped, counted, and reported in its place as soon as the reader goes on.
+A paused terminal, or a pipe without a reader, blocks writers after some kilobytes. An :class:`OutputQueue` has a thread
+that waits instead. Lines keep their order; excess lines are dropped, counted, and reported in their place once the
+reader continues.
 """
 
 import atexit
@@ -38,18 +38,18 @@ def _loss_text(lines: int) -> str:
 
 @final
 class OutputQueue:
-    """Writes text to a file descriptor, from a thread of its own.
+    """Writes text to a file descriptor in its own thread.
 
-    4 million characters may wait. Then all that comes is dropped, until half of them are written.
+    Up to 4 million characters may wait. Beyond that everything is dropped until half of them are written.
 
     Args:
-        descriptor: Where to; it stays open.
+        descriptor: The file descriptor, which is not closed.
         encoding: Text encoding; other characters are escaped.
-        most: Characters that may wait.
+        most: Most waiting characters.
         now: The monotonic clock, in seconds.
 
     Attributes:
-        loss_text: Returns the text that stands in the place of so many missing lines.
+        loss_text: Returns the text in place of so many missing lines.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class OutputQueue:
         self._thread: threading.Thread | None = None
 
     def put(self, text: str) -> None:
-        """Let *text* be written after all that came before; never waits, from any thread."""
+        """Queue *text*; never waits, from any thread."""
         with self._changed:
             if self._is_gone:
                 return
@@ -94,9 +94,9 @@ class OutputQueue:
             self._changed.notify_all()
 
     def drain(self, seconds: float) -> bool:
-        """Wait until everything is written, for *seconds* at most; return whether it is.
+        """Wait until everything is written, for at most *seconds*; return whether it is.
 
-        Of a time in which the computer did nothing, 0.1 s count: the thread that writes did nothing either.
+        Any time in which the computer was suspended counts as 0.1 s, as the writing thread was suspended too.
         """
         left = seconds
         with self._changed:
@@ -158,7 +158,7 @@ class _TextOver(io.TextIOBase):
 
     @property
     def encoding(self) -> str:  # type: ignore[override]  # typeshed has an attribute
-        """That of the stream."""
+        """The encoding of the stream."""
         return self.raw.encoding
 
     def writable(self) -> bool:
@@ -175,20 +175,20 @@ class _TextOver(io.TextIOBase):
 
 
 class QueuedText(_TextOver):
-    """A text stream over an :class:`OutputQueue`, which writes in place of the *raw* one."""
+    """A text stream over an :class:`OutputQueue`, in place of the *raw* one."""
 
     def __init__(self, queue: OutputQueue, raw: TextIO) -> None:
         super().__init__(raw)
         self.queue = queue
 
     def write(self, text: str) -> int:
-        """Take *text*; never waits."""
+        """Queue *text*; never waits."""
         self.queue.put(text)
         return len(text)
 
 
 class CleanText(_TextOver):
-    """A text stream that shows control characters as escapes, but for the ends of lines; the *raw* one need not."""
+    """A text stream that escapes control characters, except line ends, for the *raw* one."""
 
     def write(self, text: str) -> int:
         """Write *text* with control characters escaped as in JSON, Python and YAML."""
@@ -201,7 +201,7 @@ class CleanText(_TextOver):
 
 
 def wants_colour(stream: TextIO) -> bool:
-    """Return whether *stream* takes colours: a terminal, unless ``NO_COLOR`` is set.
+    """Return whether *stream* supports colours: a terminal, unless ``NO_COLOR`` is set.
 
     Source: https://no-color.org
     """
@@ -210,9 +210,9 @@ def wants_colour(stream: TextIO) -> bool:
 
 @contextmanager
 def clean_output() -> Iterator[None]:
-    """Show control characters as escapes in all that is printed in the block.
+    """Escape control characters in everything printed in the block.
 
-    They stay so after an unexpected error, because Python then prints its traceback.
+    It stays in effect after an unexpected error, because Python then prints a traceback.
     """
     before = sys.stdout, sys.stderr
     sys.stdout, sys.stderr = (cast("TextIO", CleanText(stream)) for stream in before)
@@ -228,7 +228,7 @@ def clean_output() -> Iterator[None]:
 def queued_output() -> Iterator[Callable[[], int]]:
     """Write standard output and error without blocking during the block; yield the counter of lost lines.
 
-    At its end the rest has half a second. A stream without a file descriptor is unchanged.
+    At its end there is half a second for the rest. A stream without a file descriptor is unchanged.
     """
     before = sys.stdout, sys.stderr
     queues: dict[tuple[int, int, int], OutputQueue] = {}
@@ -247,7 +247,7 @@ def queued_output() -> Iterator[Callable[[], int]]:
 
 
 def _queued(stream: TextIO, queues: dict[tuple[int, int, int], OutputQueue]) -> TextIO:
-    """Return *stream* over the queue of its file: both streams of a terminal share one, which keeps their order."""
+    """Return *stream* over the queue of its file; both streams of a terminal share one, to keep their order."""
     if isinstance(stream, CleanText):
         return cast("TextIO", CleanText(_queued(stream.raw, queues)))
     try:

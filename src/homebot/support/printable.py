@@ -1,4 +1,4 @@
-"""Texts from outside, made fit for a line of a terminal. Pure."""
+"""Sanitizing of outside texts for one line of a terminal. Pure."""
 
 __all__ = ["printable"]
 
@@ -6,7 +6,7 @@ _WIDEST = 200
 
 
 def printable(text: str, widest: int = _WIDEST) -> str:
-    """Return *text* with control characters as escapes, cut to *widest* characters."""
+    """Return *text* with control characters escaped, cut to *widest* characters."""
     signs = text[: widest + 1]
     shown = "".join(sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in signs)
     return shown if len(shown) <= widest else f"{shown[: widest - 1]}…"

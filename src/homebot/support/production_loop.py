@@ -1,8 +1,8 @@
-"""The event loop of a homebot in production: one that is watched, and that no stray ``sys.exit()`` stops.
+"""The event loop in production, which is watched, and which a stray ``sys.exit()`` does not stop.
 
-A thread looks four times a second how long the loop has been busy since it last polled, and tells
-which piece of code keeps it from everything else. In it nothing of the loop is touched: it reads the stack of the
-loop's thread, as a debugger does. Times are of the monotonic clock.
+A thread checks four times a second for how long the loop has been busy since it last polled, and reports the code that
+blocks it. It does not touch the loop: it reads the stack of the loop's thread, as a debugger does. Times are on the
+monotonic clock.
 """
 
 import asyncio
@@ -27,7 +27,7 @@ EXITED = "runtime.task_exited"
 
 BLOCKED_AFTER = 1.0
 AT_START = 10.0
-"""Seconds likewise until :meth:`LoopWatch.has_started`: modules and files are read before anything is served."""
+"""The same until :meth:`LoopWatch.has_started`, while modules and files are loaded."""
 
 _LOOK_EVERY = 0.25
 _MOST_FRAMES = 20
@@ -42,16 +42,16 @@ _log = get_logger(node="/homebot")
 
 @final
 class WatchedSelector(selectors.DefaultSelector):
-    """The selector of an event loop that knows since when the loop is busy.
+    """A selector that tracks since when its event loop is busy.
 
     Attributes:
-        busy_since: Reading of the monotonic clock when it last had something ready; None while the loop waits.
+        busy_since: When it last had something ready, on the monotonic clock; None while the loop waits.
     """
 
     busy_since: float | None = None
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        """Select as any selector does."""
+        """Select."""
         self.busy_since = None
         try:
             return super().select(timeout)
@@ -61,12 +61,12 @@ class WatchedSelector(selectors.DefaultSelector):
 
 @final
 class LoopWatch:
-    """``with LoopWatch(loop, selector) as watch``, in the thread in which the loop runs.
+    """The watch over an event loop: ``with LoopWatch(loop, selector) as watch``, in the thread of the loop.
 
     Attributes:
-        blocked_after: Seconds of one turn of the loop from which on it counts as blocked.
-        longest: How long at most, in seconds.
-        exits: How often a task or callback outside of all parts of homebot called ``sys.exit()``.
+        blocked_after: Seconds after which one turn of the loop counts as blocked.
+        longest: The longest blocked turn, in seconds.
+        exits: How often a task or callback outside homebot's isolation called ``sys.exit()``.
     """
 
     def __init__(self, loop: asyncio.AbstractEventLoop, selector: WatchedSelector) -> None:
@@ -85,7 +85,7 @@ class LoopWatch:
         self._loop_thread = 0
 
     def has_started(self) -> None:
-        """Take the loop for blocked sooner: others wait from now on."""
+        """Use the shorter limit, as others wait for the loop from now on."""
         self.blocked_after = BLOCKED_AFTER
 
     def seconds_since_block(self) -> float:
@@ -97,7 +97,7 @@ class LoopWatch:
         return time.monotonic() - self._exited_at
 
     def record_exit(self, error: SystemExit) -> None:
-        """Count and log that *error* came out of a task or callback which no part of homebot runs."""
+        """Count and log *error*, raised by a task or callback outside homebot's isolation."""
         self.exits += 1
         self._exited_at = time.monotonic()
         trace = traceback.extract_tb(error.__traceback__)
@@ -139,13 +139,13 @@ class LoopWatch:
                     since = None
             if since is None and busy_since is not None and busy >= self.blocked_after:
                 stack = self._stack()
-                if self._selector.busy_since == busy_since:  # else the stack is that of another turn
+                if self._selector.busy_since == busy_since:  # otherwise the stack is of another turn
                     since = busy_since
                     self._report_blocked(now, now - busy_since, stack)
-                del stack  # and with it all that the frames hold
+                del stack  # and with it everything that the frames refer to
 
     def _stack(self) -> list[FrameType]:
-        """Return the frames of the loop's thread, the innermost first."""
+        """Return the frames of the loop's thread, innermost first."""
         frames: Mapping[int, FrameType] = sys._current_frames()  # noqa: SLF001 - public but for its name, as documented
         frame = frames.get(self._loop_thread)
         stack = []
@@ -182,14 +182,14 @@ class LoopWatch:
 
 
 def own_time(elapsed: float, used: float, interval: float) -> float:
-    """Return the seconds of *elapsed* between two looks, *interval* apart, without those of an overloaded computer.
+    """Return the seconds of *elapsed* between two checks without those due to an overloaded computer.
 
-    A process that gets no processor looks late, and has used little of it.
+    A process that gets no processor checks late, and has used little processor time.
 
     Args:
-        elapsed: Seconds since the last look.
+        elapsed: Seconds since the last check.
         used: Processor time of the process since then, in seconds.
-        interval: Seconds between two looks that are in time.
+        interval: Seconds between two punctual checks.
     """
     return min(elapsed, max(interval, used))
 
@@ -208,9 +208,9 @@ T = TypeVar("T")
 
 @final
 class ProductionLoop(asyncio.SelectorEventLoop):
-    """A selector loop on every platform, as the MQTT client needs ``add_reader``.
+    """A selector loop on every platform, because the MQTT client needs ``add_reader``.
 
-    asyncio lets a SystemExit of any task stop the loop. Here it ends that task alone, unless the loop runs for it.
+    In asyncio a SystemExit of any task stops the loop. Here it only ends that task, unless it is the main one.
     """
 
     def __init__(self) -> None:
@@ -220,7 +220,7 @@ class ProductionLoop(asyncio.SelectorEventLoop):
         self._main: asyncio.Future[Any] | None = None  # the loop's main task
 
     def run_until_complete(self, future: Awaitable[T]) -> T:  # type: ignore[override]  # typeshed knows two kinds of it
-        """Run as any loop does."""
+        """Run until *future* is done."""
         main = asyncio.ensure_future(future, loop=self)
         before, self._main = self._main, main
         try:
@@ -229,7 +229,7 @@ class ProductionLoop(asyncio.SelectorEventLoop):
             self._main = before
 
     def run_forever(self) -> None:
-        """Run as any loop does; record a SystemExit of a task that is not the main one."""
+        """Run, recording a SystemExit of any task but the main one."""
         while True:
             try:
                 super().run_forever()

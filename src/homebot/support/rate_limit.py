@@ -1,4 +1,4 @@
-"""A limit on how often something may happen, or how much may come. Pure: the owner of the clock hands in the time."""
+"""A limit on the rate of events or amounts. Pure: callers pass the time."""
 
 import math
 from typing import final
@@ -8,11 +8,11 @@ __all__ = ["RateLimit"]
 
 @final
 class RateLimit:
-    """A limit on how much there is in a second on average, and at once after a quiet time.
+    """A limit on the average amount per second, and on the burst after a quiet time.
 
     Args:
-        per_second: How much there may be in a second; more than 0.
-        most_ahead: Maximum excess that is counted; more does not prolong the wait.
+        per_second: The average amount per second; more than 0.
+        most_ahead: Largest excess that counts; more does not prolong the wait.
     """
 
     def __init__(self, per_second: float, at_once: float, most_ahead: float = math.inf) -> None:
@@ -23,7 +23,7 @@ class RateLimit:
         self._at = 0.0
 
     def charge(self, now: float, amount: float = 1.0) -> float:
-        """Count *amount*; return the seconds until it is within the limit, mostly 0."""
+        """Count *amount*; return the seconds until it is within the limit, usually 0."""
         self._left = max(self.room(now) - amount, -self._most_ahead)
         return max(0.0, -self._left / self._per_second)
 
@@ -35,7 +35,7 @@ class RateLimit:
         return has_room
 
     def room(self, now: float) -> float:
-        """Return how much there may be at once now; below 0 if more than that was counted."""
+        """Return the amount that is allowed now; below 0 after an excess."""
         self._left = min(self._at_once, self._left + (now - self._at) * self._per_second)
         self._at = now
         return self._left

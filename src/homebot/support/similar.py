@@ -11,23 +11,23 @@ _MOST = 3
 
 
 def similar_to(name: str, known: Iterable[str], cutoff: float = _CUTOFF) -> list[str]:
-    """Return up to three *known* names similar to *name*, the likeliest first.
+    """Return up to three *known* names similar to *name*, best first.
 
-    Case and accents make no difference.
+    Case and accents are ignored.
 
     Args:
-        cutoff: How alike they must be, from 0 to 1.
+        cutoff: Least similarity, from 0 to 1.
     """
     from difflib import get_close_matches  # noqa: PLC0415 - only after a mistake
 
-    wanted = fold(str(name))  # perhaps that of an app, which may be anything
+    wanted = fold(str(name))  # perhaps from an app, which may pass anything
     names = {fold(one): one for one in sorted(set(known), reverse=True)}
     found = get_close_matches(wanted, names, n=_MOST, cutoff=cutoff)
     return [names[one] for one in found or sorted(one for one in names if wanted and wanted.strip("/") in one)[:_MOST]]
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str, cutoff: float = _CUTOFF) -> str:
-    """Return ``did you mean …?`` where a *known* name is similar to *name*, and *otherwise* where none is."""
+    """Return ``did you mean …?`` if a *known* name is similar to *name*, or else *otherwise*."""
     similar = similar_to(name, known, cutoff)
     return f"did you mean {' or '.join(similar)}?" if similar else otherwise
 

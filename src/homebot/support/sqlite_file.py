@@ -1,4 +1,4 @@
-"""An SQLite file of homebot's own: private, owned by one process, brought to its version, set aside where damaged.
+"""An SQLite file of homebot's: private, owned by one process, migrated, and set aside if damaged.
 
 Blocking; called from a worker thread. Source of the pragmas: SQLite 3 documentation, https://www.sqlite.org/pragma.html.
 """
@@ -21,10 +21,10 @@ from homebot.support.file_access import why_not_trusted
 __all__ = ["IN_MEMORY", "SqliteFile", "SqliteSchema", "copy_database", "why_not_readable"]
 
 _FILES = ("", "-wal", "-shm", "-journal")
-"""The endings of the files that SQLite may have for one."""
+"""The suffixes of the files of one database."""
 
 _BUSY = 5.0
-"""Seconds to wait for another homebot that holds the file."""
+"""Seconds to wait for another homebot that uses the file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,9 +33,9 @@ class SqliteSchema:
 
     Attributes:
         title: Name of the file in errors, for example ``index file``.
-        version: Of the schema, kept as SQLite's ``user_version``.
-        page_size: Bytes of a page, of which every change writes a whole one; of a new file.
-        shrinks: Whether pages that are no longer used can be given back, by ``incremental_vacuum``; of a new file.
+        version: Version of the schema, stored as SQLite's ``user_version``.
+        page_size: Bytes of a page of a new file; every change writes a whole page.
+        shrinks: Whether a new file can release unused pages, by ``incremental_vacuum``.
     """
 
     title: str
@@ -51,14 +51,14 @@ IN_MEMORY = Path(":memory:")
 """The path of a database without a file."""
 
 _COPY_WITHIN = 10.0
-"""Seconds to wait for the end of a transaction; one takes milliseconds, or the time of a slow disk."""
+"""Seconds to wait for the end of a transaction, which takes milliseconds, or longer on a slow disk."""
 
 _MAGIC = b"SQLite format 3\0"
 _VERSION_AT = 60
 
 
 def why_not_readable(path: Path, schema: SqliteSchema) -> str:
-    """Return why a file that nobody has open cannot be used by this homebot; empty if it can.
+    """Return why a file that is not open anywhere cannot be used by this homebot; empty if it can.
 
     Raises:
         OSError: It cannot be read.
@@ -71,7 +71,7 @@ def why_not_readable(path: Path, schema: SqliteSchema) -> str:
 
 
 def copy_database(path: Path, target: Path) -> None:
-    """Write a copy of a file that nobody has open into the new file *target*.
+    """Copy a file that is not open anywhere to the new file *target*.
 
     Raises:
         LinkError: A homebot has it open, it is damaged, or the copy cannot be written.
@@ -94,7 +94,7 @@ def _vacuum_into(connection: sqlite3.Connection, target: Path) -> None:
         try:
             connection.execute("VACUUM INTO ?", (str(target),))
         except sqlite3.OperationalError as exc:
-            if "VACUUM" not in str(exc) or time.monotonic() > ends:  # another thread's transaction is under way
+            if "VACUUM" not in str(exc) or time.monotonic() > ends:  # during another thread's transaction
                 raise
             time.sleep(0.01)
         else:
@@ -110,11 +110,11 @@ class SqliteFile:
     """Opens and replaces the file; derived classes define its content.
 
     Args:
-        path: Where it is; directories are made. :data:`IN_MEMORY` for no file.
-        busy_timeout: Seconds to wait for another homebot that uses it and may be about to end.
+        path: The file, whose directories are created; :data:`IN_MEMORY` for none.
+        busy_timeout: Seconds to wait for another homebot that uses the file and may be about to exit.
 
     Attributes:
-        write_rest: Writes what its user has yet to write, in the event loop; None if that is never much.
+        write_rest: Writes pending data of its user, in the event loop; None if there is never much.
     """
 
     _all: ClassVar[WeakSet[SqliteFile]] = WeakSet()
@@ -129,13 +129,13 @@ class SqliteFile:
         self._identity = (0, 0)
 
     def open(self, now: float) -> Path | None:
-        """Open the file, make it where there is none, and bring it to this version; a damaged one is set aside.
+        """Open, create or migrate the file; a damaged one is set aside.
 
         Args:
             now: Seconds since the Unix epoch, for the name of a damaged file.
 
         Returns:
-            Where a damaged file is now; None where it was whole.
+            The new path of a damaged file; None if it was intact.
 
         Raises:
             LinkError: It cannot be opened or written now, for example because the disk is full.
@@ -163,7 +163,7 @@ class SqliteFile:
 
     @property
     def is_open(self) -> bool:
-        """True if it is open."""
+        """True while it is open."""
         return self._connection is not None
 
     @classmethod
@@ -173,11 +173,11 @@ class SqliteFile:
 
     @classmethod
     def used_in(cls, folder: Path) -> list[SqliteFile]:
-        """Return the files in *folder* that this process uses, also those that it has not opened yet."""
+        """Return the files in *folder* that this process uses, including those not opened yet."""
         return [one for one in list(cls._all) if one.path.parent == folder]
 
     def copy_into(self, target: Path) -> None:
-        """Write a copy into the new file *target*; it has what was written until now. From any thread.
+        """Copy everything written so far to the new file *target*. From any thread.
 
         Raises:
             LinkError: It cannot be written, or the file is not open.
@@ -195,7 +195,7 @@ class SqliteFile:
             return True
 
     def set_aside(self, now: float) -> Path:
-        """Move the file away, so that the next one begins empty; return where it is now."""
+        """Move the file away, so that the next one is empty; return its new path."""
         self.close()
         target = self.path.with_name(f"{self.path.name}.damaged-{now:.0f}")
         number = 1
@@ -209,7 +209,7 @@ class SqliteFile:
         return target
 
     def close(self) -> None:
-        """Close the file. Twice is fine."""
+        """Close the file. Idempotent."""
         if self._connection is not None:
             with suppress(sqlite3.Error):
                 self._connection.close()
@@ -222,7 +222,7 @@ class SqliteFile:
         return found.st_dev, found.st_ino
 
     def _replace(self, now: float) -> Path:
-        """Set the damaged file aside and begin a new one; return where the damaged one is."""
+        """Set the damaged file aside and create a new one; return the new path of the damaged one."""
         try:
             set_aside = self.set_aside(now)
             self._open()
@@ -236,7 +236,7 @@ class SqliteFile:
             self.path, timeout=self._busy_timeout, check_same_thread=False, isolation_level=None
         )
         try:
-            # Two homebots of one file would overwrite each other's devices.
+            # Two homebots with one file would overwrite each other's devices.
             connection.execute("PRAGMA locking_mode = EXCLUSIVE")
             version = self._version(connection)
             connection.execute(f"PRAGMA page_size = {self._schema.page_size}")
@@ -255,10 +255,10 @@ class SqliteFile:
         self._connection, self._identity = connection, self._find_identity()
 
     def _make_private(self) -> None:
-        """Require a file that only the user can write: other users could forge entries.
+        """Require that only the user can write the file, as others could forge entries.
 
         Raises:
-            UsageError: Others may write it, or where it is.
+            UsageError: Others may write it, or its folder.
         """
         if self.path == IN_MEMORY:
             return
@@ -277,11 +277,11 @@ class SqliteFile:
         return version
 
     def _migrate(self, connection: sqlite3.Connection, version: int) -> None:
-        """Bring the file to this version, each step in a transaction, with a copy before the first."""
+        """Migrate the file step by step, each in a transaction, after making a copy."""
         schema = self._schema
         if 0 < version < schema.version:
             copy = self.path.with_name(f"{self.path.name}.version-{version}")
-            copy.unlink(missing_ok=True)  # a step failed before
+            copy.unlink(missing_ok=True)  # an earlier step failed
             _vacuum_into(connection, copy)
             for one in range(version, schema.version):
                 _apply(connection, schema.migrations[one], one + 1)
@@ -293,8 +293,8 @@ class SqliteFile:
         """Yield the connection for an operation, for example ``written``.
 
         Raises:
-            LinkError: It failed by the disk or another program, or the file is not open.
-            WireError: It failed by the file, which is damaged.
+            LinkError: The disk or another program is at fault, or the file is not open.
+            WireError: The file is damaged.
         """
         try:
             yield self._opened()

@@ -1,4 +1,4 @@
-"""JSON without ambiguity: no key twice, on which programs disagree, and no character that is not ASCII. Pure."""
+"""Unambiguous JSON: without duplicate keys, which programs treat differently, and in ASCII. Pure."""
 
 import codecs
 import json
@@ -11,37 +11,37 @@ _ESCAPE = "homebot.json"
 
 
 class DuplicateKeyError(ValueError):
-    """A JSON object has a key twice."""
+    """A JSON object with a duplicate key."""
 
 
 def parse_strict(text: str | bytes, constant: Callable[[str], object] = float) -> object:
     """Parse *text*.
 
     Args:
-        constant: Returns the value of ``NaN``, ``Infinity`` and ``-Infinity``, which are no JSON.
+        constant: Returns the value of ``NaN``, ``Infinity`` and ``-Infinity``, which are not valid JSON.
 
     Raises:
-        DuplicateKeyError: A key is there twice.
-        ValueError: It is no JSON.
-        RecursionError: It is nested too deep.
+        DuplicateKeyError: An object has a duplicate key.
+        ValueError: It is not JSON.
+        RecursionError: It is nested too deeply.
     """
     value: object = json.loads(text, object_pairs_hook=_reject_duplicates, parse_constant=constant)
     return value
 
 
 def in_ascii(text: str) -> str:
-    """Return the JSON *text* as the module `json` writes it, with all but visible ASCII and blanks as escapes.
+    """Return JSON *text*, as written by the module `json`, with everything but visible ASCII and blanks escaped.
 
-    Characters of the C1 set and half a surrogate pair are among them.
+    This includes C1 control characters and lone surrogates.
     """
     plain = text if text.isascii() else text.encode("ascii", _ESCAPE).decode()
     return plain.replace("\x7f", "\\u007f")
 
 
 def duplicate_key_hook(note: Callable[[str], None]) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
-    """Return a hook that builds objects and calls *note* with each key that is there again; the last one counts.
+    """Return a hook that builds objects and calls *note* with each duplicate key; the last value counts.
 
-    It is for `json.JSONDecoder`, as ``object_pairs_hook``.
+    For `json.JSONDecoder`, as ``object_pairs_hook``.
     """
 
     def build_object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

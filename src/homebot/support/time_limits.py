@@ -1,4 +1,4 @@
-"""Time limits of waits of which nearly all end before: one timer of the event loop for all of them."""
+"""Time limits of waits that nearly always end earlier, with one timer of the event loop for all."""
 
 import asyncio
 import heapq
@@ -10,28 +10,28 @@ from typing import Final, final
 __all__ = ["TimeLimits"]
 
 _SLACK: Final = 64
-"""Discarded limits that may lie in the heap, beside as many as there were valid ones, before it is built anew."""
+"""Discarded limits allowed in the heap, in addition to the number of valid ones, before it is rebuilt."""
 
 
 @final
 class TimeLimits:
-    """Calls back where a wait takes too long, in the event loop's time.
+    """Callbacks for waits that take too long, in the event loop's time. Not for use from several event loops.
 
-    A timer of the loop for each wait would cost more than a short wait does: it is a heap entry that is compared in
-    Python, and stays there when it is cancelled. A ``TimerQueue`` would keep discarded entries
-    in its heap for a while, here a command with all that it knows. Not for use from several event loops.
+    A loop timer per wait would cost more than a short wait: it is a heap entry that is compared in Python, and stays
+    when cancelled. A ``TimerQueue`` would keep discarded entries for a while, here a command and everything it refers
+    to.
     """
 
     def __init__(self) -> None:
         self._ends: dict[int, Callable[[], object]] = {}
-        self._heap: list[tuple[float, int]] = []  # with numbers that were discarded, but nothing that those hold
+        self._heap: list[tuple[float, int]] = []  # including discarded numbers, but not their callbacks
         self._room = _SLACK
         self._number = 0
         self._rings_at = math.inf
         self._timer: asyncio.TimerHandle | None = None
 
     def set(self, seconds: float, end: Callable[[], object]) -> int:
-        """Call *end* in so many seconds; return the number by which that is discarded."""
+        """Call *end* after so many seconds; return a number for :meth:`discard`."""
         self._number = number = self._number + 1
         at = asyncio.get_running_loop().time() + seconds
         self._ends[number] = end
@@ -43,7 +43,7 @@ class TimeLimits:
         return number
 
     def discard(self, number: int) -> None:
-        """Remove the limit of that number. Idempotent."""
+        """Remove the limit with that number. Idempotent."""
         self._ends.pop(number, None)
 
     def _rebuild(self) -> None:
@@ -58,7 +58,7 @@ class TimeLimits:
         self._timer = asyncio.get_running_loop().call_at(at, self._ring, context=Context())
 
     def _ring(self) -> None:
-        heap, ends, now = self._heap, self._ends, asyncio.get_running_loop().time()  # it may ring a little early
+        heap, ends, now = self._heap, self._ends, asyncio.get_running_loop().time()  # timers may fire slightly early
         self._rings_at, self._timer = math.inf, None
         try:
             while heap and (heap[0][0] <= now or heap[0][1] not in ends):

@@ -1,4 +1,4 @@
-"""Queue of due times: when each of many things is due, and which is next. Pure: the owner of the clock asks it."""
+"""A queue of due times. Pure: callers pass the time."""
 
 import heapq
 import math
@@ -12,23 +12,23 @@ Item = TypeVar("Item")
 _Entry: TypeAlias = tuple[float, int, Key, Item]
 
 _SLACK = 64
-"""Outdated entries that may lie in the heap beside as many as there are valid ones, before it is built anew."""
+"""Outdated entries allowed in the heap, in addition to the number of valid ones, before it is rebuilt."""
 
 
 @final
 class TimerQueue(Generic[Key, Item]):
-    """A time and an item for each key; the earliest comes first, of equal times the one that was set first.
+    """A time and an item for each key; the earliest comes first, of equal times the one set first.
 
-    Setting a later time, as every sign of life does, costs a look-up: the heap keeps the earlier one, and the key goes
-    back into it when it turns up too early.
+    Setting a later time, as every sign of life does, only costs a look-up: the heap keeps the earlier time, and the key
+    is reinserted when that comes.
 
     Attributes:
-        earliest: A time before which nothing is due: the one that :meth:`next` returned, or an earlier one set since.
+        earliest: A time before which nothing is due: the last result of :meth:`next`, or an earlier time set since.
     """
 
     def __init__(self) -> None:
         self._entries: dict[Key, _Entry[Key, Item]] = {}
-        self._queued: dict[Key, float] = {}  # the time in the heap that counts for a key
+        self._queued: dict[Key, float] = {}  # the valid time in the heap of each key
         self._heap: list[_Entry[Key, Item]] = []
         self._number = 0
         self.earliest = math.inf
@@ -46,19 +46,19 @@ class TimerQueue(Generic[Key, Item]):
                 self._rebuild()
 
     def discard(self, key: Key) -> None:
-        """Forget *key*; one that is not there is fine."""
+        """Remove *key*. Idempotent."""
         if self._entries.pop(key, None) is not None:
-            self._queued.pop(key, None)  # an endless time is in no heap
+            self._queued.pop(key, None)  # an infinite time is not in the heap
             if len(self._heap) > 2 * len(self._entries) + _SLACK:
                 self._rebuild()
 
     def time_of(self, key: Key) -> float | None:
-        """Return when *key* is due; None where it is not there."""
+        """Return when *key* is due; None if it is unknown."""
         entry = self._entries.get(key)
         return None if entry is None else entry[0]
 
     def next(self) -> float | None:
-        """Return the earliest time; None where nothing waits."""
+        """Return the earliest time; None if there is none."""
         heap = self._heap
         while heap:
             first = heap[0]
@@ -75,7 +75,7 @@ class TimerQueue(Generic[Key, Item]):
         return None
 
     def pop(self, now: float = math.inf) -> tuple[Key, Item] | None:
-        """Forget the earliest key and return it with its item; None where nothing is due at *now*."""
+        """Remove and return the earliest key with its item; None if nothing is due at *now*."""
         earliest = self.next()
         if earliest is None or earliest > now:
             return None

@@ -1,4 +1,4 @@
-"""The TOML reader for all files; invalid values are reported with their key."""
+"""The reader for all TOML files, which reports invalid values with their key."""
 
 import tomllib
 from collections.abc import Iterable
@@ -39,10 +39,10 @@ def read_toml(path: Path, *, any_text: bool = False) -> TomlTable:
 
 
 def parse_toml(text: str, source: str, *, any_text: bool = False) -> TomlTable:
-    """Return the tables that *text* spells.
+    """Parse *text*; return its tables.
 
     Args:
-        any_text: Whether texts may hold U+0000, as those that are told to devices.
+        any_text: Whether texts may contain U+0000, for texts sent to devices.
 
     Raises:
         ConfigError: It is no TOML, is nested too deep, or holds a number of more than 64 bits or the character U+0000;

@@ -18,12 +18,12 @@ _SLICE: Final = 0.001
 """Seconds of one job in a turn while others wait."""
 
 Job: TypeAlias = Callable[[], object]
-"""A piece of work; it returns True if a task does it in the next turn, which then has the rest of this one."""
+"""A piece of work; returns True if a task does it in the next turn, which then has the rest of this one."""
 
 
 @final
 class TurnBudget:
-    """Budget of one server.
+    """The turn budget of one server.
 
     Args:
         now: The clock that measures the share, in seconds.
@@ -42,11 +42,11 @@ class TurnBudget:
 
     @property
     def waiting(self) -> int:
-        """Number of jobs that wait for a later turn."""
+        """Number of jobs waiting for a later turn."""
         return len(self._queue)
 
     def has_time(self) -> bool:
-        """Return whether work may begin or go on in this turn; otherwise :meth:`defer` it."""
+        """Return whether work may start or continue in this turn; otherwise :meth:`defer` it."""
         if self._is_running:
             return self._now() < self._slice_ends
         if self._queue:
@@ -61,12 +61,12 @@ class TurnBudget:
         return True
 
     def defer(self, job: Job) -> None:
-        """Call *job* in a later turn, once, however often it is deferred; it asks :meth:`has_time` itself."""
+        """Call *job* once in a later turn, however often it is deferred; it must check :meth:`has_time`."""
         self._queue[job] = None
         self._schedule()
 
     def run(self, steps: Iterator[object]) -> None:
-        """Take *steps* one after the other, as many as there is time for, the others in later turns."""
+        """Run as many *steps* as there is time for, and the others in later turns."""
 
         def go_on() -> None:
             while self.has_time():
@@ -79,7 +79,7 @@ class TurnBudget:
         go_on()
 
     def forget(self, job: Job) -> None:
-        """Do not call *job* any more."""
+        """Cancel *job*."""
         self._queue.pop(job, None)
 
     def _schedule(self) -> None:

@@ -1,9 +1,9 @@
 """An event loop with virtual time: whenever nothing is ready, the next timer is due at once.
 
-An hour of timers passes in milliseconds, every timer fires at exactly its own time, and nothing depends on the speed of
-the computer. No time passes while a worker thread of ``anyio.to_thread`` or of the loop's executor works, so that a
-slow disk costs no virtual second; a thread with a limiter of its own, as one that runs for good has, holds nothing up.
-Keep real sockets off this loop: it does not wait for them while a timer is set.
+An hour of timers passes in milliseconds, every timer fires at exactly its time, and nothing depends on the speed of the
+computer. No time passes while a worker thread of ``anyio.to_thread`` or of the loop's executor works, so that a slow
+disk takes no virtual time; threads with their own limiter, such as permanent ones, are not waited for. Do not use real
+sockets on this loop: it does not wait for them while a timer is set.
 """
 
 import asyncio
@@ -29,7 +29,7 @@ Ts = TypeVarTuple("Ts")
 ResultT = TypeVar("ResultT")
 
 RESOLUTION = 1e-6  # seconds; timers closer than this fire together. Far above the steps of a float at 30 years
-SELDOM = 50  # turns of a busy loop after which files are looked at all the same
+SELDOM = 50  # turns of a busy loop after which files are checked nevertheless
 _LIBRARIES = tuple(str(Path(str(each.__file__)).parent) for each in (asyncio, anyio))
 
 
@@ -37,10 +37,10 @@ class LoopLimits(NamedTuple):
     """LoopLimits of programs in virtual time, in real seconds.
 
     Attributes:
-        hot_after: Seconds and
-        hot_turns: turns, both in one moment, in which no program that ever waits can still be busy.
-        stuck_after: Seconds in which a thread or a signal may still wake a loop that has no timer.
-        thread_stuck_after: Seconds that a worker thread may take; it writes a file, and the disk may be slow.
+        hot_after: Seconds without passing virtual time after which, with
+        hot_turns: turns of the loop, a program counts as busy forever.
+        stuck_after: Seconds for a thread or a signal to wake a loop without timers.
+        thread_stuck_after: Seconds allowed for a worker thread, which may write to a slow disk.
     """
 
     hot_after: float = 30.0
@@ -55,10 +55,10 @@ LOOP_LIMITS = LoopLimits()
 class VirtualTimeLoop(asyncio.SelectorEventLoop):
     """An event loop in virtual time, which starts at 0.
 
-    Made for ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and its likes. A program that waits for an impossible
-    event, with nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 30 real seconds; one
-    that is always busy, so that no time can pass, after 30 and half a million turns. The error says which tasks are
-    busy. A worker thread that takes longer than 120 real seconds ends it too.
+    For ``asyncio.Runner(loop_factory=VirtualTimeLoop)`` and similar. A program that waits for an impossible event, with
+    nothing ready and no timer set, ends with :class:`homebot.errors.UsageError` after 30 real seconds; one that is
+    always busy, so that no time can pass, after 30 seconds and half a million turns. The error names the busy tasks. A
+    worker thread that takes longer than 120 real seconds ends it too.
     """
 
     def __init__(self, limits: LoopLimits = LOOP_LIMITS) -> None:
@@ -66,10 +66,12 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         self._executing = 0
         self._jumping = _JumpingSelector(self._busy, self._threads_at_work, limits)
         super().__init__(self._jumping)
-        self._clock_resolution = RESOLUTION  # asyncio's own is lost in the float after 97 days: no timer would be due
+        self._clock_resolution = (
+            RESOLUTION  # asyncio's default vanishes in the float after 97 days, and timers would never be due
+        )
 
     def time(self) -> float:
-        """Return seconds of virtual time since the loop was made."""
+        """Return the seconds of virtual time since the loop was created."""
         return self._jumping.now
 
     def run_in_executor(
@@ -82,7 +84,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         return future
 
     async def settled(self) -> None:
-        """Wait until all that can happen at this moment has happened, in worker threads too; no time passes."""
+        """Wait until everything due has happened, in worker threads too, without passing time."""
         waiter: asyncio.Future[None] = self.create_future()
         self._jumping.waiters.append(waiter)
         await waiter
@@ -94,7 +96,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         *args: *Ts,
         context: Context | None = None,
     ) -> asyncio.TimerHandle:
-        """Call *callback* at *when*; a timer at infinity, as of ``anyio.sleep_forever``, does not count as one."""
+        """Call *callback* at *when*; a timer at infinity, as in ``anyio.sleep_forever``, does not count."""
         if when == math.inf:
             return asyncio.TimerHandle(when, callback, args, self, context)
         return super().call_at(when, callback, *args, context=context)
@@ -106,14 +108,14 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
         self._executing -= 1
 
     def _threads_at_work(self) -> int | None:
-        """Return how many, or None in the first turn that would let time pass: the next one knows."""
+        """Return the number of busy worker threads, or None in the first turn that could pass time."""
         if self._limiter is None:
             self.create_task(self._find_limiter(), name="limiter of worker threads")
             return None
         return self._executing + self._limiter.borrowed_tokens
 
     def _busy(self) -> str:
-        """Return the tasks that run in this turn, and where they are."""
+        """Return the tasks of this turn, and their places."""
         handles: Iterable[asyncio.Handle] = getattr(self, "_ready", ())  # asyncio's own, and no public way to it
         owners = (getattr(getattr(handle, "_callback", None), "__self__", None) for handle in handles)
         places = {f"{task.get_name()} in {_place(task)}" for task in owners if isinstance(task, asyncio.Task)}
@@ -121,7 +123,7 @@ class VirtualTimeLoop(asyncio.SelectorEventLoop):
 
 
 def _place(task: asyncio.Task[object]) -> str:
-    """Describe where *task* waits: the innermost of its coroutines that is not part of asyncio or anyio."""
+    """Return the place where *task* waits: its innermost coroutine outside asyncio and anyio."""
     waits: object = task.get_coro()
     frames: list[FrameType] = []
     while isinstance(waits, CoroutineType):
@@ -134,7 +136,7 @@ def _place(task: asyncio.Task[object]) -> str:
 
 
 class _JumpingSelector(selectors.DefaultSelector):
-    """Passes time instead of waiting."""
+    """A selector that passes virtual time instead of waiting."""
 
     now = 0.0
 
@@ -153,7 +155,7 @@ class _JumpingSelector(selectors.DefaultSelector):
             return self._select_thread() if threads else []
         if timeout is None and not self.waiters:
             return self._select_or_give_up()
-        if timeout == 0 and self._unasked < SELDOM:  # there is something to do: the system call would double its cost
+        if timeout == 0 and self._unasked < SELDOM:  # there is work: the system call would double its cost
             self._unasked += 1
             return []
         self._unasked = 0

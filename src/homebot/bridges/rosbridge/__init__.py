@@ -1,4 +1,4 @@
-"""The door: rosbridge v2 (JSON over WebSocket) for everybody outside the process."""
+"""The door: rosbridge v2 (JSON over WebSocket) for programs outside the process."""
 
 from homebot.bridges.rosbridge.server import Door
 from homebot.bridges.rosbridge.settings import ClientToken, DoorSettings, Scope

@@ -1,8 +1,8 @@
-"""Access of clients of the door: the right that each operation needs. No I/O.
+"""The access of clients of the door: the right that each operation needs. No I/O.
 
-homebot's own topics and services are those below the namespaces of its nodes, and the inboxes to which gateways bring
-raw messages of devices. Reading them is harmless, and so are the
-services that only answer; on the others a client could pass for a gateway, the directory or the control layer.
+homebot's own topics and services are those below the namespaces of its nodes, and the inboxes to which gateways deliver
+raw messages of devices. Reading them is harmless, and so are services that only answer; with the others a client could
+impersonate a gateway, the directory or the control layer.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _OWN: Final = (
     "apps broker control devices discovery gateway getIndexData history homebot network_services parameter_events "
     "robots rosapi rosbridge_websocket rosout subscribe_to_mqtt_topic thing_directory"
 )
-"""First tokens of the names that are homebot's own."""
+"""First tokens of homebot's own names."""
 
 _READING: Final = frozenset(
     {
@@ -70,12 +70,12 @@ _ACTING: Final = frozenset(
 _PUBLISHING: Final = frozenset({"advertise", "advertise_action", "advertise_service", "publish"})
 _CALLING: Final = frozenset({"call_service", "send_action_goal"})
 _DOOR_REQUESTS: Final = "/adapter_door_requests"
-"""The app that serves them may be allowed to unlock: only robots ask it to."""
+"""Actions that need a robot's right, because the app that serves them may be allowed to unlock."""
 
 _SEVERAL: Final = "?"
 _LONGEST_NAME: Final = 247
 _WORD: Final = re.compile(r"[A-Za-z_ ]{1,40}")
-"""A command without a number, so that it holds no code."""
+"""A command without a number, so that it contains no code."""
 _SETTING_PARAMETERS: Final = frozenset({"/rosapi/delete_param", "/rosapi/set_param"})
 _OF_EACH_NODE: Final = {
     "health": Right.READ,
@@ -86,10 +86,10 @@ _OF_EACH_NODE: Final = {
     "set_parameters": Right.MANAGE,
     "set_parameters_atomically": Right.MANAGE,
 }
-"""Services that any node may offer, by the ends of their names."""
+"""Services that any node may offer, by the last parts of their names."""
 
 _GATEWAY_RIGHTS: Final = {**dict.fromkeys(names.GATEWAY_READING, Right.READ), "send_command": Right.RAW}
-"""Services of gateways, by the ends of their names; the others manage them."""
+"""Services of gateways, by the last parts of their names; the others manage the gateway."""
 
 
 class MissingRightError(PeerError):
@@ -107,8 +107,8 @@ class ClientAccess:
     Attributes:
         name: The name of its token, or ``local`` without one.
         owners: The robots of the house, with their topics and frames.
-        is_page: Whether it is homebot's own page and has no token: it may neither manage homebot nor pass for its
-            parts, nor be a robot.
+        is_page: Whether it is homebot's own page without a token, which may neither manage homebot, nor impersonate its
+            parts or a robot.
     """
 
     name: str
@@ -130,24 +130,24 @@ class ClientAccess:
         return issuer_of_client(self.name)
 
     def stamped(self, message_type: type[Message], values: Mapping[str, object]) -> Mapping[str, object]:
-        """Return *values* of a message of the client; an issuer in it, and a scope beside that, become its own.
+        """Return *values* of a message, with the client's own issuer and scope in place of any in it.
 
-        It is no node, so it is none that listens.
+        A listener is removed, as the client is not a node.
         """
         fields = _stamped_fields(message_type)
         own: dict[str, object] = {"issuer": self.issuer, "scope": list(self.rights.act_scope), "listener": ""}
         return {**values, **{name: own[name] for name in fields}} if fields else values
 
     def wishes(self, name: str) -> bool:
-        """Return whether a call of the service or action *name* makes its app act for a person.
+        """Return whether a call of the service or action *name* counts as a person's wish.
 
-        It does not for a client that may command only some devices: the app might command others.
+        It does not for a client that may only command some devices, as the app might command others.
         """
         return not _is_own(name) and self.rights.acts_on_harmless
 
     @staticmethod
     def command_in(op: protocol.Operation) -> tuple[str, str]:
-        """Return the target and content of a command in *op*, if it is in words."""
+        """Return the target and content of a command in words in *op*, if there is one."""
         match op:
             case protocol.PublishOperation():
                 return _text(op.msg, "address"), _word(op.msg, "payload")
@@ -156,10 +156,10 @@ class ClientAccess:
         return "", ""
 
     def check(self, op: protocol.Operation, resolve: Callable[[str], str]) -> None:
-        """Refuse *op* where the client has no right to it; *resolve* makes full names of names.
+        """Refuse *op* if the client lacks the right to it; *resolve* makes names absolute.
 
         Raises:
-            MissingRightError: The client lacks a right; the message says which, and how to get it.
+            MissingRightError: It lacks a right; the message says which, and how to get it.
         """
         if op.op in _PUBLISHING:
             right = self._right_to_publish(resolve(op.name))
@@ -167,13 +167,13 @@ class ClientAccess:
             right = right_to_call(resolve(op.name))
         elif op.op == "subscribe":
             right = Right.READ
-        else:  # ends earlier operations, or concerns the client alone
+        else:  # ends earlier operations, or only concerns the client
             return
         if not self.rights.has(right):
             raise MissingRightError(right, self._problem(right))
 
     def check_robot(self, topic: str, message: Message) -> None:
-        """Refuse *message* on *topic*, a full name, if it is of a robot that the client may not be."""
+        """Refuse *message* on the full name *topic* if it concerns a robot that the client may not be."""
         own = self.owners.names if self.rights.may_be(ALL_ROBOTS) else self.rights.robots
         if foreign := self.owners.foreign(topic, message, own):
             raise MissingRightError(
@@ -181,7 +181,7 @@ class ClientAccess:
             )
 
     def _right_to_publish(self, name: str) -> Right:
-        """Return the right to publish that the client needs; that to be the robot of *name* is checked."""
+        """Return the right that the client needs to publish, after checking its right to be the robot of *name*."""
         right = right_to_publish(name)
         robot = "" if name == _DOOR_REQUESTS else self.owners.of_topic(name)
         if right is Right.RAW or robot is None:
@@ -215,20 +215,20 @@ def _stamped_fields(message_type: type[Message]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1024)
 def right_to_publish(name: str) -> Right:
-    """Return the right that it takes to publish on the topic, or to provide the service, with the full *name*."""
+    """Return the right needed to publish on the topic, or to provide the service, with the full *name*."""
     return Right.RAW if _is_own(name) or name.endswith("/inbox") else Right.ACT
 
 
 @lru_cache(maxsize=1024)
 def right_to_call(name: str) -> Right:
-    """Return the right that it takes to call the service, or to send a goal to the action, with the full *name*."""
+    """Return the right needed to call the service, or to send a goal to the action, with the full *name*."""
     *path, last = name.split("/")[1:]
     if last in _OF_EACH_NODE:
         return _OF_EACH_NODE[last]
     if name in _ACTING or not _is_own(name):
         return Right.ACT
     if name.endswith("/_action/send_goal"):
-        return Right.RAW  # such a goal would keep the issuer that the client gave it, and outlive its connection
+        return Right.RAW  # such a goal would keep the client's choice of issuer, and outlive its connection
     if path[:1] == ["gateway"]:
         return _GATEWAY_RIGHTS.get(last, Right.MANAGE)
     is_reading = name in _READING or (path == ["rosapi"] and name not in _SETTING_PARAMETERS)

@@ -1,10 +1,10 @@
-"""Frames that wait for the clients of the door: bounded in messages per topic, in bytes per client and for all.
+"""The frames waiting for clients of the door, bounded per topic, per client and in total. No I/O.
 
-A topic that has too much waiting loses its own oldest message first, on a keyed topic the oldest of the same key. Where
-a client has too much waiting, the topic that brings more gives up its own oldest message; where it has no other, the
-oldest message of all is dropped. Where too much waits for all clients, the one for which most waits loses its oldest.
-So a flood on one topic costs that topic, and the newest message of each topic stays for as long as there is room. Each
-loss is counted. Nothing here does input or output.
+A topic over its limit drops its own oldest message, on a keyed topic the oldest of the same key. If a client is over
+its limit, the topic with the new message drops its oldest one; if that is its only one, the client's oldest message is
+dropped. If all clients together are over the limit, the one with the most waiting loses its oldest message. So a flood
+on one topic only affects that topic, and the newest message of each topic stays as long as there is room. Each loss is
+counted.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ __all__ = ["Backlog", "DoorBacklog", "FeedQueue"]
 Item: TypeAlias = Message | Expiring[Message]
 
 _OBJECT = 64
-"""Bytes that a value costs besides its text."""
+"""Bytes of a value in addition to its text."""
 
 
 @final
 class DoorBacklog:
-    """The bytes that wait for all clients together.
+    """The bytes waiting for all clients together.
 
     Args:
-        limit: Bytes that may wait for all clients; above it the one for which most waits gives up its oldest.
+        limit: Most bytes waiting for all clients; above it the client with the most loses its oldest messages.
     """
 
     def __init__(self, limit: int) -> None:
@@ -45,15 +45,15 @@ class DoorBacklog:
 
     @property
     def waiting(self) -> int:
-        """Bytes that wait. A message that waits for several clients counts for each."""
+        """Bytes waiting; a message for several clients counts for each."""
         return self._account.used
 
     def add(self, size: int) -> None:
-        """Count *size* more bytes, or fewer; of too many, the client with the most loses its oldest messages."""
+        """Add *size* bytes, which may be negative; above the limit, the client with the most loses messages."""
         self._account.add(size)
 
     def weigh(self, message: Message) -> int:
-        """Return the bytes of *message*; the same once more, for the next client, costs nothing."""
+        """Return the bytes of *message*; cached for the next client."""
         last, weight = self._last
         if last is None or last() is not message:
             weight = _weight(message)
@@ -63,7 +63,7 @@ class DoorBacklog:
 
 @final
 class Backlog:
-    """The frames that wait for one client.
+    """The frames waiting for one client.
 
     Args:
         limit: Maximum number of bytes; one message of any size is allowed.
@@ -77,7 +77,7 @@ class Backlog:
         everybody.clients[self] = None
 
     def add(self, waiting: _Waiting, queue: FeedQueue) -> None:
-        """Record *waiting* in *queue* and drop the excess."""
+        """Record *waiting* in *queue*, and drop any excess."""
         self._order[waiting] = queue
         self.waiting += waiting.weight
         while self.waiting > self._limit:
@@ -88,7 +88,7 @@ class Backlog:
         self.everybody.add(waiting.weight)
 
     def drop_oldest(self) -> bool:
-        """Drop the oldest message of all, unless it is the only one; return whether that was so."""
+        """Drop the oldest message unless it is the only one; return whether one was dropped."""
         if len(self._order) < 2:
             return False
         next(iter(self._order.values())).drop_oldest()
@@ -101,14 +101,14 @@ class Backlog:
             self.everybody.add(-waiting.weight)
 
     def close(self) -> None:
-        """Release everything; the client has left."""
+        """Release everything after the client has left."""
         for queue in set(self._order.values()):
             queue.close()
         self.everybody.clients.pop(self, None)
 
 
 class _Waiting:
-    """One message and its weight; compared by identity."""
+    """A message and its weight; compared by identity."""
 
     __slots__ = ("item", "weight")
 
@@ -119,11 +119,11 @@ class _Waiting:
 
 @final
 class FeedQueue:
-    """The waiting messages of one topic for one client.
+    """The messages of one topic waiting for one client.
 
     Args:
-        depth: Messages that may wait, on a keyed topic of each key.
-        key: Reads the key of a message; None where the topic is not keyed.
+        depth: Most waiting messages; on a keyed topic, of each key.
+        key: Returns the key of a message; None if the topic is not keyed.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class FeedQueue:
             self._queue = keyed_queue(depth, lambda waiting: key(waiting.item), self._record_loss)
 
     def append(self, item: Item) -> None:
-        """Add *item* at the end; the excess is dropped and counted. Ignored after :meth:`close`."""
+        """Append *item*; any excess is dropped and counted. Ignored after :meth:`close`."""
         if self._on_arrival is None:
             return
         message = item.message if isinstance(item, Expiring) else item

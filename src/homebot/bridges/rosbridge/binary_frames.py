@@ -1,4 +1,4 @@
-"""The frames of rosbridge v2 that carry messages in CBOR, for clients that asked for ``cbor`` or ``cbor-raw``. Pure.
+"""The frames of rosbridge v2 with messages in CBOR, for clients that ask for ``cbor`` or ``cbor-raw``. Pure.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 3.1.3 and 3.1.4; RFC 8746 for arrays of numbers.
 """
@@ -13,7 +13,7 @@ from homebot.messages.numeric_array import NumericArray
 __all__ = ["publish_cbor", "publish_cbor_raw"]
 
 _BYTES, _ARRAY, _MAP, _TAG = 2, 4, 5, 6
-_TYPED_ARRAYS = {  # tag, layout; those that the original uses, all little-endian
+_TYPED_ARRAYS = {  # tag, layout; as in the original, all little-endian
     "int8": (72, "b"),
     "uint16": (69, "H"),
     "int16": (77, "h"),
@@ -27,12 +27,12 @@ _TYPED_ARRAYS = {  # tag, layout; those that the original uses, all little-endia
 
 
 def publish_cbor(topic: str, message: Message, lost: int = 0) -> bytes:
-    """Return the frame that carries *message* in CBOR; ``lost`` (ours alone) is the number dropped before it."""
+    """Return the frame with *message* in CBOR; ``lost`` (an extension) is the number dropped before it."""
     return _frame(topic, _message(message), lost)
 
 
 def publish_cbor_raw(topic: str, message: Message, received: Time, lost: int = 0) -> bytes:
-    """Return the frame that carries *message* as ROS 2 does, in CDR, with the time at which it was *received*."""
+    """Return the frame with *message* in CDR, as ROS 2 encodes it, and the time when it was *received*."""
     raw = message_to_cdr(message)
     parts = {"secs": encode_cbor(received.sec), "nsecs": encode_cbor(received.nanosec), "bytes": _bytes(raw)}
     return _frame(topic, _map(parts), lost)

@@ -45,18 +45,18 @@ class OutsideClient:
         self.address = address
 
     def log(self, kind: str, event: str, text: str, **facts: str | int) -> None:
-        """Log *text*, which follows the name of the client; lines of one *kind* and host are limited."""
+        """Log *text* after the name of the client, at a limited rate per *kind* and host."""
         kind, line = f"{kind} {self.address.rpartition(':')[0]}", f"{self.access.issuer} ({self.address}){text}"
         self.shared.error_log.log(kind, event, line, level="warning", error=None, client=self.address, **facts)
 
     def log_refusal(self, text: str, op: str, problem: str, event: str = "door.refused") -> None:
-        """Count and log that a frame or a request was refused."""
+        """Count and log a refused frame or request."""
         self.refused += 1
         self.shared.counters.requests_refused += 1
         self.log("refused", event, text, op=op, problem=problem, refused=self.refused)
 
     def record_missing_right(self, op: Operation, error: MissingRightError) -> None:
-        """Count, log and publish that *op* was refused for want of a right: of one client 20 in ten seconds."""
+        """Count, log and publish that *op* was refused for lack of a right: at most 20 per client in ten seconds."""
         shared, issuer = self.shared, self.access.issuer
         self.refused += 1
         shared.counters.requests_refused += 1
@@ -93,5 +93,5 @@ class OutsideClient:
 
 
 def operation_text(op: str, name: str) -> str:
-    """Return an operation in words, such as ``publishing on /t``; an operation without a name stays as it is."""
+    """Return an operation in words, such as ``publishing on /t``; unchanged without a name."""
     return f"{_DEEDS.get(op, op)} {short_text(name, _SHOWN)}" if name else op

@@ -1,8 +1,7 @@
 """A WebSocket connection of the door that reads only as fast as the door answers.
 
-A flood of frames reaches the session, which knows the limits; the library answers pings
-and invalid frames by itself, so they are slowed down here. A client that does not read is not read from either:
-otherwise the answers to its pings would pile up.
+The session limits floods of frames, but the library itself answers pings and invalid frames, which are slowed down
+here. A client that does not read is not read from either, as the answers to its pings would pile up.
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ if TYPE_CHECKING:
 __all__ = ["DoorConnection", "client_frames", "http_response", "is_roslibpy"]
 
 _READ = 2048
-"""Bytes read at once: of the smallest frames 340, which take the library about 5 ms."""
+"""Bytes read at once: up to 340 of the smallest frames, about 5 ms of work for the library."""
 
 _GET: Final = b"GET "
 _GO_AHEAD: Final = b"HTTP/1.1 100 Continue\r\n\r\n"
 
 _MOST_ARRIVING = 64
-"""Connections without a request yet; one more ends the oldest."""
+"""Most connections without a request; one more closes the oldest."""
 
 
 class DoorConnection(ServerConnection):
@@ -43,10 +42,10 @@ class DoorConnection(ServerConnection):
 
     Args:
         arriving: The connections without a session, oldest first; this one adds itself.
-        open_timeout: Seconds within which a whole request must come.
+        open_timeout: Seconds within which the complete request must arrive.
 
     Attributes:
-        posted: The request, where it is none that the library reads by itself.
+        posted: The request, if it is one that the library cannot read.
     """
 
     def __init__(
@@ -69,11 +68,11 @@ class DoorConnection(ServerConnection):
         self._too_late: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Begin to read."""
+        """Start reading."""
         super().connection_made(transport)
         if hasattr(transport, "max_size"):  # asyncio has no other way to set it
             transport.max_size = _READ
-        # The library pauses reading for reasons of its own, so there is one place that knows them all.
+        # The library also pauses reading, so one place tracks all reasons for it.
         self.recv_messages.pause = lambda: self._hold("queue")
         self.recv_messages.resume = lambda: self._release("queue")
         self._too_late = self.loop.call_later(self._open_timeout, self.transport.abort)
@@ -84,7 +83,7 @@ class DoorConnection(ServerConnection):
             oldest.transport.abort()
 
     def data_received(self, data: bytes) -> None:
-        """Handle *data* now or at the next turn; until then nothing more is read."""
+        """Handle *data* now or in the next turn; until then nothing more is read."""
         self._is_heard = True
         if self._turns.has_time():
             self._read(data)
@@ -98,7 +97,7 @@ class DoorConnection(ServerConnection):
         self._hold("writing")
 
     def resume_writing(self) -> None:
-        """Read again: the client takes bytes."""
+        """Read again: the client accepts bytes."""
         super().resume_writing()
         self._release("writing")
 
@@ -110,15 +109,15 @@ class DoorConnection(ServerConnection):
         super().connection_lost(exc)
 
     def is_excused(self) -> bool:
-        """Return whether the client was heard since the last call, or is not being read from: it may say what it likes.
+        """Return whether the client has been heard since the last call, or is not being read from.
 
-        A client that does not read is no excuse: nor does one that has vanished.
+        Not reading is no excuse for a client, because a vanished one does not read either.
         """
         was_heard, self._is_heard = self._is_heard, False
         return was_heard or not self._holds <= {"writing"}
 
     async def send_in_time(self, seconds: float, cut: Callable[[], None], frame: str | bytes) -> None:
-        """Send *frame*; a client that does not take it within so many *seconds* is *cut* off.
+        """Send *frame*; call *cut* if the client does not accept it within so many *seconds*.
 
         Raises:
             LinkError: The client is gone.
@@ -139,11 +138,11 @@ class DoorConnection(ServerConnection):
 
     @property
     def target(self) -> str:
-        """Path and query of the request; empty before it is whole."""
+        """The path and query of the request; empty until it is complete."""
         return "" if self.request is None else self.request.path
 
     def has_asked(self) -> None:
-        """Record that the whole request is there."""
+        """Record that the request is complete."""
         if self._too_late is not None:
             self._too_late.cancel()
 
@@ -152,7 +151,7 @@ class DoorConnection(ServerConnection):
         self._arriving.pop(self, None)
 
     def has_answer(self) -> None:
-        """Record that the request of the connection has its answer: it is ended like one without a request."""
+        """Record that the request has been answered, so that the connection may be closed like one without."""
         if not self._is_lost:
             self._arriving[self] = None
 
@@ -162,7 +161,7 @@ class DoorConnection(ServerConnection):
             self._release("turn")
 
     def _read(self, data: bytes) -> None:
-        """Give *data* to the library; of a request with another method than GET its head, once it is whole."""
+        """Pass *data* to the library; for methods other than GET, only the head of the complete request."""
         if self._begun is not None:
             data, self._begun = self._begun + data, None
             if len(data) < len(_GET) and _GET.startswith(data):
@@ -202,9 +201,9 @@ class DoorConnection(ServerConnection):
 
 
 async def client_frames(connection: ServerConnection) -> AsyncIterator[str]:
-    """Yield the frames of a client until it leaves; a binary one ends the connection, unless it holds JSON.
+    """Yield the frames of a client until it leaves; a binary frame ends the connection, unless it contains JSON.
 
-    The original server takes those too, and websocket-sharp, which ROS# uses, sends bytes in no other way.
+    The original server accepts those too, and websocket-sharp, which ROS# uses, can only send bytes in that way.
     """
     try:
         async for frame in connection:
@@ -218,7 +217,7 @@ async def client_frames(connection: ServerConnection) -> AsyncIterator[str]:
 
 
 def http_response(status: HTTPStatus, content_type: str, body: bytes, allow: str = "") -> Response:
-    """Return an answer of the HTTP API, which no page of another server can load."""
+    """Return an answer of the HTTP API, which pages of other servers cannot load."""
     headers = {
         "Content-Type": content_type,
         "Content-Length": str(len(body)),
@@ -238,7 +237,7 @@ def is_roslibpy(connection: ServerConnection) -> bool:
 
 
 def _json_object(frame: bytes) -> str | None:
-    """Return the text of a binary frame; None where it cannot be that of a JSON object."""
+    """Return the text of a binary frame; None if it cannot be a JSON object."""
     with suppress(UnicodeDecodeError):
         return frame.decode() if frame.lstrip()[:1] == b"{" else None
     return None

@@ -1,4 +1,4 @@
-"""The entrance of the door: refuses requests, and tells the clients of the others by their tokens."""
+"""The entrance of the door: refuses requests, and identifies clients by their tokens."""
 
 from __future__ import annotations
 
@@ -33,21 +33,21 @@ LOG_IN: Final = Subprotocol("homebot.log_in")
 
 _API: Final = "/api/"
 _OWN_SITE: Final = frozenset({"same-origin", "none"})
-_PAGE: Final = ""  # the name of a page that has yet to show its token
+_PAGE: Final = ""  # the name of a page that has not sent its token yet
 
 Site: TypeAlias = "Callable[[str, str], Awaitable[tuple[HTTPStatus, Mapping[str, str], bytes] | None]]"
-"""Returns status, headers and body for a path and an ``If-None-Match`` header; None where it has no such page."""
+"""Returns status, headers and body for a path and an ``If-None-Match`` header; None if there is no such page."""
 
 
 class Entrance:
-    """Checks Host, Origin and token of each request, and sends browsers the files of the page.
+    """Checks Host, Origin and token of each request, and serves the files of the page.
 
     Args:
-        local_rights: The rights of clients without a token, where the settings have no scope for them.
-        open_timeout: Seconds that a page has to log in.
+        local_rights: The rights of clients without a token, unless the settings have a scope for them.
+        open_timeout: Seconds within which a page must log in.
 
     Raises:
-        ConfigError: The host is not a loopback one and there is no token.
+        ConfigError: The host is not a loopback address and there is no token.
     """
 
     def __init__(
@@ -74,7 +74,7 @@ class Entrance:
         self._names: WeakKeyDictionary[DoorConnection, str] = WeakKeyDictionary()
 
     def update_tokens(self, settings: DoorSettings) -> frozenset[str]:
-        """Use the tokens and rights of *settings*; return the names of those that changed."""
+        """Use the tokens and rights of *settings*; return the names with changes."""
         old, old_tokens = self._rights, self._settings.all_tokens()
         new, tokens = settings.rights(self._local_rights), settings.all_tokens()
         self._rights, self.tokens = new, TokenCheck(tokens, self._shared.node.graph.clock)
@@ -91,7 +91,7 @@ class Entrance:
         return ClientAccess.of(name, self._rights[name], self._shared.owners(), is_page=is_page)
 
     async def admit(self, connection: DoorConnection, request: Request) -> Response | None:
-        """Return the answer that ends *request*: a refusal, or a file of the page; None for an admitted client."""
+        """Return the answer to *request*: a refusal or a file of the page; None to admit the client."""
         headers, is_api = request.headers, is_for_api(request)
         if (problem := refusal(self._settings, headers.get_all("Host"), headers.get_all("Origin"))) is not None:
             return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem)
@@ -108,7 +108,7 @@ class Entrance:
         return await self._check_token(connection, token) or self._check_page(connection, request)
 
     async def log_in(self, connection: DoorConnection, texts: AsyncIterator[str]) -> bool:
-        """Return whether a client may go on; one of homebot's own page must show a token first, if one is needed."""
+        """Return whether a client may continue; homebot's own page must first send a token, if one is required."""
         if self._names[connection] != _PAGE:
             return True
         token = None
@@ -139,7 +139,7 @@ class Entrance:
         return connection.respond(status, f"{problem}\n")
 
     async def _file(self, request: Request) -> Response | None:
-        """Return the file of the page that *request* asks for; None where it has no such file."""
+        """Return the file of the page for *request*, or None."""
         found = self._site and await self._site(request.path, request.headers.get("If-None-Match", ""))
         if not found:
             return None
@@ -160,7 +160,7 @@ class Entrance:
         return None
 
     def _check_page(self, connection: DoorConnection, request: Request) -> Response | None:
-        """Return the response to a web page of another server that may not speak to this one."""
+        """Return the refusal of a web page of another server, or None."""
         headers, problem = request.headers, ""
         if (page := self._unnamed_page(connection, request)) and not is_same_origin(headers["Host"], page):
             problem = f"web pages from {page[:100]!r} need a token; or name them in allowed_origins"
@@ -169,7 +169,7 @@ class Entrance:
         return self.turn_away(connection, HTTPStatus.FORBIDDEN, problem) if problem else None
 
     def _unnamed_page(self, connection: DoorConnection, request: Request | None) -> str:
-        """Return the origin of a web page without a token that the settings do not name; empty for other clients."""
+        """Return the origin of a page without a token that the settings do not allow; empty for other clients."""
         origin = request.headers.get("Origin", "") if request is not None else ""
         is_local = self._names[connection] == LOCAL_CLIENT
         return origin if is_local and origin not in self._settings.allowed_origins else ""

@@ -1,4 +1,4 @@
-"""The goals of actions that a client sends, and those that it executes."""
+"""The goals of a client: those that it sends, and those that it executes."""
 
 import asyncio
 from functools import partial
@@ -35,7 +35,7 @@ _MOST_TURNS = 100
 
 
 class _SentGoal:
-    """A goal on its way: to be accepted, or accepted."""
+    """A goal that was sent, and perhaps accepted."""
 
     def __init__(self, op: SendActionGoal, client: ActionClient[Any, Any, Any]) -> None:
         self.op = op
@@ -46,9 +46,9 @@ class _SentGoal:
 
 
 class SentGoals:
-    """The goals of one connection by the ids that the client chose; they are cancelled when it ends.
+    """The goals of one connection by the client's ids; they are cancelled at its end.
 
-    Each goal is answered with one result, in any case. Feedback is dropped where the client does not read.
+    Each goal is always answered by one result. Feedback is dropped if the client does not read.
     """
 
     def __init__(self, client: OutsideClient, outbox: Outbox, tasks: TaskGroup) -> None:
@@ -65,7 +65,7 @@ class SentGoals:
         return identifier in self._goals
 
     def send(self, op: SendActionGoal) -> None:
-        """Send a goal; its result is answered later."""
+        """Send a goal; its result follows later."""
         if op.id is not None and op.id in self._goals:
             raise PeerError(f"a goal with the id {op.id!r} is under way already; its id is not answered twice")
         if len(self._goals) >= self._limit:
@@ -82,7 +82,7 @@ class SentGoals:
         self._tasks.start_soon(self._run, sent, request)
 
     def cancel(self, op: ActionOperation) -> None:
-        """Cancel a goal, at once or when it is accepted; its result says how it ended."""
+        """Cancel a goal, at once or when it is accepted; its result tells how it ended."""
         sent = self._goals.get(op.id)
         if sent is None:
             raise PeerError(f"no goal of {op.action} with the id {op.id!r} is under way")
@@ -115,7 +115,7 @@ class SentGoals:
             for _ in range(_MOST_TURNS):
                 if not client.has_feedback:
                     break
-                await anyio.lowlevel.checkpoint()  # feedback goes out before the end
+                await anyio.lowlevel.checkpoint()  # feedback is sent before the result
             fields: JsonObject = {"action": op.action, "status": int(state), "result": True}
             frame = frame_text("action_result", op.id, fields, values=message_to_text(result))
         except HomebotError as exc:
@@ -147,7 +147,7 @@ class _Running(NamedTuple):
 
 
 class ProvidedActions:
-    """The actions that one connection of a client serves; the goals of a connection that ends are aborted."""
+    """The actions served by one connection of a client; their goals are aborted at its end."""
 
     def __init__(self, shared: SharedState, outbox: Outbox, provisions: Provisions) -> None:
         self._node, self._limit = shared.node, shared.settings.max_calls
@@ -156,7 +156,7 @@ class ProvidedActions:
         self._goals = 0
 
     def advertise(self, op: AdvertiseAction) -> None:
-        """Offer an action of the client; the same once more is fine."""
+        """Offer an action of the client. Idempotent."""
         name = self._node.resolve_name(op.action, "action name")
         action_type = action_type_of(self._node.graph, name, op.type)
         create = partial(ActionServer[Any, Any, Any], on_goal=self._has_room, on_cancel=self._cancel)
@@ -169,18 +169,18 @@ class ProvidedActions:
             raise PeerError(f"action {op.action} is not served by this client")
 
     def publish_feedback(self, op: ActionFeedback) -> None:
-        """Publish feedback of a goal; that of an ended one is ignored."""
+        """Publish feedback of a goal, unless it has ended."""
         running = self._find(op)
         if running is not None:
             feedback_type = running.goal.action_type.Feedback
             running.goal.publish_feedback(self._read(feedback_type, op.values))
 
     def end(self, op: ActionResult) -> None:
-        """End a goal; a second result is ignored, which roslib sends after it has advertised twice.
+        """End a goal; a second result is ignored, as roslib sends one after advertising twice.
 
         Raises:
             TypeMismatchError: The values do not fit the action; the goal is aborted.
-            PeerError: The goal is none of this client's.
+            PeerError: The goal does not belong to this client.
         """
         running = self._find(op)
         if running is None or running.end.done():
@@ -203,14 +203,14 @@ class ProvidedActions:
         for identifier, running in self._running.items():
             if running.goal is goal:
                 self._ask_to_cancel(identifier)
-        return True  # one whose execution is yet to begin is cancelled then
+        return True  # a goal that has not started is cancelled when it does
 
     def _ask_to_cancel(self, identifier: str) -> None:
         action = identifier.rpartition(":")[0].removeprefix(_GOAL)
         self._outbox.answer(frame_text("cancel_action_goal", identifier, {"action": action}))
 
     def _find(self, op: ActionFeedback | ActionResult) -> _Running | None:
-        """Return the goal of this client that *op* is about; None if it has ended."""
+        """Return the goal of *op*; None if it has ended."""
         prefix, _, number = str(op.id).rpartition(":")
         if prefix != f"{_GOAL}{op.action}" or not number.isdecimal() or int(number) > self._goals:
             raise PeerError(f"this client executes no goal of {op.action} with the id {op.id!r}")
@@ -239,5 +239,5 @@ class ProvidedActions:
 
 
 def _key(action: str) -> str:
-    """Return the name of an action among the servers, where it is no service's."""
+    """Return the key of an action among the servers, different from any service's."""
     return f"{action}/_action"

@@ -1,4 +1,4 @@
-"""The end of goals and leases of clients that are gone: pings while there are some, and the owners of leases."""
+"""The end of goals and leases of vanished clients: pings while there are any, and the owners of leases."""
 
 from collections.abc import Awaitable, Callable
 from functools import partial
@@ -17,13 +17,13 @@ __all__ = ["Heartbeat", "OwnedLeases"]
 
 @final
 class Heartbeat:
-    """Watch over a client that owns goals or leases. A socket that closes is seen at once, a lost radio link only so.
+    """Pings to a client that owns goals or leases, as a lost radio link, unlike a closed socket, is not noticed.
 
     Args:
         ping: Returns when the client has answered.
-        interval: Seconds between two pings.
-        timeout: Seconds that the client has to answer.
-        is_excused: Returns whether the client gave a sign of life since the last call, or is not being read from.
+        interval: Seconds between pings.
+        timeout: Seconds within which the client must answer.
+        is_excused: Returns whether the client has been heard since the last call, or is not being read from.
     """
 
     def __init__(
@@ -40,11 +40,11 @@ class Heartbeat:
         self._is_due = anyio.Event()
 
     def start(self) -> None:
-        """Begin to ping; the client owns something."""
+        """Start pinging: the client owns something."""
         self._is_due.set()
 
     async def run(self, is_needed: Callable[[], bool]) -> None:
-        """Return when the client has vanished while *is_needed* returned that it owns something."""
+        """Return once the client has vanished while *is_needed* says that it owns something."""
         while True:
             while not is_needed():
                 self._is_due = anyio.Event()
@@ -53,7 +53,7 @@ class Heartbeat:
             with anyio.move_on_after(self._timeout) as limit:
                 await self._ping()
             if limit.cancelled_caught and is_needed():
-                await anyio.lowlevel.checkpoint()  # the answer may have come while the process was busy
+                await anyio.lowlevel.checkpoint()  # the answer may have arrived while the process was busy
                 if not self._is_excused():
                     return
             await anyio.sleep(self._interval)
@@ -68,7 +68,7 @@ class _Owned(NamedTuple):
 
 @final
 class OwnedLeases:
-    """The leases of all connections, for as long as they may last."""
+    """The leases of all connections, while they may last."""
 
     def __init__(self, node: Node) -> None:
         self._node = node
@@ -76,7 +76,7 @@ class OwnedLeases:
         self._leases: dict[tuple[str, str, str], _Owned] = {}
 
     def record(self, owner: object, client: Client[Any, Any], request: Message) -> None:
-        """Record a *request* of *owner* by *client* to hold, to renew or to release; others are ignored."""
+        """Record a *request* of *owner* through *client* to hold, renew or release; others are ignored."""
         if not isinstance(request, HoldRequest | HolderRequest):
             return
         key = (request.issuer, request.by, request.lease)
@@ -87,13 +87,13 @@ class OwnedLeases:
             self._leases[key] = known._replace(owner=owner, until=self._now() + known.ttl)
 
     def has(self, owner: object) -> bool:
-        """Return whether a lease of *owner* may last."""
+        """Return whether *owner* may have a lease."""
         now = self._now()
         self._leases = {key: one for key, one in self._leases.items() if one.until > now}
         return any(one.owner is owner for one in self._leases.values())
 
     def release(self, owner: object) -> None:
-        """Release the leases of *owner*, which is gone."""
+        """Release the leases of *owner*, which has left."""
         for (issuer, by, lease), one in list(self._leases.items()):
             if one.owner is owner:
                 del self._leases[issuer, by, lease]
@@ -101,7 +101,7 @@ class OwnedLeases:
                 self._node.create_task(partial(self._release, request, one.holding))
 
     async def _release(self, request: HolderRequest, holding: Client[Any, Any]) -> None:
-        """Release a lease, at once and again where it begins later: its client may have left at once."""
+        """Release a lease now, and again once it begins, as its client may leave before that."""
         releasing = self._node.create_client(ReleaseLease, RELEASE_LEASE)
         releasing.send(request)
         await holding.wait_for_handlers()

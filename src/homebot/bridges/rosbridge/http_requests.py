@@ -1,4 +1,4 @@
-"""Requests to the HTTP API: each is a client of the door for as long as it lasts, with the rights of its token."""
+"""Requests to the HTTP API: each is a short-lived client of the door with the rights of its token."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _MOST_ADDRESSES = 1000
 
 
 class HttpRequests:
-    """Answers requests, of one address no more in a second than a client may send frames."""
+    """Answers requests: per address and second as many as a client may send frames."""
 
     def __init__(self, shared: SharedState, home: str) -> None:
         self._shared = shared
@@ -46,12 +46,12 @@ class HttpRequests:
         return len(self._asking)
 
     def stop(self) -> None:
-        """Give up all requests."""
+        """Cancel all requests."""
         for scope in self._asking.values():
             scope.cancel()
 
     async def answer(self, connection: DoorConnection, access: ClientAccess, address: str) -> ApiAnswer:
-        """Return the answer; a request whose client leaves is given up."""
+        """Return the answer; the request is cancelled if its client leaves."""
         connection.has_arrived()
         posted = connection.posted
         more = () if posted is None else (posted.content_type, posted.body)
@@ -68,7 +68,7 @@ class HttpRequests:
         return problem_body(HTTPStatus.SERVICE_UNAVAILABLE, "homebot stops")
 
     async def _wait(self, address: str) -> None:
-        """Wait until a request from *address* is within the limit, and until it is its turn."""
+        """Wait until a request from *address* is within the rate limit, and for its turn."""
         counters, settings = self._shared.counters, self._shared.settings
         counters.frames += 1
         most = settings.max_frames_per_second

@@ -1,7 +1,6 @@
-"""Strict JSON in pieces: long arrays of numbers, such as maps and images, are read a few thousand numbers at a time.
+"""Strict JSON in pieces: long arrays of numbers, such as maps and images, are parsed a few thousand at a time. Pure.
 
-All else is bounded by its count of values, since a megabyte of text is read in 3 ms, but one of empty lists in 250 ms.
-Pure.
+Everything else is bounded in its number of values: a megabyte of text takes 3 ms, but one of empty lists 250 ms.
 """
 
 import json
@@ -13,36 +12,36 @@ from homebot.support.strict_json import parse_strict
 
 __all__ = ["MAX_NESTING", "RefusedJsonError", "parse_in_pieces"]
 
-MAX_NESTING: Final = 100  # no message of a house is this deep, and code that walks a value may recurse
+MAX_NESTING: Final = 100  # no message is this deep, and code that walks a value may recurse
 MAX_VALUES: Final = 20_000
 MAX_NUMBERS: Final = 1_000_000
-"""Numbers in long arrays: an image of 640 by 480 points in three colours has 921,600."""
+"""Most numbers in long arrays: an image of 640 by 480 pixels in three colours has 921,600."""
 
 _SHORT: Final = 65_536
-"""Characters of text that is read at once."""
+"""Most characters of text parsed at once."""
 
 _STRING: Final = re.compile(r'"[^"\\]*+(?:\\.[^"\\]*+)*+(?:"|\\?\Z)', re.DOTALL)
-"""Also one that does not end: else each quotation mark in it would be looked at as the begin of another."""
+"""A text, also an unterminated one, in which each quotation mark would otherwise be tried as a beginning."""
 
 _LONG_ARRAY: Final = re.compile(_STRING.pattern + r"|\[(\s*+[-0-9][-+0-9.eE,\s]{4096,}+)\]", re.DOTALL)
 
 _MOST_QUOTES: Final = 4 * MAX_VALUES
-"""Quotation marks that are no escapes, of as many names and texts as there may be values: each costs 0.5 µs."""
+"""Most unescaped quotation marks, enough for the allowed number of values: each costs 0.5 µs."""
 
 _MARK: Final = "-Infinity"
-"""It stands for a long array until that is read; it is no JSON, so a text that has it is read at once."""
+"""Placeholder of a long array until that is parsed; not JSON, so that texts containing it are parsed at once."""
 
 
 class RefusedJsonError(ValueError):
-    """A text is JSON that is not read; the message goes on after "it"."""
+    """JSON that is refused; the message continues a sentence after "it"."""
 
 
 def parse_in_pieces(text: str) -> Generator[None, None, object]:
-    """Parse *text*; between two steps others may have a turn.
+    """Parse *text* in steps, between which other tasks may run.
 
     Raises:
-        RefusedJsonError: It holds more than 20,000 values, or a million numbers in long arrays; it is nested more than
-            100 deep, or not valid Unicode.
+        RefusedJsonError: It has more than 20,000 values, or a million numbers in long arrays, is nested more than 100
+            deep, or is not valid Unicode.
         DuplicateKeyError, ValueError, RecursionError: As :func:`parse_strict`.
     """
     arrays: list[tuple[int, int]] = []
@@ -70,7 +69,7 @@ def parse_in_pieces(text: str) -> Generator[None, None, object]:
 
 
 def _read_numbers(found: list[object], text: str, start: int, end: int) -> Iterator[None]:
-    """Add the numbers between *start* and *end* of *text* to *found*, piece by piece."""
+    """Append the numbers between *start* and *end* of *text* to *found*, piece by piece."""
     while start < end:
         cut = end if end - start <= _SHORT else text.rfind(",", start, start + _SHORT)
         found.extend(_numbers(text[start : max(cut, start)]))

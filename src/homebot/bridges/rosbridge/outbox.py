@@ -1,8 +1,8 @@
-"""All that goes out to one client: answers, in the order in which they were given, and the messages of its topics.
+"""The output to one client: answers in order, and the messages of its topics.
 
-One task encodes and sends, an answer and a message by turns, a message of each topic after the other. Answers are never
-dropped: a client that does not take them is not read from until it does, and one for which too many wait all the same
-is cut off.
+One task encodes and sends answers and messages alternately, and messages of all topics in turn. Answers are never
+dropped: a client that does not accept them is not read from until it does, and is cut off if too many wait
+    nevertheless.
 """
 
 from collections import deque
@@ -20,26 +20,25 @@ _ANSWER_FACTOR = 4
 
 
 class MessageSource(Protocol):
-    """A topic that has messages for the client."""
+    """A topic with messages for the client."""
 
     @property
     def packing(self) -> Packing:
-        """The form in which the client wants those that are text."""
+        """The form in which the client wants text."""
         ...
 
     def next_frame(self) -> str | bytes | None:
-        """Return the next frame, in CBOR where it is bytes; None where there is none (any more)."""
+        """Return the next frame, bytes for CBOR; None if there is none."""
         ...
 
 
 @final
 class Outbox:
-    """The frames on their way to one client.
+    """The outgoing frames of one client.
 
     Args:
-        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
-        limit: Bytes of answers that may wait; with more the client is not read from, with four times as much it is
-            cut off.
+        send: Sends a frame, waiting for room; raises LinkError if the client is gone.
+        limit: Bytes of waiting answers from which the client is not read from; at four times as many it is cut off.
     """
 
     def __init__(
@@ -58,11 +57,11 @@ class Outbox:
 
     @property
     def has_room(self) -> bool:
-        """True if the client may be given another request to answer."""
+        """True if another request of the client may be answered."""
         return self._waiting < self._limit
 
     def answer(self, frame: str, packing: Packing = PLAIN) -> None:
-        """Send *frame* as soon as possible, as *packing* says."""
+        """Send *frame* as soon as possible, in the form *packing*."""
         if self._answers and self._waiting + len(frame) > _ANSWER_FACTOR * self._limit:
             self._cut()
             return
@@ -77,7 +76,7 @@ class Outbox:
             self._arrival.set()
 
     async def room(self) -> None:
-        """Wait until the client has taken enough of its answers."""
+        """Wait until the client has accepted enough of its answers."""
         while not self.has_room:
             await self._room.wait()
 

@@ -1,4 +1,4 @@
-"""Frames of text as a client sends and asks for them: in fragments, and as a PNG image. Pure.
+"""Text frames in the form that a client sends or requests: in fragments, or as a PNG image. Pure.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 3.1.1 and 3.1.2; for what is not specified, the
 layout of the image, its ``pngcompression.py``: a square of RGB, filled up with line feeds.
@@ -26,17 +26,17 @@ _PIXEL: Final = 3  # bytes
 _SIGNATURE: Final = b"\x89PNG\r\n\x1a\n"
 _RGB: Final = bytes((8, 2, 0, 0, 0))  # 8 bits of a colour; deflate; filters by row; not interlaced
 _FAST: Final = 1
-_LARGEST_IMAGE: Final = 1_048_576  # characters; it takes about 10 ms, in which nothing else is done
+_LARGEST_IMAGE: Final = 1_048_576  # characters: about 10 ms of uninterrupted work
 
 
 @dataclass(frozen=True, slots=True)
 class Packing:
-    """The form in which frames of text go to a client.
+    """The form of text frames for a client.
 
     Attributes:
-        as_png: Each is the content of an image, but those above a megabyte, which every client reads as JSON too.
-        fragment_size: Characters of a fragment, more where there would be above 1000; a shorter frame is sent whole;
-            below 1 each is.
+        as_png: Whether each is sent as an image, except above a megabyte; every client also reads JSON.
+        fragment_size: Characters of a fragment, more if there would be above 1000 fragments; shorter frames are sent
+            whole, as all are if it is below 1.
     """
 
     as_png: bool = False
@@ -62,7 +62,7 @@ class Packing:
 
 
 PLAIN: Final = Packing()
-"""Each frame whole, as JSON."""
+"""Whole frames, as JSON."""
 
 
 def _frame(fields: dict[str, str | int]) -> str:
@@ -85,9 +85,9 @@ def _chunk(kind: bytes, data: bytes) -> bytes:
 
 @final
 class FrameAssembler:
-    """Reads operations; a fragmented one after its last fragment, in any order.
+    """The reader of operations, which assembles fragments received in any order.
 
-    The fragments of ten frames may wait for others; those of one more replace those that have waited longest.
+    It keeps the fragments of up to ten incomplete frames; an eleventh replaces the oldest.
     """
 
     def __init__(self, limit: int) -> None:
@@ -96,9 +96,9 @@ class FrameAssembler:
         self._open: dict[Identifier, _Collected] = {}
 
     def read(self, frame: str) -> Generator[None, None, Operation | None]:
-        """Return the operation that *frame* asks for; None where it is a fragment, and others are to come.
+        """Return the operation in *frame*; None if it is a fragment and others are missing.
 
-        Between two steps others may have a turn.
+        Other tasks may run between its steps.
         """
         op = yield from parse_frame(frame)
         if not isinstance(op, Fragment):

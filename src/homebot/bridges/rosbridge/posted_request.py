@@ -1,7 +1,7 @@
-"""HTTP requests with a body: the WebSocket library reads GET without one and nothing else. The one file that knows h11.
+"""HTTP requests with a body, while the WebSocket library only reads GET; the only file that uses h11.
 
-A request is read whole, within the limits, and its head is handed to the library as that of a GET, so that there is one
-place that admits clients and one that answers them.
+A request is read completely, within limits, and its head is passed to the library as that of a GET, so that clients are
+admitted and answered in one place.
 """
 
 from typing import Final, final
@@ -13,7 +13,7 @@ from homebot.errors import WireError
 __all__ = ["PostedRequest"]
 
 MOST_BYTES: Final = 65_536
-"""Bytes of a body."""
+"""Most bytes of a body."""
 
 _MOST_OF_HEAD: Final = 16_384
 _OF_THE_BODY: Final = frozenset(
@@ -23,7 +23,7 @@ _OF_THE_BODY: Final = frozenset(
 
 @final
 class PostedRequest:
-    """A request that is being received."""
+    """A request being received."""
 
     def __init__(self) -> None:
         self.method = ""
@@ -33,7 +33,7 @@ class PostedRequest:
         self._head: h11.Request | None = None
 
     def receive(self, data: bytes) -> bytes:
-        """Return the head for the library when *data* made the request whole; nothing before, and after."""
+        """Return the head for the library once *data* completes the request; otherwise nothing."""
         if self.method:
             return b""
         try:

@@ -1,7 +1,7 @@
 """The frames of rosbridge v2: JSON text in, typed operations out, and the JSON that goes back. No I/O.
 
-A sender gets its failures in ``status`` frames, unless it asked with ``set_level`` for none; calls and goals are
-answered in any case.
+Clients get failures in ``status`` frames, unless they turned these off with ``set_level``; calls and goals are always
+answered.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, sections 1 to 3.
 """
@@ -49,13 +49,13 @@ Arguments = Annotated[dict[str, Any] | list[Any], BeforeValidator(_arguments)]
 
 
 class FrameError(PeerError):
-    """A frame is no operation of the protocol.
+    """A frame is not an operation of the protocol.
 
     Attributes:
-        op: The operation it asks for, as far as it can be told; else empty.
-        id: The identifier to answer with, if it has one.
-        name: The service, action or topic it names, as far as it can be told; else empty.
-        problem: The problem with the operation; without an operation, the text after "a frame that".
+        op: Its operation, as far as recognizable; otherwise empty.
+        id: The identifier for the answer, if it has one.
+        name: Its service, action or topic, as far as recognizable; otherwise empty.
+        problem: The problem with the operation; without an operation, a clause after "a frame that".
     """
 
     def __init__(self, problem: str, op: str = "", identifier: Identifier = None, name: str = "") -> None:
@@ -67,13 +67,13 @@ class FrameError(PeerError):
 
 
 _CLASSES: dict[str, type[Operation]] = {}
-"""The operations of clients, by the protocol's names."""
+"""The operations of clients, by their names in the protocol."""
 
 
 class Operation(BaseModel):
-    """An operation that a client asks for.
+    """An operation of a client.
 
-    One with nothing else in it is ignored: clients log in when they connect, and the server of an action knows its
+    Operations of this class itself are ignored: clients log in when they connect, and the server of an action knows its
     goals.
 
     Attributes:
@@ -91,7 +91,7 @@ class Operation(BaseModel):
 
     @property
     def name(self) -> str:
-        """The topic, service or action that it is about; empty where it is about none."""
+        """The topic, service or action concerned; empty for none."""
         return next((getattr(self, key) for key in _NAMES if hasattr(self, key)), "")
 
 
@@ -99,7 +99,7 @@ _CLASSES |= dict.fromkeys(("auth", "status", "action_status"), Operation)
 
 
 class TopicOperation(Operation, ops=("unadvertise", "unsubscribe")):
-    """The client will publish on ``topic``, or wants its messages, no more; without an id: under none of its ids."""
+    """The client stops publishing on, or reading, ``topic``; without an id, under all its ids."""
 
     topic: Name
 
@@ -124,10 +124,9 @@ class SubscribeOperation(TopicOperation, ops=("subscribe",)):
 
     Attributes:
         throttle_rate: Least milliseconds between two messages.
-        queue_length: Messages that wait while throttled, the oldest dropped first; 0 drops all of them.
-        compression: How messages should come: as JSON, that as a PNG image, in CBOR, or (``cbor-raw``) as ROS 2 writes
-            them.
-        fragment_size: Characters of JSON above which a message should come in fragments.
+        queue_length: Messages that may wait while throttled, the oldest dropped first; 0 drops all.
+        compression: The form of messages: JSON, JSON as a PNG image, CBOR, or ROS 2's own encoding (``cbor-raw``).
+        fragment_size: Characters of JSON above which a message is sent in fragments.
     """
 
     type: str = ""
@@ -141,9 +140,9 @@ class Request(Operation):
     """A service call or a goal.
 
     Attributes:
-        args: The fields of the request; a list fills them in order.
-        compression: How answers should come: ``png``, or anything else for JSON.
-        fragment_size: As of a subscription.
+        args: The fields of the request, by name or as a list in order.
+        compression: The form of answers: ``png``, or anything else for JSON.
+        fragment_size: As for a subscription.
     """
 
     args: Arguments = Field(default_factory=dict)
@@ -152,7 +151,7 @@ class Request(Operation):
 
 
 class ServiceOperation(Operation, ops=("unadvertise_service",)):
-    """The client provides ``service`` no more."""
+    """The client stops providing ``service``."""
 
     service: Name
 
@@ -164,7 +163,7 @@ class CallService(Request, ServiceOperation, ops=("call_service",)):
 
 
 class ServiceResponse(Operation, ops=("service_response",)):
-    """The answer to a call of a service that the client provides; ``values`` is a text where ``result`` is false."""
+    """The answer to a call of a service that the client provides; ``values`` is a text if ``result`` is false."""
 
     service: str = ""
     values: Any = None
@@ -178,13 +177,13 @@ class AdvertiseService(ServiceOperation, ops=("advertise_service",)):
 
 
 class SetLevel(Operation, ops=("set_level",)):
-    """From which level on the client wants status messages."""
+    """The least level of status messages for the client."""
 
     level: Level
 
 
 class ActionOperation(Operation, ops=("cancel_action_goal", "unadvertise_action")):
-    """The client wants its goal with this id no more, or executes goals of ``action`` no more."""
+    """The client cancels its goal with this id, or stops executing goals of ``action``."""
 
     action: Name
 
@@ -203,7 +202,7 @@ class ActionFeedback(ActionOperation, ops=("action_feedback",)):
 
 
 class ActionResult(ActionOperation, ops=("action_result",)):
-    """The end of a goal that the client executes; ``values`` is a text where ``result`` is false.
+    """The end of a goal that the client executes; ``values`` is a text if ``result`` is false.
 
     Attributes:
         status: 4 succeeded, 5 canceled, 6 aborted.
@@ -225,9 +224,9 @@ class Fragment(Operation, ops=("fragment",)):
 
     Attributes:
         id: Common to all fragments of the frame.
-        data: The value at this place of the frame.
-        num: The place, from 0 on.
-        total: How many there are; each is kept until the last one comes.
+        data: The text of the fragment.
+        num: Its index, from 0.
+        total: The number of fragments, which are kept until the last one arrives.
     """
 
     id: Id
@@ -237,13 +236,13 @@ class Fragment(Operation, ops=("fragment",)):
 
 
 def parse_frame(text: str) -> Generator[None, None, Operation]:
-    """Return the operation that the frame *text* asks for; a field that is null counts as left out, and 1.0 is 1.
+    """Return the operation in the frame *text*; null fields count as missing, and 1.0 is 1.
 
-    Between two steps others may have a turn.
+    Other tasks may run between its steps.
 
     Raises:
-        FrameError: It is not a JSON object, nested more than 100 deep, not valid Unicode, of an unknown operation, or a
-            field is missing or wrong; the message names the field and its value.
+        FrameError: It is not a JSON object, is nested more than 100 deep, is not valid Unicode, has an unknown
+            operation, or a field is missing or wrong; the message names the field and its value.
     """
     value = yield from _load(text)
     if not isinstance(value, dict):
@@ -273,7 +272,7 @@ def _op_in(fields: Mapping[str, object]) -> str:
 
 
 def _id_in(fields: Mapping[str, object]) -> Identifier:
-    """Return the identifier for the answer; None where there is none that can be repeated."""
+    """Return the identifier for the answer; None if it has none that is valid."""
     found: Any = fields.get("id")
     return found if _is_identifier(found) else None
 
@@ -283,10 +282,10 @@ def _is_identifier(value: object) -> bool:
 
 
 def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: str) -> str:
-    """Return the frame of the operation *op* for a client, in ASCII, which no client can misread as broken Unicode.
+    """Return the frame of the operation *op* for a client, in ASCII, which no client can mistake for broken Unicode.
 
     Args:
-        texts: Further fields, which are JSON text already.
+        texts: Further fields as JSON text.
     """
     known = {"op": op, **fields} | ({} if identifier is None else {"id": identifier})
     begin = json.dumps(known, separators=(",", ":"), allow_nan=False)[:-1]
@@ -294,13 +293,13 @@ def frame_text(op: str, identifier: Identifier, fields: JsonObject, /, **texts: 
 
 
 def publish_frame(topic: str, message: Message, lost: int = 0) -> str:
-    """Return the frame that carries *message*; ``lost`` (ours alone) is the number dropped before it."""
+    """Return the frame with *message*; ``lost`` (an extension) is the number dropped before it."""
     losses = f',"lost":{lost}' if lost else ""
     return f'{{"op":"publish","topic":{json.dumps(topic)},"msg":{message_to_text(message)}{losses}}}'
 
 
 def failure_frame(op: Operation | FrameError, problem: str, status: int = 0) -> str:
-    """Return the frame with the reason why a call or a goal has no result; a goal of *status* 0 was not accepted."""
+    """Return the frame with the reason for the failure of a call or goal; a goal of *status* 0 was not accepted."""
     failure: JsonObject = {"values": problem, "result": False}
     if op.op == "call_service":
         return frame_text("service_response", op.id, {"service": op.name, **failure})
@@ -308,7 +307,7 @@ def failure_frame(op: Operation | FrameError, problem: str, status: int = 0) -> 
 
 
 def _as_whole(item: Any) -> Any:
-    """Return a number without a fraction as a whole one: some languages, such as Godot's, know one kind of number."""
+    """Return a number without a fraction as an integer: some languages, such as Godot's, have one kind of number."""
     return int(item) if isinstance(item, float) and item.is_integer() else item
 
 

@@ -1,4 +1,4 @@
-"""The topics that one client publishes on."""
+"""The topics on which one client publishes."""
 
 import math
 import re
@@ -29,28 +29,28 @@ from homebot.messages.message import Message
 
 __all__ = ["Publications"]
 
-# As the original bridge: one offer that fits every request, and a client that subscribes a moment late misses nothing.
+# As in the original bridge: compatible with every request, and late subscribers miss nothing.
 _QOS = QoSProfile(durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _PUBLISH: Final = re.compile(r'\{"op": ?"publish", ?(?:"id": ?"[^"\\]*", ?)?"topic": ?"([^"\\]+)"')
-"""The beginning of a message as most libraries write it: its topic is known before the frame is read."""
+"""The beginning of a message as most libraries write it, which has the topic before the frame is parsed."""
 
 _LONGEST: Final = 65_536
-"""Characters of a frame that is read at once when a reader comes."""
+"""Most characters of a frame that is parsed at once when a reader subscribes."""
 
 _CHECKED: Final = 10
-"""Messages of a topic that are checked in a second though nobody reads them, so that its client learns of mistakes."""
+"""Unread messages of a topic that are checked per second, so that its client learns of mistakes."""
 
 
 _RECENT: Final = 1.0
 _MOST_RECENT: Final = 10
 _MOST_CHARACTERS: Final = 1_048_576
-"""Seconds and messages of one topic, and characters of all, kept for readers who come a moment late; the newest
-message is kept at any size."""
+"""Seconds and messages of one topic, and characters of all, kept for late subscribers; the newest message is always
+kept."""
 
 
 class _KeptMessage(NamedTuple):
-    """A message as its client sent it: most streams are read by nobody, and need not be checked."""
+    """A message as its client sent it, unchecked, because most streams have no reader."""
 
     at: float
     size: int
@@ -72,7 +72,7 @@ class Publications:
     """The topics that one client publishes, under the names that the client uses.
 
     Args:
-        on_unfit: Called with the operation, topic, problem and id where a message turns out wrong for a late reader.
+        on_unfit: Called with operation, topic, problem and id if a message turns out invalid for a late reader.
     """
 
     def __init__(self, client: OutsideClient, on_unfit: Callable[[str, str, str, Identifier], None]) -> None:
@@ -83,18 +83,18 @@ class Publications:
         self._topics: dict[str, _Publication] = {}
 
     def __len__(self) -> int:
-        """Return the number of topics and ids: each id of each topic counts."""
+        """Return the number of ids of all topics."""
         return sum(1 + len(one.ids - {None}) for one in self._topics.values())
 
     def __contains__(self, topic: object) -> bool:
         return topic in self._topics
 
     def advertise(self, op: Advertise) -> None:
-        """Take up a topic; once more under another id is fine."""
+        """Add a topic; it may be added again under another id."""
         self._open(op.topic, op.type, latched=op.latch).ids.add(op.id)
 
     def unadvertise(self, op: TopicOperation) -> None:
-        """Give a topic up."""
+        """Remove a topic."""
         publication = self._topics.get(op.topic)
         if publication is None:
             raise PeerError(f"topic {op.topic} was not advertised by this client")
@@ -103,10 +103,10 @@ class Publications:
             self._close(op.topic)
 
     def publish(self, op: PublishOperation, size: int) -> tuple[str, ...]:
-        """Publish a message, which came in a frame of *size* characters, and return the fields that it lacked.
+        """Publish a message from a frame of *size* characters, and return its missing fields.
 
-        A topic that exists need not be advertised. On homebot's own topics a message has to have all fields. Of a
-        stream that nobody reads ten messages a second are checked.
+        Existing topics need not be advertised. On homebot's own topics all fields are required. Of a stream without
+        readers ten messages a second are checked.
         """
         publication = self._topics.get(op.topic)
         if publication is None:
@@ -125,7 +125,7 @@ class Publications:
         return missing
 
     def keep_unread(self, frame: str) -> bool:
-        """Keep *frame* as it is if it is a message on a topic that nobody reads; return whether it is."""
+        """Store *frame* unparsed if it is a message on a topic without readers; return whether it is."""
         begin = _PUBLISH.match(frame)
         publication = self._topics.get(begin[1]) if begin is not None and len(frame) <= _LONGEST else None
         if begin is None or publication is None or not self._is_unread(publication):
@@ -134,7 +134,7 @@ class Publications:
         return True
 
     def close_one(self) -> bool:
-        """Give one topic up; return whether there was one."""
+        """Remove one topic; return whether there was one."""
         if not self._topics:
             return False
         self._close(next(reversed(self._topics)))
@@ -156,7 +156,7 @@ class Publications:
         self._topics.pop(topic).publisher.close()
 
     def _is_unread(self, publication: _Publication) -> bool:
-        """Return whether nobody reads the messages of *publication*, and enough were checked within this second."""
+        """Return whether *publication* has no readers, and enough messages were checked within this second."""
         is_read = publication.is_latched or publication.publisher.subscription_count
         return not is_read and publication.checked >= _CHECKED and self._now() < publication.second + 1.0
 
@@ -194,13 +194,13 @@ class Publications:
 
 
 class _History:
-    """History of a publisher: the messages that were kept as they came, read for each late subscription."""
+    """The history of a publisher: stored frames, parsed for each late subscription."""
 
     def __init__(self, read: Callable[[], Iterator[Message]]) -> None:
         self._read = read
 
     def append(self, _item: object) -> None:
-        """Do nothing: the message has been kept already."""
+        """Do nothing: the message is stored already."""
 
     def __iter__(self) -> Iterator[Message]:
         return self._read()

@@ -1,6 +1,6 @@
-"""The door itself: listens, lets clients in, gives each a session, and closes them cleanly.
+"""The door itself: listens, admits clients, gives each a session, and closes them cleanly.
 
-With the modules ``connection`` and ``entrance`` beside it the only file that imports the WebSocket server.
+Only this file, ``connection`` and ``entrance`` import the WebSocket server.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ if TYPE_CHECKING:
 __all__ = ["Door"]
 
 SERVICE_TYPE = "_rosbridge._tcp"
-"""Service type by DNS-SD that apps look for to find robots; the server of ROS announces nothing."""
+"""The DNS-SD service type by which apps find robots; ROS's own server announces nothing."""
 
-_CLOSE_TIMEOUT: Final = 1.0  # seconds that a client has to close its side
+_CLOSE_TIMEOUT: Final = 1.0  # seconds for a client to close its side
 _STOP_TIMEOUT: Final = 1.5  # the whole process has 5 s to stop
 _MORE_PORTS: Final = 9
 """Ports after the default one to try."""
@@ -53,7 +53,7 @@ _CRASHES: Final = {
     "connection handler failed": "a client's session crashed",
     "process_request failed": "the answer to a client's request crashed",
 }
-"""By the lines of the library."""
+"""Mistakes of clients, by the lines of the library."""
 
 _FULL: Final = "too many clients are connected"
 _GREETING: Final = "this is homebot's rosbridge v2 WebSocket server, not a web page\n"
@@ -62,20 +62,20 @@ _log = get_logger(node="/rosbridge_websocket")
 
 
 class Door:
-    """Lets programs outside the process take part in the graph, by rosbridge v2.
+    """Connects programs outside the process to the graph by rosbridge v2.
 
-    Clients are sent their mistakes as :mod:`homebot.bridges.rosbridge.protocol` describes; they are logged in any case.
+    Mistakes of clients are logged, and reported to them as :mod:`homebot.bridges.rosbridge.protocol` describes.
 
     Args:
-        node: The node that acts in the clients' stead; it must outlive the door.
-        announce: Told of it as a service of the network, when it listens and when it no longer does.
-        local_rights: The rights of clients without a token, where the settings have no scope for them.
-        owners: Returns the robots of the house, with their topics and frames; by default those that the tokens name.
+        node: The node that acts for the clients; it must outlive the door.
+        announce: Called with it as a network service when it starts and stops listening.
+        local_rights: The rights of clients without a token, unless the settings have a scope for them.
+        owners: Returns the robots of the house, with their topics and frames; by default those of the tokens.
         home: The name of the home, for clients; empty for none.
-        open_timeout: Seconds that a client has for its request, on however slow a computer.
+        open_timeout: Seconds within which a client must send its request.
 
     Raises:
-        ConfigError: The host is not a loopback one and there is no token.
+        ConfigError: The host is not a loopback address and there is no token.
     """
 
     def __init__(
@@ -102,7 +102,7 @@ class Door:
 
     @property
     def port(self) -> int:
-        """The TCP port; the real one once the door listens, also where port 0 was asked for."""
+        """The TCP port; the actual one once the door listens, also for port 0."""
         return self._port
 
     @property
@@ -112,11 +112,11 @@ class Door:
 
     @property
     def client_count(self) -> int:
-        """Number of connected clients, requests that are being answered included."""
+        """The number of connected clients, including requests being answered."""
         return len(self._sessions) + (0 if self._api is None else self._api.count)
 
     def health(self, _request: HealthRequest) -> HealthResponse:
-        """Return the counters and guessing addresses; the answer of the service ``health``."""
+        """Return counters and guessing addresses, for the service ``health``."""
         counts = {
             **asdict(self._shared.counters),
             "wrong_tokens": self._entrance.tokens.wrong,
@@ -126,17 +126,17 @@ class Door:
         return HealthResponse(counts=Count.each(counts), troubles=self._entrance.tokens.problems())
 
     def update_tokens(self, settings: DoorSettings) -> None:
-        """Use the tokens and rights of *settings*, and disconnect each client whose token or rights changed."""
+        """Use the tokens and rights of *settings*, and disconnect clients whose token or rights have changed."""
         changed = self._entrance.update_tokens(settings)
         for connection, session in self._sessions.items():
             if session.client.access.name in changed:
                 connection.transport.abort()
 
     async def run(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Serve until cancelled; ``started()`` once it listens. Cancelling closes the clients' connections cleanly.
+        """Serve until cancelled, which closes connections cleanly; ``started()`` once it listens.
 
         Raises:
-            ConfigError: The address cannot be listened on: it is taken, reserved, or not of this machine.
+            ConfigError: It cannot listen on the address: taken, reserved, or not of this machine.
         """
         server = await self._listen()
         self._port = next(iter(server.sockets)).getsockname()[1]
@@ -166,13 +166,13 @@ class Door:
         with anyio.move_on_after(_STOP_TIMEOUT):
             await server.wait_closed()
             return
-        # A client that takes no more bytes, or has sent no request, cannot be sent a close frame.
+        # A client that does not read, or has not sent a request, cannot be sent a close frame.
         for connection in (*self._sessions, *self._arriving):
             connection.transport.abort()
         await server.wait_closed()
 
     async def _listen(self) -> Server:
-        """Listen on the port of the settings, or if that is taken and nobody stated it, on one of the next."""
+        """Listen on the port of the settings; if that is taken and only the default, on one of the next."""
         settings, port = self._settings, self._settings.port
         last = port if "port" in settings.model_fields_set else port + _MORE_PORTS
         while True:
@@ -194,12 +194,12 @@ class Door:
             process_request=self._admit,
             process_response=self._name_home,
             select_subprotocol=lambda _, offered: LOG_IN if LOG_IN in offered else None,
-            compression=None,  # costs more than a local link saves, and a small frame could grow without limit
+            compression=None,  # not worth it on a local link, and a small frame could expand without limit
             server_header=None,
             max_size=settings.max_frame_bytes,
-            open_timeout=None,  # of the connection: a request to the API may take as long as a device does
+            open_timeout=None,  # of the connection: an API request may take as long as a device
             close_timeout=_CLOSE_TIMEOUT,
-            max_queue=1,  # frames; a frame may be large
+            max_queue=1,  # frames, which may be large
             create_connection=cast(
                 "type[ServerConnection]", partial(DoorConnection, shared.turns, self._arriving, self._open_timeout)
             ),

@@ -1,4 +1,4 @@
-"""Services: those that a client calls, and those that it provides."""
+"""The services of a client: those that it calls, and those that it provides."""
 
 import asyncio
 from collections.abc import Callable, Mapping
@@ -50,7 +50,7 @@ __all__ = [
 
 
 def named_values(message_type: type[Message], values: object) -> dict[str, Any]:
-    """Return *values* by the names of the fields; a list fills the fields in order."""
+    """Return *values* by field name; a list has them in order."""
     if isinstance(values, dict):
         return values
     if not isinstance(values, list):
@@ -64,9 +64,9 @@ def named_values(message_type: type[Message], values: object) -> dict[str, Any]:
 def parse_queries(
     request_type: type[Message], values: Mapping[str, object]
 ) -> tuple[Mapping[str, object], UsageError | None]:
-    """Return *values* of a request with each text query parsed, and the problem with one; names are checked.
+    """Return *values* of a request with text queries parsed, and the problem with one, if any.
 
-    In the place of a query that cannot be parsed stands one that nothing matches.
+    An invalid query is replaced by one that matches nothing.
     """
     problem: UsageError | None = None
     parsed: dict[str, object] = {}
@@ -83,7 +83,7 @@ def parse_queries(
 
 
 def refusal(service: str, response: Message, problem: UsageError) -> Message:
-    """Return the answer of *service* to a text that is no query, given its *response* to one that nothing matches."""
+    """Return the answer of *service* to an invalid query, from its *response* to one that matches nothing."""
     if isinstance(response, QueryDevicesResponse):
         return response.model_copy(update={"success": False, "message": str(problem), "is_mistake": True})
     raise ServiceFailedError(service, str(problem)) from problem
@@ -92,8 +92,8 @@ def refusal(service: str, response: Message, problem: UsageError) -> Message:
 _DEFAULT_TIMEOUT = 5.0
 _MAX_TIMEOUT = 3600.0
 _WAITING_FOR_DEVICES = frozenset({COMMAND_DEVICES, HOLD_PART, PERFORM_COMMAND})
-"""Services that answer when the outcome of a command is known, as late as the device is."""
-_MOST, _LONGEST = 200, 100  # names compared, and of how many characters: a client may ask again and again
+"""Services that answer once the outcome of a command is known, however slow the device."""
+_MOST, _LONGEST = 200, 100  # names compared, and their lengths: a client may ask repeatedly
 
 
 async def call_service(
@@ -104,13 +104,13 @@ async def call_service(
     answer: Callable[[str], None],
     on_request: Callable[[Client[Any, Any], Message], None] = lambda *_: None,
 ) -> None:
-    """Make the call *op* on the graph of *node* and *answer* it, be it with a failure.
+    """Make the call *op* on the graph of *node*, and *answer* it, even if it fails.
 
-    In a request with an ``issuer``, that and its ``scope`` are those of *access*, replacing the client's.
+    The ``issuer`` and ``scope`` of a request, if it has them, are replaced by those of *access*.
 
-    It returns when the handler has ended, which may be after the time limit that the client set: a client that sets
-    short ones has no more handlers at work than others. A response of many messages is written in several *turns*.
-    *on_request* is called with the client of the service and the request.
+    It returns at the end of the handler, perhaps after the client's time limit, so that short limits do not allow a
+    client more handlers. Long responses are written in several *turns*. *on_request* is called with the client of the
+    service and the request.
     """
     try:
         client, request, problem = _prepare(node, op, access)
@@ -135,12 +135,12 @@ async def call_service(
 
 
 def cause_of_call(node: Node, access: ClientAccess, name: str) -> CallCause | None:
-    """Return the cause of what an app does for a client that calls its service or action *name*; None for its own."""
+    """Return the cause of an app's actions for a client that calls its service or action *name*, or None."""
     return CallCause(access.issuer, name, node.graph.clock.now()) if access.wishes(name) else None
 
 
 def missing_service(node: Node, op: CallService) -> str:
-    """Return that the service of *op* does not exist, with the likeliest one; empty where it does."""
+    """Return that the service of *op* does not exist, with a suggestion; empty if it does."""
     name = node.resolve_name(op.service, "service name")
     is_known = bool(node.graph.get_endpoints(kind=EntityKind.SERVICE, name=name))
     return "" if is_known else _unavailable(node, ServiceUnavailableError(name))
@@ -164,7 +164,7 @@ def _failure(node: Node, op: CallService, error: HomebotError) -> str:
 def _prepare(node: Node, op: CallService, access: ClientAccess) -> tuple[Client[Any, Any], Message, UsageError | None]:
     """Return a client of the service, the request, and the problem with a query in it.
 
-    The client is for this call alone: one that is kept would hold the name's type after the server is gone.
+    The client is only for this call: a lasting one would fix the type of the name after the server is gone.
     """
     name = node.resolve_name(op.service, "service name")
     service_type = node.graph.get_service_type(name)
@@ -182,7 +182,7 @@ def _timeout(op: CallService, service: str) -> float:
 
 
 def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
-    """Return the error for a program outside, which has no client object to wait with."""
+    """Return the error for an outside program, which has no client object for waiting."""
     if node.graph.get_endpoints(kind=EntityKind.SERVICE, name=error.service):
         return str(error)
     known = [info.name for info in node.graph.get_endpoints(kind=EntityKind.SERVICE)]
@@ -192,7 +192,7 @@ def _unavailable(node: Node, error: ServiceUnavailableError) -> str:
 
 
 class ProvidedServices:
-    """The services that one connection of a client provides; it may owe an answer to so many calls, and no more."""
+    """The services provided by one connection of a client, with a limit of unanswered calls."""
 
     def __init__(self, shared: SharedState, outbox: Outbox, provisions: Provisions) -> None:
         self._node, self._limit = shared.node, shared.settings.max_calls
@@ -201,7 +201,7 @@ class ProvidedServices:
         self._calls = 0
 
     def advertise(self, op: AdvertiseService) -> None:
-        """Offer a service of the client; the same once more is fine, and one of its older connection is taken over."""
+        """Offer a service of the client, taking it over from an older connection. Idempotent."""
         name = self._node.resolve_name(op.service, "service name")
         service_type = service_type_of(self._node.graph, name, op.type)
         ask = partial(self._ask, op.service, service_type)
@@ -214,7 +214,7 @@ class ProvidedServices:
             raise PeerError(f"service {op.service} is not provided by this client")
 
     def answer(self, op: ServiceResponse) -> None:
-        """Take the client's answer to a call."""
+        """Handle the client's answer to a call."""
         pending = self._pending.get(str(op.id))
         if pending is None or pending.done():
             raise PeerError(f"no call of {op.service} with the id {op.id!r} is waiting for a response")

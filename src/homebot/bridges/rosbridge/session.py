@@ -1,6 +1,6 @@
 """One connection of a client: its operations, and its entities, which end with it.
 
-Frames are handled in the order in which they come, each in a turn of its own; service calls run side by side.
+Frames are handled in order, each in a separate turn; service calls run concurrently.
 """
 
 from collections.abc import AsyncIterator, Awaitable, Callable
@@ -37,16 +37,16 @@ __all__ = ["ClientSession", "DoorLink"]
 _SEVERITY: dict[protocol.Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _OPENING = frozenset({"advertise", "advertise_action", "advertise_service", "subscribe"})
 _ANSWERS = 1_048_576
-"""Bytes of answers that may wait for a client before it is not read from any more."""
+"""Bytes of waiting answers from which a client is not read from."""
 
 
 class DoorLink(NamedTuple):
     """A connection to a client.
 
     Attributes:
-        send: Takes a frame to the client, waiting until there is room for it; LinkError when the client is gone.
+        send: Sends a frame, waiting for room; raises LinkError if the client is gone.
         ping: Returns when the client has answered a ping.
-        is_excused: Returns whether the client was heard since the last call, or is not being read from.
+        is_excused: Returns whether the client has been heard since the last call, or is not being read from.
     """
 
     send: Callable[[str | bytes], Awaitable[None]]
@@ -56,11 +56,11 @@ class DoorLink(NamedTuple):
 
 
 class ClientSession:
-    """All that one client does through the door, and all that it holds: topics, services, actions, goals and leases.
+    """The session of one client of the door: its topics, services, actions, goals and leases.
 
     Args:
-        is_roslibpy: Whether the client is roslibpy. It receives JSON where it asks for PNG, and no ``status`` frames
-            unless it asks for them with ``set_level``: it raises an exception for each.
+        is_roslibpy: Whether the client is roslibpy, which gets JSON in place of PNG, and no ``status`` frames unless it
+            asks for them with ``set_level``, as it raises an exception for each.
     """
 
     def __init__(self, client: OutsideClient, link: DoorLink, *, is_roslibpy: bool) -> None:
@@ -81,7 +81,7 @@ class ClientSession:
         self._provisions = Provisions(client.access.name, shared.providers, self._report_taken)
         self._services = services = ProvidedServices(shared, self._outbox, self._provisions)
         self._goals: SentGoals | None = None
-        # Each raises a HomebotError to refuse its operation; the client is told why.
+        # Each raises a HomebotError to refuse its operation, which is reported to the client.
         self._handlers: dict[str, Callable[[Any], object]] = {
             "advertise": self._publications.advertise,
             "unadvertise": self._publications.unadvertise,
@@ -95,7 +95,7 @@ class ClientSession:
         }
 
     async def run(self, frames: AsyncIterator[str]) -> None:
-        """Carry out *frames* until they end; then release everything the client holds."""
+        """Handle *frames* until they end, then release everything that the client holds."""
         async with self._tasks as tasks:
             try:
                 tasks.start_soon(self._send)
@@ -107,7 +107,7 @@ class ClientSession:
                     await self._close()
 
     async def _close(self) -> None:
-        """Release everything, a little each time the event loop goes round."""
+        """Release everything, a little in each turn of the event loop."""
         self._backlog.close()
         for kind in (self._goals, self._provisions, self._publications, self._subscriptions):
             while kind is not None and kind.close_one():
@@ -120,11 +120,11 @@ class ClientSession:
         self._tasks.cancel_scope.cancel()
 
     def _must_end(self) -> bool:
-        """Return whether the client has a goal or a lease, which ends soon after the client."""
+        """Return whether the client has a goal or a lease, which must end soon after it."""
         return bool(self._goals) or self._shared.leases.has(self)
 
     async def _watch(self) -> None:
-        """End the session when the client vanishes while something of it runs."""
+        """End the session if the client vanishes while it has a goal or a lease."""
         await self._heartbeat.run(self._must_end)
         self._shared.counters.clients_vanished += 1
         self.client.log("vanished", "door.client_vanished", " answers no ping: its goals and leases end")
@@ -132,7 +132,7 @@ class ClientSession:
         self._tasks.cancel_scope.cancel()
 
     async def _read(self, frames: AsyncIterator[str]) -> None:
-        """Handle one frame after the other, no faster than the client may send and takes its answers."""
+        """Handle the frames one by one, limited by the client's rate and its reading of answers."""
         now = self._node.graph.clock.monotonic
         most = self._settings.max_frames_per_second
         rate = RateLimit(most, at_once=most)
@@ -267,7 +267,7 @@ class ClientSession:
         self._remark("error", problem, None)
 
     def _report_unfit(self, op: str, topic: str, problem: str, identifier: protocol.Identifier) -> None:
-        """Report that *op* is refused after all: the topic it waited for is of another type, or its message unfit."""
+        """Report that *op* is refused after all: its topic has another type, or its message is invalid."""
         text = f": {_refusal(op, topic, problem)}, now that it is used"
         self.client.log_refusal(text, op, problem, "door.late_topic_unfit")
         self._remark("error", problem, identifier)
@@ -280,7 +280,7 @@ class ClientSession:
             self._remark("warning" if op.op == "unadvertise" else "error", problem, op.id)
 
     def _remark(self, level: protocol.Level, text: str, identifier: protocol.Identifier) -> None:
-        """Send the client a remark, if it asked for those of this *level*."""
+        """Send the client a remark, if it wants those of this *level*."""
         if _SEVERITY[self._level] >= _SEVERITY[level]:
             self._outbox.answer(protocol.frame_text("status", identifier, {"level": level, "msg": text}))
 

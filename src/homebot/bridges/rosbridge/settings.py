@@ -1,4 +1,4 @@
-"""Settings of the door: address, access and limits of a client."""
+"""The settings of the door: address, access and limits of clients."""
 
 import re
 from collections.abc import Mapping
@@ -42,11 +42,11 @@ def _checked(scope: tuple[str, ...]) -> tuple[str, ...]:
 
 
 Scope: TypeAlias = Annotated[tuple[str, ...], AfterValidator(_checked)]
-"""Rights, as :func:`homebot.devices.client_rights.read_scope` reads them."""
+"""Rights, as parsed by :func:`homebot.devices.client_rights.read_scope`."""
 
 
 class ClientToken(BaseModel):
-    """A token that belongs to one program.
+    """The token of one program.
 
     Attributes:
         token: The token of the program.
@@ -62,27 +62,27 @@ class ClientToken(BaseModel):
 class DoorSettings(AccessSettings):
     """The settings of the door.
 
-    Where there is a ``token``, or others can reach the ``host``, every client has to show one of the tokens.
+    If there is a ``token``, or others can reach the ``host``, every client must send one of the tokens.
 
     Attributes:
-        tokens: Tokens of single programs, by the names of these. The ``token`` has every right.
+        tokens: Tokens of single programs by name. The ``token`` has every right.
         scope: Rights of a client without a token. By default ``read``, ``manage`` and every device that does not always
             ask.
-        max_frame_bytes: Largest frame taken from a client; a larger one closes its connection. It holds 20,000 values
-            at most, beside a million numbers in long lists.
-        queue_depth: Messages of one topic that may wait for a slow client (on a keyed topic: of each key); then the
+        max_frame_bytes: Largest frame from a client; a larger one closes its connection. A frame has at most 20,000
+            values, plus a million numbers in long lists.
+        queue_depth: Most messages of one topic waiting for a slow client (on a keyed topic: of each key); then the
             oldest is dropped and counted.
-        max_waiting_bytes: Bytes of messages that may wait for one slow client; then the oldest of the topic that brings
-            more is dropped and counted.
-        max_waiting_bytes_of_all: Bytes of messages that may wait for all clients together; above it the client for
-            which most waits loses its oldest.
-        max_entities: Topics and services that one client may use at a time; each id of a request counts.
-        max_entities_of_all: Topics and services that all clients may use together.
-        max_frames_per_second: Frames that one client may send on average; one that sends more is read more slowly.
-        stall_timeout: Seconds after which a client that takes no bytes is cut off.
-        max_calls: Service calls of one client under way at a time, and goals of actions; one more fails at once.
-        ping_interval: Seconds between two pings to a client while a goal or lease of it runs.
-        ping_timeout: Seconds after which a client that gives no sign of life after a ping is cut off.
+        max_waiting_bytes: Most bytes of messages waiting for one slow client; then the oldest message of the topic with
+            a new one is dropped and counted.
+        max_waiting_bytes_of_all: Most bytes of messages waiting for all clients together; then the client with the most
+            loses its oldest.
+        max_entities: Most topics and services of one client at a time; each id of a request counts.
+        max_entities_of_all: Most topics and services of all clients together.
+        max_frames_per_second: Average rate of frames per client; one that sends more is read more slowly.
+        stall_timeout: Seconds after which a client that does not read is cut off.
+        max_calls: Most concurrent service calls, and goals, of one client; one more fails at once.
+        ping_interval: Seconds between pings to a client while it has a goal or lease.
+        ping_timeout: Seconds without a sign of life after a ping until a client is cut off.
     """
 
     port: Annotated[int, Field(ge=0, le=65535)] = 9090
@@ -112,7 +112,7 @@ class DoorSettings(AccessSettings):
         return self
 
     def all_tokens(self) -> Mapping[str, SecretStr]:
-        """Return every token by its name; that of the ``token`` is ``owner``."""
+        """Return all tokens by name; the name of ``token`` is ``owner``."""
         named = {name: one.token for name, one in self.tokens.items()}
         return named if self.token is None else {OWNER_CLIENT: self.token, **named}
 
@@ -130,18 +130,18 @@ class DoorSettings(AccessSettings):
         return f"http://{f'[{self.host}]' if ':' in self.host else self.host}:{port}"
 
     def robots(self) -> tuple[str, ...]:
-        """Return the names of the robots that tokens may be, each once."""
+        """Return the names of all robots that tokens may represent."""
         named = (robot for one in self.tokens.values() for robot in read_scope(one.scope).robots)
         return tuple(dict.fromkeys(one for one in named if one != ALL_ROBOTS))
 
     def robot_owners(self, tables: Mapping[str, tuple[str, ...]] = MappingProxyType({})) -> "RobotOwners":
-        """Return the robots that tokens may be or that have *tables*, with their topics and frames."""
+        """Return the robots that tokens may represent or that have *tables*, with their topics and frames."""
         from homebot.devices.robot_owners import RobotOwners  # noqa: PLC0415 - with the first client
 
         return RobotOwners({**dict.fromkeys(self.robots(), ()), **tables})
 
     def rights(self, local: ClientRights) -> Mapping[str, ClientRights]:
-        """Return the rights of each client by its name; without ``local`` where every client has to show a token."""
+        """Return the rights of clients by name; without ``local`` if every client must send a token."""
         found = {name: read_scope(one.scope) for name, one in self.tokens.items()}
         if self.token is not None:
             return {OWNER_CLIENT: ALL_RIGHTS, **found}

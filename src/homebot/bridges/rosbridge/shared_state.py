@@ -1,4 +1,4 @@
-"""State that all clients of the door share: counters, their mistakes, topics to come, their servers."""
+"""The state shared by all clients of the door: counters, mistakes, expected topics, servers."""
 
 from __future__ import annotations
 
@@ -30,19 +30,19 @@ _Server: TypeAlias = "Service[Any, Any] | ActionServer[Any, Any, Any]"
 
 @dataclass(slots=True)
 class DoorCounters:
-    """Numbers that only grow.
+    """Counters of the door since its start.
 
     Attributes:
-        clients: Clients that were let in.
-        turned_away: Connections that were not: too many, a foreign page, a wrong token.
-        frames: Frames that clients sent.
-        requests_refused: Number of refused requests among them.
-        rights_missing: Number of requests without the right among them.
-        slowed_down: Frames that had to wait because their client sends too many.
-        clients_cut: Clients cut off because they took no bytes.
-        clients_vanished: Clients cut off because they answered no ping while a goal or lease of theirs ran.
-        fragments_dropped: Frames in fragments that were given up for newer ones.
-        feedback_lost: Feedback messages dropped because a client did not read.
+        clients: Admitted clients.
+        turned_away: Refused connections: too many, a foreign page, a wrong token.
+        frames: Frames received from clients.
+        requests_refused: Refused requests among them.
+        rights_missing: Requests refused for lack of a right.
+        slowed_down: Frames delayed because their client sends too many.
+        clients_cut: Clients cut off because they did not read.
+        clients_vanished: Clients cut off because they did not answer a ping while they had a goal or lease.
+        fragments_dropped: Incomplete fragmented frames displaced by newer ones.
+        feedback_lost: Feedback dropped because a client did not read.
     """
 
     clients: int = 0
@@ -59,7 +59,7 @@ class DoorCounters:
 
 @final
 class ExpectedTopics:
-    """Calls back when a topic appears; :meth:`run` has to run for that."""
+    """Callbacks for topics that do not exist yet; needs :meth:`run`."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -70,7 +70,7 @@ class ExpectedTopics:
         self._expected.setdefault(topic, {})[callback] = None
 
     def forget(self, topic: str, callback: Callable[[str], None]) -> None:
-        """Do not call *callback* for *topic* any more; one that was not expected is fine."""
+        """Cancel *callback* for *topic*, if it is expected."""
         expecting = self._expected.get(topic, {})
         expecting.pop(callback, None)
         if not expecting:
@@ -88,13 +88,13 @@ class ExpectedTopics:
 
 @final
 class Provisions:
-    """The servers of one connection of a client, by the full names of what they serve.
+    """The servers of one connection of a client, by full name.
 
-    One of an older connection of the same client passes to the newer one: a client that reconnects after a network
-    failure offers its services before its old connection is known to be dead.
+    A newer connection of the same client takes over names of an older one, because a client that reconnects after a
+    network failure offers its services before its old connection is known to be dead.
 
     Attributes:
-        on_taken: Called with a name that a newer connection took over.
+        on_taken: Called with each name that a newer connection takes over.
     """
 
     def __init__(self, client: str, providers: dict[str, Provisions], on_taken: Callable[[str], None]) -> None:
@@ -107,7 +107,7 @@ class Provisions:
         return len(self._servers)
 
     def add(self, name: str, create: Callable[[], _Server]) -> None:
-        """Serve *name*; the same once more is fine."""
+        """Serve *name*. Idempotent."""
         if name in self._servers:
             return
         older = self._providers.get(name)
@@ -133,11 +133,11 @@ class Provisions:
 
 @final
 class SharedState:
-    """The state that all clients of a door share.
+    """The state shared by all clients of a door.
 
     Attributes:
-        providers: The connection that provides each service and action, by its full name.
-        refusals: Tells of each refusal for want of a right; None before the first.
+        providers: The connection that provides each service or action, by full name.
+        refusals: The publisher of refusals for lack of a right; None before the first one.
     """
 
     def __init__(self, node: Node, settings: DoorSettings, owners: Callable[[], RobotOwners]) -> None:
@@ -154,7 +154,7 @@ class SharedState:
 
     @cached_property
     def leases(self) -> OwnedLeases:
-        """The leases that clients asked for."""
+        """The leases requested by clients."""
         from homebot.bridges.rosbridge.heartbeat import OwnedLeases  # noqa: PLC0415 - with the first client
 
         return OwnedLeases(self.node)

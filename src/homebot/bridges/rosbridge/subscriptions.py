@@ -1,7 +1,7 @@
 """The topics that one client reads.
 
-Messages of a topic wait in a queue of the client's backlog until the client can take them: a slow client loses
-messages, counted, and delays no other client.
+Messages wait in a queue of the client's backlog until it reads them: a slow client loses messages, which are counted,
+and delays no other client.
 """
 
 import asyncio
@@ -33,12 +33,12 @@ _BINARY: frozenset[Compression] = frozenset({"cbor", "cbor-raw"})
 
 
 class Subscriptions:
-    """The topics that one client subscribed to, under the names that the client uses.
+    """The subscriptions of one client, under the names that it uses.
 
     A request for a topic of unknown type is remembered and served when the topic is first used.
 
     Args:
-        on_unfit: Called with the operation, topic, reason and id where a remembered one cannot be served after all.
+        on_unfit: Called with operation, topic, reason and id if a remembered request cannot be served after all.
     """
 
     def __init__(
@@ -55,13 +55,13 @@ class Subscriptions:
         self._early: dict[str, dict[tuple[str, Identifier], SubscribeOperation]] = {}  # by full name
 
     def __len__(self) -> int:
-        """Return the number of requests: each id of each topic counts."""
+        """Return the number of ids of all topics."""
         return sum(map(len, self._early.values())) + sum(len(feed.requests) for feed in self._feeds.values())
 
     def subscribe(self, op: SubscribeOperation) -> tuple[Literal["warning", "error"], str] | None:
-        """Begin to send a topic; where its type is not known yet, return how bad that is and why.
+        """Start sending a topic; if its type is not known yet, return the level and text of a remark.
 
-        An unknown type is an error and a missing one a warning; in both cases messages come as soon as the topic
+        An unknown type is an error and a missing one a warning; in both cases messages are sent once the topic
         is used.
         """
         full_name = self._node.resolve_name(op.topic)
@@ -123,7 +123,7 @@ class Subscriptions:
 
 
 class Feed:
-    """Sends the messages of one topic to one client, once each, however often the client asked for the topic."""
+    """The messages of one topic for one client, sent once however many requests there are."""
 
     def __init__(
         self, node: Node, topic: str, message_type: type[Message], depth: int, backlog: Backlog, outbox: Outbox
@@ -139,7 +139,7 @@ class Feed:
         self._queue = FeedQueue(depth, key_of(message_type), backlog, self._on_arrival)
         lost = backlog.everybody.lost
         self._subscription = node.create_subscription(message_type, topic, qos_profile=self._qos, queue=self._queue)
-        self._queue.lost, backlog.everybody.lost = 0, lost  # to ask for less history than is kept is no loss
+        self._queue.lost, backlog.everybody.lost = 0, lost  # requesting less history than is kept is not a loss
 
     @property
     def lost(self) -> int:
@@ -148,13 +148,13 @@ class Feed:
 
     @property
     def packing(self) -> Packing:
-        """The form of messages that are text, in the shortest fragments that a request of the client asks for."""
+        """The form of text messages, with the shortest fragments that a request of the client asks for."""
         requests = self.requests.values()
         sizes = [op.fragment_size for op in requests if op.fragment_size is not None and op.fragment_size > 0]
         return Packing(any(op.compression == "png" for op in requests), min(sizes, default=0))
 
     def add(self, op: SubscribeOperation) -> None:
-        """Add a request of the client; it receives the publishers' history for late joiners."""
+        """Add a request of the client, which gets the publishers' history for late joiners."""
         is_first = not self.requests
         self.requests[op.id] = op
         if not is_first and self._qos.durability is DurabilityPolicy.TRANSIENT_LOCAL:
@@ -164,7 +164,7 @@ class Feed:
                 self._queue.append(kept)
 
     def next_frame(self) -> str | bytes | None:
-        """Return the frame of the oldest waiting message, if there is one; the outbox asks again after others' turn."""
+        """Return the frame of the oldest waiting message, if any; the outbox asks again after other topics."""
         message = self._subscription.take()
         if message is None or not self.requests:
             return None
@@ -176,7 +176,7 @@ class Feed:
         return self._frame(message, lost)
 
     def close(self) -> None:
-        """Leave the topic; nothing more is sent. Twice is fine."""
+        """Leave the topic, without sending anything more. Idempotent."""
         self.requests = {}
         self._queue.close()
         self._subscription.close()
@@ -199,7 +199,7 @@ class Feed:
             self._outbox.ready(self)
 
     def _end_rest(self) -> None:
-        """Drop messages received while throttled, except the newest ``queue_length``; that is requested, not a loss."""
+        """Drop messages received while throttled, except the newest ``queue_length``: as requested, not a loss."""
         self._rest = None
         keep = max(op.queue_length for op in self.requests.values())
         while len(self._queue) > keep:
@@ -209,10 +209,10 @@ class Feed:
 
 
 def _fitting_qos(graph: Graph, topic: str, depth: int) -> QoSProfile:
-    """Return the request that every publisher of *topic* can serve.
+    """Return a QoS request that every publisher of *topic* can serve.
 
-    Late joiner's messages are asked for where all publishers keep some. Never RELIABLE: ``send()`` of a publisher waits
-    for reliable readers, and must not wait for a program outside.
+    It asks for the messages of late joiners if all publishers keep some. It is never RELIABLE, as ``send()`` of a
+    publisher waits for reliable readers, and must not wait for an outside program.
     """
     publishers = graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
     all_keep = all(info.qos and info.qos.durability is DurabilityPolicy.TRANSIENT_LOCAL for info in publishers)

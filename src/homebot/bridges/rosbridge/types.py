@@ -1,10 +1,10 @@
 """Python classes by ROS type name, and messages as clients write them.
 
 ``std_msgs/String`` and ``std_msgs/msg/String`` are both accepted, and so is ROS 1's spelling of time (``secs``,
-``nsecs``). The ``seq`` of a ROS 1 header, which counts messages, is left out: ROS 2 has none. A header without a stamp
-is of now, as is the header that a message itself lacks, and a time that is the text ``now``.
+``nsecs``). The ``seq`` of a ROS 1 header is ignored, as ROS 2 has none. Missing headers, headers without a stamp, and
+times given as the text ``now`` get the current time.
 
-A type that is unknown is a PeerError, and another one than the type in use a TypeMismatchError.
+An unknown type is a PeerError, a type other than the one in use a TypeMismatchError.
 
 Source: RobotWebTools rosbridge_suite, ROSBRIDGE_PROTOCOL.md, section 3.2.3; for ``now`` its ``message_conversion.py``.
 """
@@ -56,11 +56,11 @@ OWN_MODULES: Final = (
     "homebot.devices.robot_messages",
     "homebot.devices.services",
 )
-"""The modules with messages and services that clients of the door use."""
+"""The modules with messages and services for clients of the door."""
 
 
 def same_type(first: str, second: str) -> bool:
-    """Return whether two ROS type names mean one type, however they are spelled."""
+    """Return whether two ROS type names mean the same type, whatever their spelling."""
     return _parts(first) == _parts(second)
 
 
@@ -68,7 +68,7 @@ def message_type_of_topic(graph: Graph, topic: str, ros_type: str) -> type[Messa
     """Return the current or future type of the topic with the full name *topic*.
 
     Args:
-        ros_type: The type that the client expects; may be empty where the topic exists.
+        ros_type: The type that the client expects; may be empty if the topic exists.
     """
     carried = _checked(f"topic {topic} carries", graph.get_message_type(topic), ros_type)
     if carried is None and not ros_type:
@@ -89,26 +89,26 @@ def action_type_of(graph: Graph, action: str, ros_type: str) -> ActionType[Any, 
 
 
 def find_message_type(graph: Graph, ros_type: str) -> type[Message]:
-    """Return the message type called *ros_type*, from those that topics of *graph* carry, or by its definition."""
-    in_use = graph.get_message_types()  # first, as an app may have a class of its own for a standard type
+    """Return the message type called *ros_type*: one in use on topics of *graph*, or by its definition."""
+    in_use = graph.get_message_types()  # first, as an app may have its own class for a standard type
     inside = (inner for outer in in_use for inner in nested_types(outer))
     return _find(graph, ros_type, chain(in_use, inside), lambda interfaces: interfaces.find_message(ros_type))
 
 
 def find_service_type(graph: Graph, ros_type: str) -> ServiceType[Any, Any]:
-    """Return the service type called *ros_type*, as :func:`find_message_type` does."""
+    """Return the service type called *ros_type*; see :func:`find_message_type`."""
     return _find(graph, ros_type, graph.get_service_types(), lambda interfaces: interfaces.find_service(ros_type))
 
 
 def find_action_type(graph: Graph, ros_type: str) -> ActionType[Any, Any, Any]:
-    """Return the action type called *ros_type*, as :func:`find_message_type` does."""
+    """Return the action type called *ros_type*; see :func:`find_message_type`."""
     named = (one for one in graph.actions() if same_type(one.ros_type, ros_type))
     known = (found for one in named if (found := graph.get_action_type(one.name)) is not None)
     return _find(graph, ros_type, known, lambda interfaces: interfaces.find_action(ros_type))
 
 
 def define_type(graph: Graph, request: DefineTypeRequest) -> DefineTypeResponse:
-    """Define a type for the clients of *graph*; the answer says why it cannot be."""
+    """Define a type for the clients of *graph*; the answer has the reason of a failure."""
     from homebot.messages.type_hash import type_hash  # noqa: PLC0415 - few clients define types
 
     try:
@@ -138,7 +138,7 @@ def _find(
 
 
 def interfaces_of(graph: Graph) -> Interfaces:
-    """Return the interfaces of *graph* with homebot's own among them."""
+    """Return the interfaces of *graph*, including homebot's own."""
     graph.interfaces.add_modules("homebot", OWN_MODULES)
     return graph.interfaces
 
@@ -155,7 +155,7 @@ _NOW = "now"
 
 
 def message_from_client(message_type: type[Message], value: Mapping[str, object]) -> Message:
-    """Return the message that the JSON object *value* spells.
+    """Return the message given by the JSON object *value*.
 
     Raises:
         TypeMismatchError: A field is missing, unknown, or of another type; the message names it and its value.
@@ -169,10 +169,10 @@ def message_from_client(message_type: type[Message], value: Mapping[str, object]
 def partial_message_from_client(
     message_type: type[Message], value: Mapping[str, object], now: float
 ) -> tuple[Message, tuple[str, ...]]:
-    """Return the message that the JSON object *value* spells in part, and the names of the fields that it lacks.
+    """Return the message given in part by the JSON object *value*, and the names of its missing fields.
 
-    The names have dots where they are of messages inside. A header and a field with a default are not missing. A text
-    that has to be one of an enumeration stays missing.
+    Names of nested fields have dots. Headers and fields with a default are not missing. A text that must be one of an
+    enumeration stays missing.
 
     Args:
         now: Seconds since the Unix epoch.
@@ -187,9 +187,9 @@ def partial_message_from_client(
 
 
 def request_from_client(message_type: type[Message], value: Mapping[str, object], now: float) -> Message:
-    """Return the part of a service or action that *value* spells; what it lacks is zero or empty, as in ROS.
+    """Return the part of a service or action given by *value*; missing fields are zero or empty, as in ROS.
 
-    One of homebot's own types has to be whole: it may be a command.
+    Messages of homebot's own types must be complete, as they may be commands.
     """
     if message_type.ros_type.startswith("homebot/"):
         return message_from_client(message_type, value)
@@ -203,9 +203,9 @@ def _in_ros2(
     path: str = "",
     stamp: object = None,
 ) -> dict[str, object]:
-    """Return *value* with ROS 2's names, and with the fields that it lacks if *missing* takes their names.
+    """Return *value* with ROS 2's names, and completed if *missing* is given, which receives the missing names.
 
-    A header in it that has no stamp, and a time that is ``now``, gets *stamp*, unless that is None.
+    Headers without a stamp, and times that are ``now``, get *stamp*, unless that is None.
     """
     fields = fields_by_name(message_type)
     names = _ROS2_NAMES if message_type in {Time, Duration} else {}
@@ -226,7 +226,7 @@ def _in_ros2(
 
 
 def _zero(field: FieldDefinition, stamp: object) -> object:
-    """Return the zero of *field* in JSON; a header in it gets *stamp*, unless that is None."""
+    """Return the zero value of *field* in JSON; headers in it get *stamp*, unless that is None."""
     return zero_of(field) if field.message is None or field.is_array else _element(field, {}, {}, stamp=stamp)
 
 
