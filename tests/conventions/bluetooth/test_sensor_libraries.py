@@ -159,6 +159,20 @@ def test_units_are_converted_or_stay_the_devices_own() -> None:
     assert {one.id: one.category for one in found.parts}["voltage"] == "diagnostic"
 
 
+def test_an_index_is_no_concentration() -> None:
+    """Ruuvi Air, format E1 (docs.ruuvi.com, Bluetooth advertisements)."""
+    data = bytes.fromhex("e1170c5668c79e0065007004bd11ca00c90a0213e0ac000000decdee110000000000cbb8334c884f")
+    found = read(SensorLibraryParser({}), Advertisement("CB:B8:33:4C:88:4F", -60, manufacturer_data={RUUVI: data}))
+    (index,) = [one for one in found.parts if one.id == "voc_index"]
+    assert (index.service_type, index.capabilities[0].name, index.capabilities[0].unit) == (
+        "air_quality_sensor",
+        "measurement",
+        "",
+    )
+    assert values(found)["voc_index", "measurement"] == 20.0
+    assert values(found)["pm25", "pm25"] == 11.2
+
+
 def test_maker_and_model_are_facts_of_the_device() -> None:
     found = read(SensorLibraryParser({}), THERMOMETER)
     assert found.metadata["manufacturer"] == "Xiaomi"

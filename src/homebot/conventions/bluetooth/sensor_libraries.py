@@ -26,7 +26,7 @@ from homebot.conventions.bluetooth.broadcast import (
 )
 from homebot.conventions.description import AutoExpiry
 from homebot.conventions.device_classes import condition_of, quantity_of
-from homebot.conventions.units import sensor_type
+from homebot.conventions.units import Quantity, sensor_type
 from homebot.devices.part import Category, Part
 from homebot.devices.value import PlainValue
 from homebot.errors import PluginError, WireError
@@ -255,7 +255,10 @@ def _measured(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
     device_class = _HOME_ASSISTANT.get(device_class, device_class)
-    quantity = quantity_of(device_class, str(description.native_unit_of_measurement or ""))
+    unit = str(description.native_unit_of_measurement or "")
+    quantity = quantity_of(device_class, unit)
+    if quantity.unit and not unit:  # Ruuvi Air's index of organic compounds is no concentration
+        quantity = Quantity(quantity.service_type, "measurement")
     category: Category = "diagnostic" if device_class in {"battery", "voltage"} else ""
     if isinstance(value, str | date):
         part = sensor_part(part_id, "value", category=category)
