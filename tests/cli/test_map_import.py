@@ -37,7 +37,8 @@ def node(graph: Graph, message: OccupancyGrid | None) -> Node:
     made = index_node(index, graph)
     if message is not None:
         kept = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-        made.create_publisher(OccupancyGrid, "/map", kept).publish(message)
+        for topic in ("/map", "/rosie/map"):
+            made.create_publisher(OccupancyGrid, topic, kept).publish(message)
     return made
 
 
@@ -95,8 +96,9 @@ FLOOR = OccupancyGrid(
 
 
 @pytest.mark.parametrize("run", [FLOOR], indirect=True, ids=["map"])
-def test_rooms_are_imported_from_the_map_of_a_robot(run: Run) -> None:
-    code, printed = run("places", "import", "/map", "--room", "Attic=5,1")
+@pytest.mark.parametrize("topic", ["/map", "/rosie/map"])
+def test_rooms_are_imported_from_the_map_of_a_robot(run: Run, topic: str) -> None:
+    code, printed = run("places", "import", topic, "--room", "Attic=5,1")
     assert (code, printed) == (0, "the map has 80 x 50 cells of 0.1 m\nAttic has 30.0 m²\nimported room Attic\n")
     attic = tomllib.loads(run("places", "export")[1])["places"]["rooms"]["Attic"]
     assert sorted(attic["polygon"]) == [[0, 0], [0, 5], [6, 0], [6, 5]]

@@ -71,7 +71,7 @@ _IMPORT = """\
   homebot places import map.yaml --room Hall=1,2 --room Kitchen=6,2.5
 
 An import adds; what was stated here stays. With a mistake in the file nothing is imported. In GeoJSON polygons with a
-`name` are rooms, lines doors, and points with a `device` positions. A robot's map, of map_server (YAML) or on the topic
+`name` are rooms, lines doors, and points with a `device` positions. A robot's map, of map_server (YAML) or on a topic
 /map, has walls and no rooms: each is the free area around a point in it, up to the doors with both ends in [places].
 """
 
@@ -98,7 +98,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     imported = add_verb(verbs, "import", "take over the rooms, and what is stated of devices, from a file")
     set_client_command(imported, _import, _IMPORT, acts=True)
-    imported.add_argument("file", metavar="FILE", help="the file; - for standard input, /map for a robot's map")
+    imported.add_argument(
+        "file", metavar="FILE", help="the file; - for standard input, /map or /NAME/map for a robot's map"
+    )
     imported.add_argument(
         "--room", action="append", default=[], metavar="ROOM=X,Y", help="a point in a room of a map; several times"
     )
@@ -192,7 +194,7 @@ def _export(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    is_map = options.file == _MAP or Path(options.file).suffix in {".yaml", ".yml"}
+    is_map = _is_topic(options.file) or Path(options.file).suffix in {".yaml", ".yml"}
     if is_map and not options.room:
         raise UsageError("a map has walls and no rooms; give a point in each room: --room Hall=1,2")
     if options.room and not is_map:
@@ -239,11 +241,11 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     check_extra("a map", "maps", "PIL", "yaml")
     from homebot.cli.robot_map import RobotMap, read_map  # noqa: PLC0415 - with the first map
 
-    if file == _MAP:
-        door.subscribe(_MAP)
-        found = next((one for one in door.until(_WAIT) if one.topic == _MAP), None)
+    if _is_topic(file):
+        door.subscribe(file)
+        found = next((one for one in door.until(_WAIT) if one.topic == file), None)
         if found is None:
-            raise LinkError(f"no map was published on {_MAP}; start the robot's map_server, or state a FILE")
+            raise LinkError(f"no map was published on {file}; start the robot's map_server, or state a FILE")
         robot_map = RobotMap.of(found.message)
     else:
         robot_map, warning = read_map(file)
@@ -252,6 +254,10 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     width, height = robot_map.cells.size
     print(f"the map has {width} x {height} cells of {robot_map.resolution:g} m")
     return robot_map
+
+
+def _is_topic(file: str) -> bool:
+    return file.startswith("/") and file.endswith(_MAP)
 
 
 def _read(file: str) -> str:
