@@ -5,6 +5,7 @@ from typing import Any
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 
 from homebot.graph import Node
 from homebot.house.description import parse_world
@@ -101,6 +102,9 @@ async def test_a_door_stays_open_until_the_last_requester_closes_it_or_falls_sil
         assert mode() == CLOSED
         await ask(requests, "rosie", "Inner", OPEN, 10.0)
         await ask(requests, "anna", "Inner", OPEN, 10.0)
+        with capture_logs() as lines:
+            await ask(requests, "anna", "Iner", OPEN)
+        assert "'Iner' is no door with a lock or motor; did you mean Inner?" in lines[0]["message"]
         assert mode() == OPEN
         await ask(requests, "rosie", "Inner", CLOSED, 10.0)
         await ask(requests, "stranger", "Inner", CLOSED, 10.0)

@@ -17,6 +17,7 @@ from homebot.messages.builtin_interfaces import Time
 from homebot.messages.interfaces import find_message
 from homebot.messages.message import Message
 from homebot.support.folding import fold
+from homebot.support.similar import did_you_mean
 from homebot.units import Seconds
 
 __all__ = ["RmfDoors", "RmfDoorsSettings"]
@@ -99,8 +100,9 @@ class RmfDoors(App[RmfDoorsSettings]):
         name = next((one for one in self._doors if fold(one) == fold(stated.door_name)), "")
         part, key = self._doors.get(name), (name, stated.requester_id.strip()[:100])
         if not key[1] or self._tasks is None or not isinstance(part, Closure | DoorLock):
-            problem = "no requester is stated" if not key[1] else f"{stated.door_name[:100]!r} has no lock or motor"
-            self._warn(f"a request for a door was refused: {problem}")
+            hint = did_you_mean(stated.door_name[:100], self._doors, "/door_states lists all doors")
+            problem = f"{stated.door_name[:100]!r} is no door with a lock or motor; {hint}"
+            self._warn(f"a request for a door was refused: {problem if key[1] else 'no requester is stated'}")
             return
         if stated.requested_mode.value == _OPEN:
             self._open(self._tasks, key, part)
