@@ -8,6 +8,7 @@ from pathlib import Path
 
 import anyio
 import pytest
+from structlog.testing import capture_logs
 from tests.gateways.mqtt.simple_house import House, simple_house
 from tests.robots.test_tracker import ALL, HOUSE
 
@@ -86,7 +87,9 @@ async def test_a_vacuum_that_is_lost_is_nowhere_at_once() -> None:
     async with vacuum(vacuum=BASE) as dusty:
         await dusty.say("$state", "ready")
         await dusty.say("MapData/map-data", DREAME)
-        await dusty.say("$state", "lost")
+        with capture_logs() as lines:
+            await dusty.say("$state", "lost")
+        assert [one["message"] for one in lines] == [f"dusty's pose no longer counts (by {BASE}/MapData)"]
         answer = await dusty.ask()
         assert (answer.success, answer.message) == (
             False,

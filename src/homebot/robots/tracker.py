@@ -122,7 +122,8 @@ class RobotTracker:
                 self._published[robot.name] = pose
                 self._poses.publish(pose)
                 if not pose.counts:
-                    text = f"{robot.name}'s pose no longer counts (limit {pose.limit:g} s)"
+                    because = f"limit {pose.limit:g} s" if pose.limit else f"by {pose.source}"
+                    text = f"{robot.name}'s pose no longer counts ({because})"
                     self._node.log.info(EXPIRED, message=text, robot=robot.name)
                 if not pose.is_sure and (before is None or before.is_sure):
                     text = f"{robot.name} is not sure where it is: {robot.unsure_because}"
