@@ -1,7 +1,7 @@
 """Readings of a query for commands: a search may find too much or too little, a command may not. Pure.
 
-In ``lights in hall or kitchen`` and in ``lights or fans in hall``, a word on only one side may be meant for both. In
-``hall lamp, hall lamp 2`` two devices are meant, although one has all these words.
+In ``lights in hall or kitchen``, ``lights or fans in hall`` and ``lights on or off in hall``, a word on only one side
+may be meant for both. In ``hall lamp, hall lamp 2`` two devices are meant, although one has all these words.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from homebot.devices.query.terms import And, HasText, InArea, Or, Query, TypeIs
 
 __all__ = ["Readings", "readings_of"]
 
-_Kind: TypeAlias = Literal["type", "area", "words", "other"]
+_Kind: TypeAlias = Literal["type", "area", "words", "group", "other"]
 _Unit: TypeAlias = tuple[_Kind, str]
 """A term, or words in a row, with its text."""
 
@@ -59,7 +59,7 @@ def _listed(terms: tuple[Term, ...]) -> list[list[_Unit]]:
     """Return the sides of a list of devices, each of which begins with a type, a room or words; empty if it is none."""
     starts = [place for place, (_, _, is_joined) in enumerate(terms) if is_joined]
     sides = [_units(terms[start:end]) for start, end in zip([0, *starts], [*starts, None], strict=True)]
-    return sides if len(sides) > 1 and all(side[0][0] != "other" for side in sides) else []
+    return sides if len(sides) > 1 and all(side[0][0] not in {"group", "other"} for side in sides) else []
 
 
 def _units(terms: tuple[Term, ...]) -> list[_Unit]:
@@ -74,7 +74,7 @@ def _units(terms: tuple[Term, ...]) -> list[_Unit]:
 
 def _kind(term: Query, text: str) -> _Kind:
     if text.startswith("("):
-        return "other"
+        return "group"
     match term:
         case TypeIs() | Or((TypeIs(), *_)):
             return "type"
@@ -110,11 +110,13 @@ def _distributed(sides: list[list[_Unit]]) -> list[str]:
 
 
 def _joins(side: list[_Unit], following: list[_Unit]) -> bool:
-    """Return whether *side* ends with the same kind as *following* begins with: a type, an area, or words."""
+    """Return whether *side* ends as *following* begins: with a type, words, or an area or other condition."""
     if not side or not following:
         return False
     kind, following_kind = side[-1][0], following[0][0]
-    return kind != "other" and (kind == following_kind or (kind, following_kind) == ("area", "words"))
+    if kind == following_kind or (kind, following_kind) == ("area", "words"):
+        return kind != "group"
+    return {kind, following_kind} == {"area", "other"}
 
 
 def _is_plausible(units: list[_Unit]) -> bool:
