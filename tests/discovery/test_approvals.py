@@ -3,7 +3,7 @@
 from typing import Any
 
 import pytest
-from tests.discovery.announcements import announce, part_of
+from tests.discovery.announcements import announce, part_of, tell
 
 from homebot.devices import Device, Sighting
 from homebot.devices.always_ask import always_asks, is_approved, waits_for_approval
@@ -142,7 +142,10 @@ def test_what_joins_on_the_topic_of_a_lock_always_asks(
     assert {part.id: always_asks(device, part) for part in device.parts} == {"l": True, "g": True, "a": False}
 
 
-def test_a_further_route_to_an_approved_part_is_not_approved(index: DeviceIndex, lock: Sighting) -> None:
+def test_a_further_route_to_an_approved_part_is_not_approved_and_reports_nothing(
+    index: DeviceIndex, lock: Sighting
+) -> None:
+    """Told to lock a door that is said to be locked, homebot would send nothing."""
     index.observe(lock)
     index.places.approve("door", 1.0)
     twin = announce(
@@ -151,6 +154,11 @@ def test_a_further_route_to_an_approved_part_is_not_approved(index: DeviceIndex,
     index.observe(twin, 2.0)
     (both,) = only(index).parts
     assert {route.key: bool(route.approved) for route in both.routes} == {lock.key: True, twin.key: False}
+    index.report(tell(lock, "lock", "unlocked", part="l", at=10))
+    index.report(tell(twin, "lock", "locked", part="l", at=20))
+    assert [one.value.plain() for one in only(index).states] == ["unlocked"]
+    index.places.approve("door", 30.0)
+    assert [one.value.plain() for one in only(index).states] == ["locked"]
 
 
 def test_an_approval_survives_a_restart_and_is_taken_back(index: DeviceIndex, lock: Sighting) -> None:

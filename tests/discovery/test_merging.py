@@ -317,6 +317,20 @@ def test_an_announcement_in_the_name_of_another_device_is_told_nothing_there(
     assert "where another announcement of the device takes different ones" in told
 
 
+def test_a_lock_that_is_announced_again_where_that_does_not_name_it_has_the_values_of_the_first_alone(
+    index: DeviceIndex,
+) -> None:
+    bolt = part_of("door_lock", "lock", id="k", writes=("front_door/set",))
+    own = announce("own", bolt, ids=("id:lock-17",), on="homeassistant/front_door/config")
+    evil = announce("evil", bolt, ids=("id:lock-17",), on="homeassistant/evil/config")
+    after(index, own, evil)
+    index.report(tell(own, "lock", "unlocked", part="k", at=10))
+    index.report(tell(evil, "lock", "locked", part="k", at=20))
+    (device,) = index.devices()
+    assert [(len(one.routes), one.part.service_type) for one in device.parts] == [(1, "door_lock")]
+    assert [one.value.plain() for one in device.states] == ["unlocked"]
+
+
 def test_of_two_that_want_one_topic_with_equal_right_neither_is_told_anything_there(index: DeviceIndex) -> None:
     """And both say so; who came first says nothing, for it may be either."""
     lock = announce("lock/x1", part_of("door_lock", "lock", id="k", writes=("t/set",)), ids=("id:one",), name="Door")

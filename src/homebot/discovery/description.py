@@ -226,9 +226,16 @@ def with_approvals(
     parts = [_with_approved_routes(part, digests) for part in described.merged.parts]
     return replace(
         described,
-        merged=described.merged._replace(parts=tuple(parts)),
+        merged=described.merged._replace(parts=tuple(parts)).hiding(frozenset(_joined(parts))),
         facts=(*facts, *described.facts)[:MAX_FACTS],
     )
+
+
+def _joined(parts: Iterable[DevicePart]) -> Iterator[PartPlace]:
+    """Yield the places that joined approved parts and are not approved themselves."""
+    for part in parts:
+        if any(route.approved for route in part.routes):
+            yield from ((one.gateway, one.key, one.part) for one in part.routes if not one.approved)
 
 
 def _with_approved_routes(part: DevicePart, digests: Mapping[PartPlace, str]) -> DevicePart:

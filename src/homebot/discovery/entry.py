@@ -247,12 +247,12 @@ class Entry:
         newest: dict[tuple[int, str], StoredValue] = {}
         for (gateway, key), source in self.sources.items():
             for (part, capability), stored in (source.events if events else source.values).items():
-                place = merged.places.get((gateway, key, part))
-                if place is None or (source.is_claimed and merged.parts[place].routes):
+                number = merged.places.get(place := (gateway, key, part))
+                if number is None or place in merged.hidden:
                     continue
-                known = newest.get((place, capability))
+                known = newest.get((number, capability))
                 if known is None or _weight(stored) > _weight(known):
-                    newest[place, capability] = stored
+                    newest[number, capability] = stored
         return newest
 
 

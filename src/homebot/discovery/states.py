@@ -212,9 +212,9 @@ class StateRecorder:
             table.counters.unknown_parts += 1
             return
         merged = entry.parts(table.topics)
-        number = merged.places.get((*source.key, reading.part))
+        number = merged.places.get(place := (*source.key, reading.part))
         value = reading.value.plain()
-        if number is None or (source.is_claimed and merged.parts[number].routes):
+        if number is None or place in merged.hidden:
             return
         entry.echoes = entry.echoes or Echoes()  # few devices report events
         if not entry.echoes.is_new(number, reading.capability, value, source.key, now):

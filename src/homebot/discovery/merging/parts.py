@@ -40,6 +40,7 @@ _Way: TypeAlias = tuple[PartPlace, _Origin, Part]
 """The place of a part, the origin of its announcement, and its description."""
 
 _NONE_CLAIMED: Final[frozenset[int]] = frozenset()
+_NONE_HIDDEN: Final[frozenset[PartPlace]] = frozenset()
 
 _RANK = {name: number for number, name in enumerate(DEVICE_TYPES)}
 
@@ -76,6 +77,11 @@ class _Merged:
     claimant: SourceRecord | None = None
     is_described: bool = False
 
+    @property
+    def hidden(self) -> set[PartPlace]:
+        """The places that do not describe it, if any does."""
+        return {place for _, place in self.places} - {way[0] for way in self.ways} if self.ways else set()
+
     def add(self, source: SourceRecord, part: Part, origin: _Origin, topics: TopicOwnership) -> str:
         """Add *part* of *source*; return its conflict over a command topic in words, empty for none."""
         place = (*source.key, part.id)
@@ -97,6 +103,7 @@ class MergedParts(NamedTuple):
         conflicts: The omitted parts and the reasons, in words.
         places: The part of the device for each part of a source, by gateway, key and part.
         claimed: The numbers of parts that only claimed announcements describe, if there are others.
+        hidden: The places that report nothing of their parts, as others have a better right to describe these.
         has_own_ids: Whether it has all parts of all announcements under their announced ids.
     """
 
@@ -104,6 +111,7 @@ class MergedParts(NamedTuple):
     conflicts: tuple[str, ...]
     places: dict[PartPlace, int]
     claimed: frozenset[int] = _NONE_CLAIMED
+    hidden: frozenset[PartPlace] = _NONE_HIDDEN
     has_own_ids: bool = False
 
     @property
@@ -115,10 +123,13 @@ class MergedParts(NamedTuple):
 
     def shown_part_of(self, source: SourceRecord, part: str) -> DevicePart | None:
         """Return the part that shows the values of *part* of *source*, or None."""
-        number = self.places.get((*source.key, part))
-        if number is None or (source.is_claimed and self.parts[number].routes):
-            return None
-        return self.parts[number]
+        place = (*source.key, part)
+        number = self.places.get(place)
+        return None if number is None or place in self.hidden else self.parts[number]
+
+    def hiding(self, places: frozenset[PartPlace]) -> "MergedParts":
+        """Return them with *places* hidden as well."""
+        return self._replace(hidden=self.hidden | places, has_own_ids=False) if places else self
 
     def ids(self) -> dict[PartPlace, str]:
         """Return the id for each part of a source."""
@@ -159,8 +170,8 @@ def merge_parts(sources: Sequence[SourceRecord], topics: TopicOwnership, known: 
         tuple(conflicts),
         places,
         _NONE_CLAIMED if all(source.is_claimed for source in sources) else frozenset(claimed),
-        has_own_ids=all(one.claimant is None for one in merged) and _has_own_ids(sources, parts, places),
-    )
+        has_own_ids=_has_own_ids(sources, parts, places),
+    ).hiding(frozenset(chain.from_iterable(one.hidden for one in merged)))
 
 
 def _has_own_ids(sources: Sequence[SourceRecord], parts: Sequence[DevicePart], places: Mapping[PartPlace, int]) -> bool:
