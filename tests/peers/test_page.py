@@ -75,6 +75,15 @@ axe.run({ resultTypes: ["violations"] }).then((found) => done(found.violations))
 """
 
 
+COMMAND = """
+const [target, command, done] = arguments;
+const socket = new WebSocket(location.origin.replace(/^http/, "ws"));
+const call = { op: "call_service", service: "/devices/command", args: { target, command } };
+socket.onopen = () => socket.send(JSON.stringify(call));
+socket.onmessage = (event) => socket.close() || done(JSON.parse(event.data).values.outcome);
+"""
+
+
 class Nightly(App):
     """Is called at ten."""
 
@@ -182,6 +191,22 @@ async def test_what_happens_is_in_the_journal_at_once_with_the_reason(page: Open
         await own.shows("has these words")
         await own.hides("confirmed after", "ol")
         assert own.problems() == []
+
+
+async def test_lines_of_a_full_journal_are_not_drawn_anew_with_each_entry(page: OpenPage) -> None:
+    """At 100 changes/s that left seven frames a second."""
+    mark = "const lines = [...document.querySelectorAll('ol.log li')]; for (const line of lines) line.isOld = true"
+    count = "return [...document.querySelectorAll('ol.log li')].filter((line) => line.isOld).length"
+    async with page(World.of(*(SimulatedLamp(f"lamp{number}") for number in range(151)))) as own:
+        command = partial(to_thread.run_sync, own.browser.execute_async_script, COMMAND)
+        await own.open("#/journal", shows="Nothing has happened yet.")
+        assert [await command("lights", word) for word in ("on", "off")] == ["confirmed"] * 2
+        await own.open("#/house", shows="151 devices")
+        await own.open("#/journal", shows="lamp150")
+        await to_thread.run_sync(own.browser.execute_script, mark)
+        assert await command("lamp7", "on") == "confirmed"
+        await own.shows("asked for on: confirmed after", "ol.log li:first-child")
+        assert await to_thread.run_sync(own.browser.execute_script, count) > 0
 
 
 async def test_a_failed_command_is_red_in_the_journal(page: OpenPage) -> None:

@@ -73,6 +73,18 @@ export function subscribe(topic, handler) {
   };
 }
 
+/** Call `handler` once a frame with what came on `topic` meanwhile, in order; returns the function that ends it. */
+export function subscribeFrames(topic, handler) {
+  let found = [];
+  return subscribe(topic, (message) => {
+    if (found.push(message) > 1) return;
+    requestAnimationFrame(() => {
+      handler(found);
+      found = [];
+    });
+  });
+}
+
 export function connect() {
   // The link may be opened where the page is open already, which loads nothing.
   addEventListener("hashchange", () => {

@@ -1,6 +1,6 @@
 // The journal: what was commanded, by whom, and what it led to; newest first.
 import { useEffect, useState } from "preact/hooks";
-import { call, connection, subscribe } from "../door.js";
+import { call, connection, subscribeFrames } from "../door.js";
 import { nameOf } from "../house.js";
 import { html } from "../html.js";
 import { entryText, hasWords, timeText, vocabulary } from "../words.js";
@@ -19,14 +19,15 @@ export function Journal() {
     if (!isOpen) return undefined;
     let early = [];
     let isLoading = true;
-    const end = subscribe("/control/journal_entries", (entry) => {
-      if (isLoading) early.push(entry);
-      else setEntries((old) => [entry, ...old].slice(0, KEPT));
+    const end = subscribeFrames("/control/journal_entries", (found) => {
+      const came = numbered(found);
+      if (isLoading) early.unshift(...came);
+      else setEntries((old) => [...came, ...old].slice(0, KEPT));
     });
     call("/control/journal", { limit: KEPT }).then(
       (answer) => {
         isLoading = false;
-        setEntries([...answer.entries, ...early].reverse().slice(0, KEPT));
+        setEntries([...early, ...numbered(answer.entries)].slice(0, KEPT));
         early = [];
         setIsLoaded(true);
       },
@@ -47,10 +48,15 @@ export function Journal() {
     </p>
     ${isLoaded && shown.length === 0 && html`<p class="empty">${told.length ? `None of the newest ${entries.length} entries has these words.` : "Nothing has happened yet."}</p>`}
     <ol class="log" aria-label="newest first">
-      ${shown.map((one, index) => html`<${Entry} key=${`${one.at.sec}.${one.at.nanosec} ${one.kind} ${one.command} ${shown.length - index}`} entry=${one} outcome=${outcomeOf(one)} />`)}
+      ${shown.map((one) => html`<${Entry} key=${one.number} entry=${one} outcome=${outcomeOf(one)} />`)}
     </ol>
   </section>`;
 }
+
+let number = 0; // of the last entry that came
+
+/** The entries, newest first, each with a number of its own as its key. */
+const numbered = (entries) => entries.map((one) => ({ ...one, number: ++number })).reverse();
 
 /** One entry, with the `outcome` of its command; without the device if that is `own`. */
 export function Entry({ entry, outcome, own = "", names }) {

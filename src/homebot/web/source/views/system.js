@@ -1,6 +1,6 @@
 // Apps, gateways and what is wrong; devices that wait for approval.
 import { useEffect, useState } from "preact/hooks";
-import { call, connection, subscribe, token } from "../door.js";
+import { call, connection, subscribeFrames, token } from "../door.js";
 import { deviceOf, nameOf } from "../house.js";
 import { html } from "../html.js";
 import { label, seconds, timeIn, timeText } from "../words.js";
@@ -59,17 +59,7 @@ export function System() {
 /** The newest lines of the log, of apps too. */
 function Log() {
   const [lines, setLines] = useState([]);
-  useEffect(() => {
-    let early = [];
-    return subscribe("/rosout", (line) => {
-      if (early.push(line) > 1) return;
-      requestAnimationFrame(() => {
-        const found = early.reverse();
-        early = [];
-        setLines((old) => [...found, ...old].slice(0, LINES));
-      });
-    });
-  }, []);
+  useEffect(() => subscribeFrames("/rosout", (found) => setLines((old) => [...found].reverse().concat(old).slice(0, LINES))), []);
   return html`<section>
     <h2>Log</h2>
     ${!lines.length && html`<p class="empty">Lines appear here as they come.</p>`}
