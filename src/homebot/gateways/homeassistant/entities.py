@@ -1,6 +1,6 @@
-"""The entities of a Home Assistant with their states, grouped to devices. Pure.
+"""The entities of a Home Assistant with their states, grouped into devices. Pure.
 
-The entities of one device of Home Assistant are the parts of one device; an entity without a device is one by itself.
+The entities of one device of Home Assistant are the parts of one device; an entity without a device is a device.
 """
 
 from collections.abc import Mapping
@@ -46,14 +46,14 @@ class _ServiceCodec(ShowingCodec):
 
 
 class HomeAssistantEntities:
-    """The entities with a state or an entry in the registry.
+    """The entities with a state or a registry entry.
 
     Args:
-        max_entities: Entities that are known at once; a further one is left out and counted.
+        max_entities: Most known entities; further ones are left out and counted.
 
     Attributes:
-        celsius: Whether Home Assistant counts in °C.
-        triggers: The parts of devices with triggers, by the ids of the devices.
+        celsius: Whether Home Assistant uses °C.
+        triggers: The parts for triggers, by device id.
         left_out: Entities beyond the limit.
     """
 
@@ -68,9 +68,9 @@ class HomeAssistantEntities:
         self._devices: dict[str, GatewayDevice] = {}
 
     def put(self, entity_id: str, change: object, *, is_new: bool) -> tuple[HomeAssistantEntity, bool] | None:
-        """Apply the state of an entity, or a change of it; return it, and whether its part may be another now.
+        """Apply the state of an entity, or a change; return the entity, and whether its part may have changed.
 
-        None for one that homebot does not use.
+        None for an entity that homebot does not use.
 
         Raises:
             WireError: It is invalid.
@@ -95,23 +95,23 @@ class HomeAssistantEntities:
         return entity, is_described_anew
 
     def lose(self, entity_id: str) -> HomeAssistantEntity | None:
-        """Apply that an entity has no state any more: it is reloaded, or removed, which its registry says."""
+        """Record that an entity has lost its state: it is being reloaded, or was removed, as its registry tells."""
         entity = self._entities.get(entity_id)
         if entity is not None:
             entity.has_state = entity.is_available = False
         return entity
 
     def lose_all(self) -> None:
-        """Apply that no states are known: those that come next are all there are."""
+        """Forget all states: the next ones are the complete list."""
         self.left_out = 0
         for entity_id in self._entities:
             self.lose(entity_id)
 
     def regroup(self, *, forget: bool = False) -> dict[str, tuple[HomeAssistantEntity, ...]]:
-        """Group the entities anew by the registries; return them by the keys of their devices.
+        """Regroup the entities by the registries; return them by the keys of their devices.
 
         Args:
-            forget: Whether entities are gone that have no state, and never had an entry.
+            forget: Whether to drop entities that have neither a state nor ever had an entry.
         """
         gone = [key for key, one in self._entities.items() if not one.has_state and not self.registries.has_entity(key)]
         for entity_id in gone:
@@ -122,15 +122,15 @@ class HomeAssistantEntities:
         return {key: tuple(parts.values()) for key, parts in groups.items()}
 
     def of(self, key: str) -> tuple[HomeAssistantEntity, ...]:
-        """Return the entities of a device, in the order of its parts; empty for none."""
+        """Return the entities of a device, in the order of its parts."""
         return tuple(self._parts.get(key, {}).values())
 
     def is_new(self, entity_id: str) -> bool:
-        """Return whether an entity came after the last grouping; one that was left out then is not new."""
+        """Return whether an entity appeared after the last grouping; one left out then is not new."""
         return entity_id in self._entities and self._entities[entity_id].device_key is None
 
     def is_reached(self, key: str) -> bool:
-        """Return whether Home Assistant reaches a device; of one without entities it does not know."""
+        """Return whether Home Assistant can reach a device; None without entities."""
         entities = self.of(key)
         return not entities or any(one.is_available for one in entities)
 
@@ -139,11 +139,11 @@ class HomeAssistantEntities:
         return (entity_id in self._entities and self._entities[entity_id].device_key) or ""
 
     def entity(self, key: str, part: str) -> HomeAssistantEntity:
-        """Return the entity of a part that can be reached now.
+        """Return the entity of a part, which can be reached now.
 
         Raises:
             UnableError: There is no such part.
-            LinkError: Home Assistant does not reach it.
+            LinkError: Home Assistant cannot reach it.
         """
         entity = self._parts.get(key, {}).get(part)
         if entity is None:
@@ -153,11 +153,11 @@ class HomeAssistantEntities:
         return entity
 
     def device(self, key: str) -> GatewayDevice:
-        """Return a device as it was described last, or now for the first time."""
+        """Return a device as last described, or else describe it."""
         return self._devices.get(key) or self.describe(key)
 
     def describe(self, key: str) -> GatewayDevice:
-        """Describe a device by its registries and the attributes of its entities."""
+        """Describe a device from the registries and the attributes of its entities."""
         entities = self.of(key)
         ids = [one.entity_id for one in entities]
         device = self.registries.device(key) or DeviceInfo((), "", "", {})
@@ -181,12 +181,12 @@ class HomeAssistantEntities:
             area=area,
             raw_address=f"homeassistant/{key}",
             codecs={one.entry.part_id: _ServiceCodec(one) for one in entities},
-            native=False,  # the gateway of its own protocol knows it better
+            native=False,  # the gateway of its native protocol knows it better
         )
         return described
 
     def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
-        """Return the entities by their devices and parts, each with its newest entry."""
+        """Return the entities by device and part, each with its newest entry."""
         groups: dict[str, dict[str, HomeAssistantEntity]] = {}
         for entity_id, entity in sorted(self._entities.items(), key=_order):
             entity.device_key, entity.entry = "", self.registries.entity(entity_id)
@@ -195,7 +195,7 @@ class HomeAssistantEntities:
                 continue
             key = entry.device_id or entry.key
             parts = groups.setdefault(key, {})
-            if entry.part_id in parts:  # of another integration, which gave it the same id
+            if entry.part_id in parts:  # from another integration with the same id
                 entity.entry = entry = entry._replace(part_id=entry.key)
             if len(parts) < MAX_PARTS:
                 parts[entry.part_id] = entity

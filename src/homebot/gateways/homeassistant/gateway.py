@@ -30,12 +30,12 @@ __all__ = ["HomeAssistantGateway"]
 
 SETTLES: Final = 0.05
 LONGEST_SETTLING: Final = 0.5
-"""Least and most seconds for which changes of the registries are collected: a new device is one change of each of its
-entities. Between these it is four times as long as the last listing took: it has no more than a fifth of the time."""
+"""Least and most seconds for which changes of the registries are collected, as a new device is a change per entity.
+Within these, four times the duration of the last listing, so that listing takes at most a fifth of the time."""
 
 FORGOTTEN_AFTER: Final = 300.0
-"""Seconds after which an entity without a state and without an entry is gone: a reload takes a few seconds, a start of
-Home Assistant may take minutes."""
+"""Seconds after which an entity without state and entry counts as gone: a reload takes a few seconds, a start of Home
+Assistant may take minutes."""
 
 
 class HomeAssistantGateway(LinkedGateway):
@@ -60,7 +60,7 @@ class HomeAssistantGateway(LinkedGateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the token."""
+        """Check the token."""
         if isinstance(settings, HomeAssistantGatewaySettings):
             try:
                 settings.read_token()
@@ -69,7 +69,7 @@ class HomeAssistantGateway(LinkedGateway):
 
     @classmethod
     async def reach(cls, settings: BaseModel) -> None:
-        """Show Home Assistant the token."""
+        """Log in to Home Assistant."""
         if isinstance(settings, HomeAssistantGatewaySettings):
             from homebot.gateways.homeassistant.link import connected  # noqa: PLC0415 - only where it runs
 
@@ -91,7 +91,7 @@ class HomeAssistantGateway(LinkedGateway):
                     await self._follow_registries(DeviceTriggers(self._link, self._on_press))
 
     async def _load(self) -> None:
-        """List the registries and all states, and follow both."""
+        """Read the registries and all states, and follow both."""
         link = self._link
         config = as_fields(await link.call("the configuration", "get_config"))
         self._entities.celsius = as_fields(config.get("unit_system")).get("temperature") != "°F"
@@ -125,7 +125,7 @@ class HomeAssistantGateway(LinkedGateway):
             self._entities.registries.put(registry, listed)
 
     async def _with_aliases(self, listed: object) -> object:
-        """Return the entries of entities with their aliases, which their list lacks."""
+        """Return the entries of entities with their aliases, which the list omits."""
         ids = [text_of(as_fields(one).get("entity_id")) for one in listed] if isinstance(listed, list) else []
         try:
             found = await self._link.call("the aliases", "config/entity_registry/get_entries", {"entity_ids": ids})
@@ -134,7 +134,7 @@ class HomeAssistantGateway(LinkedGateway):
         return list(as_fields(found).values()) or listed
 
     async def _follow_registries(self, triggers: DeviceTriggers) -> None:
-        """Follow the triggers of all devices; list changed registries again, and group all entities by them."""
+        """Follow the triggers of all devices; read changed registries again, and regroup the entities."""
         clock, settles = self.node.graph.clock, SETTLES
         while True:
             self._entities.triggers = await triggers.follow(self._entities.registries.device_ids)
@@ -161,7 +161,7 @@ class HomeAssistantGateway(LinkedGateway):
         self._changed.set()
 
     async def _on_states(self, event: Mapping[str, object], *, is_first: bool) -> None:
-        """Handle the states of entities: all of them first, and then changes."""
+        """Handle the states of entities: first all of them, then changes."""
         for field, is_new in (("a", True), ("c", False)):
             for entity_id, change in as_fields(event.get(field)).items():
                 await self._on_state(entity_id, change, is_new=is_new, is_first=is_first)
@@ -189,7 +189,7 @@ class HomeAssistantGateway(LinkedGateway):
         entity, is_described_anew = found
         if not key:
             if self._entities.is_new(entity_id):
-                self._mark_stale("device", "entity")  # or it has another id now
+                self._mark_stale("device", "entity")  # or its id has changed
             return
         if is_described_anew:
             self.devices.put(self._entities.describe(key), "its abilities changed")
@@ -199,7 +199,7 @@ class HomeAssistantGateway(LinkedGateway):
         """Report the values of an entity.
 
         Args:
-            is_event: Whether they came as a change, not as a whole state.
+            is_event: Whether the message is a change rather than a whole state.
         """
         key = self._entities.key_of(entity.entity_id)
         if not key:
@@ -217,7 +217,7 @@ class HomeAssistantGateway(LinkedGateway):
             await self.devices.report(key, values, entity.entry.part_id)
 
     async def _describe_all(self, why: str, *, forget: bool = False) -> None:
-        """Group the entities, remove the devices that are gone, and publish those that are new or described anew."""
+        """Regroup the entities, remove devices that are gone, and publish new or changed ones."""
         groups, known = self._entities.regroup(forget=forget), set(self.devices.keys)
         for key in known - groups.keys():
             self.devices.remove(key, "Home Assistant no longer has it")
@@ -256,6 +256,6 @@ class HomeAssistantGateway(LinkedGateway):
         try:
             await self._link.call(what, "call_service", args)
         except RefusedError as exc:
-            if command.code:  # the reason may repeat it
+            if command.code:  # the reason may contain it
                 raise RefusedError(what, "Home Assistant refuses it, or the code is wrong") from None
             raise exc from None

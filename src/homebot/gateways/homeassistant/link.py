@@ -1,6 +1,6 @@
-"""Commands and events over the WebSocket of Home Assistant; the one file of the gateway that knows websockets.
+"""Commands and events over the WebSocket of Home Assistant; the only file of the gateway that uses websockets.
 
-Frames are taken in the order in which they come; an event waits until the one before it is handled.
+Frames are handled in order; each event waits until the previous one is handled.
 
 Source: Home Assistant core 2024.3, ``components/websocket_api``; https://developers.home-assistant.io/docs/api/websocket
 """
@@ -25,33 +25,33 @@ from homebot.support.connect_errors import connect_problem
 __all__ = ["HomeAssistantLink", "OnEvent", "connected"]
 
 MAX_FRAME_BYTES = 64 * 1024 * 1024
-"""Longest frame: all states of 10,000 entities, some 1 kB each, and much more for those with long attributes."""
+"""Longest frame: all states of 10,000 entities, of about 1 kB each, and much more with long attributes."""
 
 OPENS_WITHIN = 10.0
 CLOSES_WITHIN = 1.0
 ALIVE_WITHIN = 20.0
-"""In seconds; a peer that does not answer a ping for this long is lost."""
+"""In seconds; a peer that does not answer a ping for this long counts as lost."""
 
 GREETS_WITHIN: Final = 10.0
 ANSWERS_WITHIN: Final = 30.0
-"""In seconds; a service that takes longer, such as one of a device that sleeps, goes on without us."""
+"""In seconds; a service that takes longer, such as for a sleepy device, continues without us."""
 
 MOST_INVALID: Final = 100
-"""Invalid frames in a row after which the connection is closed."""
+"""Consecutive invalid frames after which the connection is closed."""
 
 OLDEST: Final = (2022, 11)
-"""The oldest version with the commands of this gateway: ``subscribe_entities`` and white in kelvin."""
+"""The oldest supported version: with ``subscribe_entities`` and white in kelvin."""
 
 _UNREACHED: Final = frozenset({"timeout"})
 
 OnEvent: TypeAlias = Callable[[Mapping[str, object]], Awaitable[None]]
-"""Takes an event of a subscription."""
+"""Receives an event of a subscription."""
 
 _Frame: TypeAlias = Mapping[str, object]
 
 
 class HomeAssistantLink:
-    """A connection to Home Assistant, by an open WebSocket; :func:`connected` makes it."""
+    """A connection to Home Assistant over an open WebSocket, made by :func:`connected`."""
 
     def __init__(self, connection: ClientConnection, on_invalid: Callable[[bytes, str], None]) -> None:
         self._connection = connection
@@ -60,7 +60,7 @@ class HomeAssistantLink:
         self._listeners: dict[str, OnEvent] = {}
 
     async def greet(self, token: str) -> None:
-        """Show the token; errors as those of :func:`connected`."""
+        """Log in with the token; raises the errors of :func:`connected`."""
         try:
             with anyio.fail_after(GREETS_WITHIN):
                 await self._expect("auth_required")
@@ -98,7 +98,7 @@ class HomeAssistantLink:
 
         Args:
             what: The action, for errors.
-            on_event: Takes the events of a subscription.
+            on_event: Receives the events of a subscription.
 
         Raises:
             LinkError: The link is lost, or there was no answer in time.
@@ -161,7 +161,7 @@ class HomeAssistantLink:
                     raise WireError(f"an event of subscription {number} is {shown(event)}")
                 await listener(event)
             case "result":
-                await self._calls.resolve(str(number), frame)  # one without a waiting caller came too late
+                await self._calls.resolve(str(number), frame)  # an answer without a waiting caller is late
             case kind:
                 raise WireError(f"a message is of type {shown(kind)}, neither result nor event")
 
@@ -170,16 +170,16 @@ class HomeAssistantLink:
 async def connected(
     settings: HomeAssistantGatewaySettings, on_invalid: Callable[[bytes, str], None]
 ) -> AsyncIterator[HomeAssistantLink]:
-    """Connect to Home Assistant inside the block, and show it the token.
+    """Keep a connection to Home Assistant inside the block, logged in with the token.
 
     Args:
-        on_invalid: Takes each invalid frame, and the reason.
+        on_invalid: Receives each invalid frame with the reason.
 
     Raises:
         LinkError: It cannot be reached now.
         RefusedError: It refuses the token; the message gives the remedy.
         UsageError: The token cannot be read.
-        WireError: It is not Home Assistant, or too old a version.
+        WireError: It is not Home Assistant, or the version is too old.
     """
     token = await anyio.to_thread.run_sync(settings.read_token)
     connection = await _opened(settings.websocket)
@@ -193,7 +193,7 @@ async def connected(
     finally:
         with anyio.move_on_after(CLOSES_WITHIN, shield=True):
             await connection.close()
-            await anyio.lowlevel.cancel_shielded_checkpoint()  # its own tasks end after it
+            await anyio.lowlevel.cancel_shielded_checkpoint()  # its tasks end after it
 
 
 async def _opened(url: str) -> ClientConnection:

@@ -21,11 +21,11 @@ class HomeAssistantGatewaySettings(GatewaySettings):
     """The settings of a Home Assistant gateway.
 
     Attributes:
-        url: The address of Home Assistant, as a browser has it.
+        url: The address of Home Assistant, as in a browser.
         token_file: File with a long-lived access token in its first line, readable by its owner only. Relative paths
             begin at the folder of the configuration's file. It is read again for each connection.
         token_env: Environment variable that holds the token.
-        max_entities: Entities that are known at once; a further one is left out and counted.
+        max_entities: Most known entities; further ones are left out and counted.
     """
 
     url: str = "http://homeassistant.local:8123"
@@ -53,14 +53,14 @@ class HomeAssistantGatewaySettings(GatewaySettings):
         """Return the token.
 
         Raises:
-            UsageError: It cannot be read; names the key.
+            UsageError: It cannot be read; the message names the key.
         """
         token = read_password(self.token_file, self.token_env, "token")
         return "" if token is None else token.get_secret_value()
 
     @property
     def remedy(self) -> str:
-        """The way to a valid token."""
+        """The steps to a valid token."""
         then = "and restart homebot" if self.token_env else "which is read again within five minutes"
         place = self.token_env or self.token_file
         return (

@@ -1,4 +1,4 @@
-"""The triggers of devices, for remotes whose buttons are no entities.
+"""The triggers of devices, for remotes whose buttons are not entities.
 
 Source: Home Assistant core 2024.3, ``components/device_automation`` and ``websocket_api``: only the token of an
 administrator may follow triggers.
@@ -20,10 +20,10 @@ _MOST: Final = 100
 
 
 class DeviceTriggers:
-    """The triggers of the devices that have some, over one connection.
+    """The triggers of devices, over one connection.
 
     Args:
-        on_press: Takes the key of a device, the id of its part and the press.
+        on_press: Receives the key of a device, the id of its part and the press.
     """
 
     def __init__(self, link: HomeAssistantLink, on_press: Callable[[str, str, str], Awaitable[None]]) -> None:
@@ -32,7 +32,7 @@ class DeviceTriggers:
         self._asked: dict[str, tuple[Part, ...]] = {}
 
     async def follow(self, device_ids: Iterable[str]) -> dict[str, tuple[Part, ...]]:
-        """Follow the triggers of devices that were not asked for before; return the parts of each that has some."""
+        """Follow the triggers of new devices; return the parts of each device with triggers."""
         for device_id in device_ids:
             if device_id not in self._asked:
                 self._asked[device_id] = await self._subscribe(device_id)
@@ -53,19 +53,19 @@ class DeviceTriggers:
                     await self._on_press(device_id, part.id, part.capabilities[0].options[0])
 
             await self._link.call("the triggers", "subscribe_trigger", {"trigger": triggers}, on_trigger)
-        except RefusedError:  # an integration without triggers, or a user who may not follow them
+        except RefusedError:  # an integration without triggers, or a user without the right to follow them
             return ()
         return tuple({one.id: one for one in parts}.values())
 
 
 def _is_own(trigger: object) -> bool:
-    """Return whether a trigger is neither one of an entity, which reports it anyway, nor one that MQTT announces."""
+    """Return whether a trigger belongs neither to an entity, which reports it anyway, nor to MQTT discovery."""
     fields = as_fields(trigger)
     return bool(fields) and "entity_id" not in fields and fields.get("domain") not in {*DOMAINS, "mqtt"}
 
 
 def _part(trigger: Mapping[str, object]) -> Part:
-    """Return the part of a trigger, as MQTT discovery has one for each."""
+    """Return the part of a trigger: one for each, as in MQTT discovery."""
     kind, subtype = text_of(trigger.get("type")), text_of(trigger.get("subtype"))
     press = Capability(
         name="press", options=(subtype if kind == "action" and subtype else f"{kind} {subtype}".strip(),)

@@ -18,28 +18,28 @@ __all__ = ["AccessoryDevice", "describe", "key_of"]
 _NAME, _SERIAL = "23", "30"
 _FACTS: Final = {"manufacturer": "20", "model": "21", "sw_version": "52", "hw_version": "53"}
 _FIRST: Final = 1
-"""The accessory ID of an accessory by itself, and of a bridge."""
+"""The accessory ID of a standalone accessory, and of a bridge."""
 
 _SHORTEST: Final = 6
-"""Characters, without leading zeros, of a serial number that no other device has; many have ``00000001``, ``default``
-or their model."""
+"""Characters, without leading zeros, from which a serial number counts as unique; many are ``00000001``, ``default`` or
+the model."""
 
 
 def key_of(server: str, aid: int) -> str:
-    """Return the key of an accessory: the pairing ID of its server, with its accessory ID if it is behind a bridge."""
+    """Return the key of an accessory: the pairing ID of its server, plus its accessory ID behind a bridge."""
     return server if aid == _FIRST else f"{server}.{aid}"
 
 
 @dataclass(frozen=True, slots=True)
 class AccessoryDevice:
-    """An accessory, with its accessory ID, and the device and the parts that it is."""
+    """An accessory, with its accessory ID, device and parts."""
 
     aid: int
     device: GatewayDevice
     parts: Mapping[str, HomekitPart]
 
     def find(self, iid: int) -> HapCharacteristic | None:
-        """Return a characteristic of its parts; None for an unknown *iid*."""
+        """Return a characteristic of its parts, or None for an unknown *iid*."""
         known = (one for part in self.parts.values() for one in part.service.characteristics.values())
         return next((one for one in known if one.iid == iid), None)
 
@@ -47,7 +47,7 @@ class AccessoryDevice:
 def describe(
     found: FoundAccessory, accessory: Accessory | None = None, all_of: Iterable[Accessory] = ()
 ) -> AccessoryDevice:
-    """Return an accessory as a device; without a description if it is not paired. *all_of* are those of its server."""
+    """Return an accessory as a device; without parts if it is not paired. *all_of* are those of its server."""
     known = accessory or Accessory(_FIRST)
     key, information, is_first = key_of(found.id, known.aid), known.information, known.aid == _FIRST
     parts = {one.part.id: one for one in parts_of(known)}

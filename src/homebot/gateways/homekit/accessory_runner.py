@@ -1,8 +1,8 @@
-"""Works with one paired accessory server: connects, describes its accessories, reports their values, and writes.
+"""The work with one paired accessory server: connects, describes its accessories, reports their values, and writes.
 
-An accessory sends no event to the controller that wrote, so what was written is read again. All values are read now and
-then: some have no events, and it shows whether the accessory is still there. Values are reported in the order in which
-they came; if too many events wait, one more is dropped, and all values are read.
+An accessory sends no event to the controller that wrote, so written values are read back. All values are read at
+intervals, because some have no events, and to check that the accessory is still there. Values are reported in order; if
+too many events wait, further ones are dropped, and all values are read.
 """
 
 import asyncio
@@ -31,13 +31,13 @@ LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=2.0, late_cap=15.0, lat
 """An accessory that restarts is back within seconds."""
 
 CONNECTED_WITHIN: Final = 5.0
-"""Seconds that a command waits for a connection that is being made."""
+"""Seconds for which a command waits for a connection."""
 
 AWAKE_WITHIN: Final = 30.0
-"""Seconds that it waits for the connection to an accessory that sleeps."""
+"""Seconds for which it waits for the connection to a sleepy accessory."""
 
 READ_EVERY, READ_SLEEPER_EVERY = 30.0, 300.0
-"""Seconds between two readings of all values: they cost battery."""
+"""Seconds between readings of all values, which drain batteries."""
 
 MAX_EVENTS: Final = 100
 
@@ -52,10 +52,10 @@ _LINK_PROBLEMS: Final = {
 
 
 class AccessoryRunner(DeviceRunner):
-    """A paired accessory, or a bridge with those behind it.
+    """The runner of a paired accessory, or of a bridge and the accessories behind it.
 
     Attributes:
-        sleeps: Whether its radio is off most of the time; then a lost connection does not say that it is away.
+        sleeps: Whether its radio is off most of the time, so that a lost connection does not mean that it is away.
     """
 
     def __init__(self, found: FoundAccessory, pairing: Pairing, devices: PublishedDevices, port: HomekitPort) -> None:
@@ -64,7 +64,7 @@ class AccessoryRunner(DeviceRunner):
         self._found = found
         self._pairing = pairing
         self._port = port
-        self.sleeps = found.is_on_thread  # it may, until it describes itself
+        self.sleeps = found.is_on_thread  # possible, until it describes itself
         self._attempt_ended, self._doubted = anyio.Event(), anyio.Event()
         self._accessories: dict[int, AccessoryDevice] = {}
         self._waiting = asyncio.Queue[Callable[[], Awaitable[None]]](MAX_EVENTS)
@@ -77,10 +77,10 @@ class AccessoryRunner(DeviceRunner):
         return frozenset({self.key, *(one.device.key for one in self._accessories.values())})
 
     def change(self, found: FoundAccessory) -> None:
-        """Use the new announcement of the accessory; connect anew if it has other accessories.
+        """Use the new announcement of the accessory; reconnect if its accessories have changed.
 
-        If it says that values changed, or that it moved, they are read at once, which tests the connection: anyone can
-        announce its ID.
+        If values or its address have changed, all values are read at once, which also tests the connection, as anyone
+        can announce its ID.
         """
         before, self._found = self._found, found
         self.name = found.name
@@ -117,7 +117,7 @@ class AccessoryRunner(DeviceRunner):
         self._devices.put(describe(self._found).device, "it is paired, and was not reached yet", confirmed=False)
 
     def on_end(self) -> None:
-        """Publish that there is no connection."""
+        """Publish the loss of the connection."""
         self.link = None
         self._attempt_ended.set()
         self._attempt_ended = anyio.Event()
@@ -126,7 +126,7 @@ class AccessoryRunner(DeviceRunner):
             self._devices.report_reachable(key, reachable=None if self.sleeps else False)
 
     async def perform(self, command: Command) -> None:
-        """Carry *command* out; without a connection, wait for one: of an accessory that does not sleep, try once."""
+        """Carry out *command*; without a connection, wait for one (for one attempt unless it is sleepy)."""
         link = await self._connected()
         accessory, part = self._find(command)
         row, known = part.rows[command.capability], part.service.characteristics
@@ -144,7 +144,7 @@ class AccessoryRunner(DeviceRunner):
             self._tasks.start_soon(self._read, link, ids)
 
     def _find(self, command: Command) -> tuple[AccessoryDevice, HomekitPart]:
-        """Return the accessory and its part that have the capability of a command, as it was last described."""
+        """Return the accessory and the part with the capability of a command, as last described."""
         for accessory in self._accessories.values():
             part = accessory.parts.get(command.part)
             if accessory.device.key == command.key and part is not None and command.capability in part.rows:
@@ -152,7 +152,7 @@ class AccessoryRunner(DeviceRunner):
         raise self.not_connected()
 
     async def _connected(self) -> HomekitLink:
-        """Return the connection, once there is one; raise LinkError if there is none in time."""
+        """Wait for the connection and return it; raise LinkError if there is none in time."""
         if self.link is None:
             self.wake()
             with anyio.move_on_after(AWAKE_WITHIN if self.sleeps else CONNECTED_WITHIN):
@@ -164,7 +164,7 @@ class AccessoryRunner(DeviceRunner):
         return self.link
 
     def _describe(self, listed: object) -> None:
-        """Publish the accessories, and remove those that are not there any more."""
+        """Publish the accessories, and remove those that no longer exist."""
         before, accessories = self.keys, parse_accessories(listed)
         self.sleeps = any(one.sleeps for one in accessories.values())
         self._accessories.clear()
@@ -175,7 +175,7 @@ class AccessoryRunner(DeviceRunner):
             self._devices.remove(key, "its bridge no longer has it")
 
     def _ids(self, permission: str) -> list[CharacteristicId]:
-        """Return the characteristics of known capabilities that have a permission."""
+        """Return the characteristics of known capabilities with a permission."""
         return sorted(
             (aid, one.iid)
             for aid, accessory in self._accessories.items()
@@ -185,7 +185,7 @@ class AccessoryRunner(DeviceRunner):
         )
 
     def _on_event(self, values: HomekitValues) -> None:
-        """Have the values of an event reported; an accessory that breaks the rules too often is not heard."""
+        """Queue the values of an event for reporting, unless the accessory breaks the rules too often."""
         if not self._devices.admits(self.key):
             return
         if self._waiting.full():
@@ -203,7 +203,7 @@ class AccessoryRunner(DeviceRunner):
         await self._waiting.put(partial(self._report, await link.read(ids), is_read=True))
 
     async def _read_all(self, link: HomekitLink) -> None:
-        """Read all values now and then; those that were read while a command was sent may be older than it."""
+        """Read all values at intervals; values read while a command was sent may be older than it."""
         while True:
             with anyio.move_on_after(READ_SLEEPER_EVERY if self.sleeps else READ_EVERY):
                 await self._doubted.wait()
@@ -218,8 +218,8 @@ class AccessoryRunner(DeviceRunner):
         """Check and report the values of an event or of a reading.
 
         Args:
-            is_read: Whether they were read, which also says which accessories can be reached.
-            is_routine: Whether only values that differ from the known ones are news.
+            is_read: Whether they were read, which also tells which accessories can be reached.
+            is_routine: Whether to report only values that differ from the known ones.
         """
         news: dict[int, dict[int, object]] = {}
         for (aid, iid), fields in values.items():
@@ -237,7 +237,7 @@ class AccessoryRunner(DeviceRunner):
             await self._report_changed(self._accessories[aid], changed)
 
     def _admits(self, known: HapCharacteristic, one: Mapping[str, object], *, is_routine: bool) -> bool:
-        """Return whether a value is to be reported; reject one that is not a press, where it should be."""
+        """Return whether to report a value; reject one that should be a press and is not."""
         value = one.get("value")
         if known.type == PRESS and whole_number(value) not in PRESSES:
             if value is not None:  # as it is read
@@ -256,14 +256,14 @@ class AccessoryRunner(DeviceRunner):
             for one in changed:
                 one.value = values[one.iid]
             kinds = {one.type for one in changed}
-            for row in part.rows.values():  # each by itself: the newest report of each set of capabilities is kept
+            for row in part.rows.values():  # one by one, as the newest report of each set of capabilities is kept
                 if not kinds.isdisjoint(row.kinds):
                     await self._devices.report(key, {row.capability: row.read_value(part.service)}, part.part.id)
 
 
 def _check(what: str, statuses: Iterable[int]) -> None:
     for status in statuses:
-        code = -abs(status)  # some accessories leave out the sign
+        code = -abs(status)  # some accessories omit the sign
         if code in _LINK_PROBLEMS:
             raise LinkError(f"{what} was not set: {_LINK_PROBLEMS[code]}")
         raise RefusedError(what, f"HAP status {code}", code)

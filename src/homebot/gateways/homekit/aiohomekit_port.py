@@ -1,7 +1,7 @@
-"""The port to accessories by aiohomekit, which has the cryptography and the framing; the one file that imports it.
+"""The port to accessories through aiohomekit, which provides cryptography and framing; the only file that imports it.
 
-The library would connect again by itself, repeat a written value as an event, and go on sending after a cancelled
-request. So a connection is used once: it is closed in one piece when it is lost, or when an answer is too late.
+The library would reconnect, repeat a written value as an event, and keep sending after a cancelled request. So each
+connection is used once, and closed completely when it is lost or an answer is late.
 """
 
 import asyncio
@@ -45,17 +45,17 @@ from homebot.support.unanswered import awaiting_answer
 
 __all__ = ["AiohomekitPort"]
 
-if sys.platform == "linux":  # else it listens by TCP and WebSocket too, for each accessory over Thread
+if sys.platform == "linux":  # otherwise it also listens on TCP and WebSocket, for each accessory over Thread
     os.environ.setdefault("AIOCOAP_SERVER_TRANSPORT", "udp6")
 
 PAIRS_WITHIN: Final = 60.0
-"""Seconds; small processors take half a minute for the keys."""
+"""Seconds; small processors need half a minute for the keys."""
 
 READ_AT_ONCE: Final = 40
-"""Characteristics in one request over IP: some accessories take short addresses only."""
+"""Most characteristics in one request over IP, as some accessories only accept short addresses."""
 
 _PREPARED: Final = 5000
-"""Milliseconds in which a timed write has to follow its announcement."""
+"""Milliseconds within which a timed write must follow its announcement."""
 
 
 class _PairedLink(HomekitLink):
@@ -76,7 +76,7 @@ class _PairedLink(HomekitLink):
 
     @abstractmethod
     async def close(self) -> None:
-        """Close at once: a request that was not sent yet is not sent any more."""
+        """Close at once, without sending requests that are still queued."""
 
     async def list_accessories(self) -> object:
         async with self._asking():
@@ -96,8 +96,8 @@ class _PairedLink(HomekitLink):
 
     @asynccontextmanager
     async def _asking(self) -> AsyncIterator[None]:
-        """Ask within a time limit; a request without an answer ends the connection."""
-        if self.lost.is_set():  # the library would make a new one
+        """Limit the time for an answer; without one the connection is closed."""
+        if self.lost.is_set():  # the library would open a new one
             raise LinkError(f"{self._name} cannot be reached: the connection was lost")
         try:
             with awaiting_answer(), _translated(self._name), anyio.fail_after(self.answers_within):
@@ -119,9 +119,9 @@ class _IpLink(_PairedLink):
 
     async def open(self, within: float) -> None:
         await _connect(self._connection, within)
-        self._connection.closing = True  # it is not opened again
+        self._connection.closing = True  # it is not reopened
         self._transport = transport = self._connection.transport
-        linger = struct.pack("ii", 1, 0)  # the system drops what it could not send yet when it is closed
+        linger = struct.pack("ii", 1, 0)  # closing drops whatever the system could not send yet
         transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)
         transport.set_protocol(_LossWatch(transport.get_protocol(), self.lost))
 
@@ -129,7 +129,7 @@ class _IpLink(_PairedLink):
         if self._transport is not None:
             self._transport.abort()
         self.lost.set()
-        with suppress(exceptions.HomeKitException):  # why it could not be opened
+        with suppress(exceptions.HomeKitException):  # the reason for a failure to open
             await self._pairing.close()
 
     async def read(self, ids: Iterable[CharacteristicId]) -> HomekitValues:
@@ -151,7 +151,7 @@ class _IpLink(_PairedLink):
 
 
 class _LossWatch(asyncio.Protocol):
-    """The protocol of a connection of the library, which sets an event when the connection is lost."""
+    """The library's protocol of a connection, which also sets an event when the connection is lost."""
 
     def __init__(self, protocol: asyncio.Protocol, lost: anyio.Event) -> None:
         self.data_received, self.eof_received = protocol.data_received, protocol.eof_received  # type: ignore[method-assign]
@@ -164,7 +164,7 @@ class _LossWatch(asyncio.Protocol):
 
 
 class _ThreadLink(_PairedLink):
-    """A session by CoAP; it is lost when a request has no answer."""
+    """A session over CoAP; it is lost if a request is not answered."""
 
     answers_within = 120.0
     """A description takes a message for each service, and each some seconds if the accessory sleeps; the library waits
@@ -200,7 +200,7 @@ class _ThreadLink(_PairedLink):
 
 
 class AiohomekitPort(HomekitPort):
-    """Accessories on the local network, by TCP within *connects_within* seconds, and over Thread, by CoAP."""
+    """Accessories on the local network, over TCP within *connects_within* seconds, or over Thread by CoAP."""
 
     def __init__(self, connects_within: float = 10.0) -> None:
         self._connects_within = connects_within
@@ -243,7 +243,7 @@ def _controller_of(found: FoundAccessory) -> Any:
 
 
 async def _connect(connection: HomeKitConnection, within: float) -> None:
-    """Open a TCP connection; the library tries again and again within the time limit."""
+    """Open a TCP connection; the library retries within the time limit."""
     with anyio.move_on_after(within):
         await connection.ensure_connection()
     if not connection.is_connected:
@@ -291,7 +291,7 @@ _REFUSALS: Final = {
     exceptions.InvalidError: _FORGOTTEN,
 }
 _LOST: Final = (exceptions.AccessoryDisconnectedError, exceptions.EncryptionError, OSError, TimeoutError)
-"""An accessory that restarted does not know the keys of a session over Thread any more."""
+"""A restarted accessory has lost the keys of its sessions over Thread."""
 
 
 @contextmanager
@@ -315,7 +315,7 @@ def _error_of(name: str, error: Exception, *, is_pairing: bool) -> HomebotError:
 
 
 def _causes(error: BaseException | None) -> Iterator[BaseException]:
-    """Yield an error, and those that the library had when it raised it: over Thread, it hides the reason."""
+    """Yield an error and the errors behind it: over Thread, the library hides the reason."""
     while error is not None:
         yield error
         error = error.__context__

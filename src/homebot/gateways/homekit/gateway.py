@@ -1,7 +1,7 @@
 """The HomeKit gateway: accessories on the local network, each over its own connection.
 
-The mDNS gateway finds the accessories; this one follows its sightings on the graph, pairs, and talks to those that are
-paired with homebot. The keys stay in a file; the setup codes are forgotten.
+The mDNS gateway finds the accessories; this one follows its sightings on the graph, pairs, and talks to accessories
+that are paired with homebot. The keys are kept in a file; the setup codes are forgotten.
 """
 
 from collections.abc import Iterator
@@ -50,7 +50,7 @@ class HomekitGatewaySettings(GatewaySettings):
 
 
 STATE_WITHIN: Final = 5.0
-"""Seconds that the mDNS gateway has to start before this one says that it is missing."""
+"""Seconds for the mDNS gateway to start before it is reported as missing."""
 
 _NEWEST_OF_EACH: Final = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -83,7 +83,7 @@ class HomekitGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the library, and at the file of the keys."""
+        """Check the library and the file of the keys."""
         check_extra('the gateway "homekit"', "homekit", "aiohomekit")
         if isinstance(settings, HomekitGatewaySettings):
             PairingFile(settings.pairings).load()
@@ -126,7 +126,7 @@ class HomekitGateway(Gateway):
         return found.name
 
     async def unpair(self, key: str) -> str:
-        """End the pairing with an accessory, and return its name; the key of one that is away is deleted alone."""
+        """End the pairing with an accessory, and return its name; if it is away, only delete its key."""
         runner = next((one for one in self._runners.values() if key in one.keys), None)
         if runner is not None and key != runner.key:
             raise UnableError(f"{key} is behind the bridge {runner.name}, which is paired as a whole")
@@ -140,7 +140,7 @@ class HomekitGateway(Gateway):
         for device in (key,) if runner is None else runner.keys:
             self.devices.remove(device, "it is not paired any more")
         if found := self._found.get(key):
-            self._found[key] = replace(found, is_paired=link is None)  # until it announces so
+            self._found[key] = replace(found, is_paired=link is None)  # until it announces that itself
             self.devices.put(describe(found).device, "it is announced")
         return key if runner is None else runner.name
 
@@ -185,7 +185,7 @@ class HomekitGateway(Gateway):
             self.devices.put(describe(found).device, "it is announced")
 
     def _on_lost(self, key: str) -> None:
-        """Remove an accessory that is not announced any more; one that is paired is only away."""
+        """Remove an accessory that is no longer announced, unless it is paired and so only away."""
         self._found.pop(key, None)
         if key not in self._pairings:
             self.devices.remove(key, "it is not announced any more")
@@ -202,7 +202,7 @@ class HomekitGateway(Gateway):
 
 
 def _next_step(found: FoundAccessory) -> str:
-    """Return why an accessory is not used, and what to do."""
+    """Return why an accessory is not used, and the next step."""
     command = f"`homebot pair '{found.name}' CODE`"
     if found.is_paired:
         return f"{found.name}: it is paired with another controller; remove it there, or reset it, then {command}"

@@ -24,16 +24,16 @@ _THREAD: Final = "_hap._udp"
 _SERVICE_TYPES: Final = frozenset({"_hap._tcp", _THREAD})
 _ID: Final = re.compile(r"(?:[0-9A-F]{2}:){5}[0-9A-F]{2}")
 _UNPAIRED: Final = 1
-"""The bit of the status flags that says that it is paired with nobody."""
+"""The bit of the status flags of an unpaired accessory."""
 
 Pairing: TypeAlias = Mapping[str, object]
-"""The keys of a pairing: secret. Only the port reads them."""
+"""The keys of a pairing, a secret that only the port reads."""
 
 HomekitValues: TypeAlias = Mapping[CharacteristicId, Mapping[str, object]]
 """The ``value`` or the HAP ``status`` of characteristics, unchecked."""
 
 OnEvent: TypeAlias = Callable[[HomekitValues], None]
-"""Takes the values of an event; never raises."""
+"""Receives the values of an event; never raises."""
 
 StatusCodes: TypeAlias = dict[CharacteristicId, int]
 """The HAP status codes of characteristics that could not be written; empty if all were."""
@@ -46,10 +46,10 @@ class FoundAccessory:
     Attributes:
         id: Its pairing ID, ``AA:BB:CC:DD:EE:FF``; it changes when it is reset.
         service_type: The type of its DNS-SD service.
-        is_paired: Whether it is paired with some controller.
+        is_paired: Whether it is paired with any controller.
         version: Its configuration number, which grows when its accessories change.
-        state: Its state number, which grows when values changed that it could not push.
-        features: Its feature flags, which say how it is paired.
+        state: Its state number, which grows with changes that it could not push.
+        features: Its feature flags, which describe how it can be paired.
     """
 
     id: str
@@ -65,12 +65,12 @@ class FoundAccessory:
 
     @property
     def is_on_thread(self) -> bool:
-        """True if it is reached over Thread, by CoAP."""
+        """True if it is reached by CoAP over Thread."""
         return self.service_type == _THREAD
 
     @classmethod
     def of(cls, sighting: Sighting) -> FoundAccessory | None:
-        """Return the accessory of an mDNS gateway's sighting, None for another service; raise WireError if invalid."""
+        """Return the accessory in an mDNS sighting, None for another service; raise WireError if it is invalid."""
         facts = {one.key: one.value for one in sighting.metadata}
         if (service_type := facts.get("dns_sd_type", "")) not in _SERVICE_TYPES:
             return None
@@ -109,9 +109,9 @@ class HomekitLink(ABC):
 
     @abstractmethod
     async def write(self, values: Mapping[CharacteristicId, object], *, is_timed: bool) -> StatusCodes:
-        """Write characteristics; a write that is cancelled or too late is not sent any more.
+        """Write characteristics; a cancelled or late write is not sent any more.
 
-        A router of a Thread network may hold one that was sent until the accessory is awake.
+        A router of a Thread network may keep a sent one until the accessory is awake.
         """
 
     @abstractmethod
@@ -124,7 +124,7 @@ class HomekitLink(ABC):
 
 
 class HomekitPort(ABC):
-    """The library behind the gateway."""
+    """The port to the library."""
 
     @abstractmethod
     def connected(

@@ -1,7 +1,7 @@
-"""One Hue bridge: connects to it, publishes its devices, follows their changes, and carries out commands.
+"""The work with one Hue bridge: connects, publishes its devices, follows changes, and carries out commands.
 
-The stream of events is opened first, and all resources are read then, so that no change is missed; both again after
-each loss. A bridge sends nothing while nothing changes: it is asked for itself every ten seconds.
+The event stream is opened before all resources are read, so that no change is missed; both are repeated after each
+loss. A bridge sends nothing while nothing changes, so it is queried every ten seconds.
 """
 
 from __future__ import annotations
@@ -34,25 +34,25 @@ if TYPE_CHECKING:
 __all__ = ["BridgeRunner"]
 
 WATCH_EVERY: Final = 10.0
-"""Seconds between two questions whether the bridge is still there."""
+"""Seconds between checks whether the bridge is still there."""
 
 LOST_BACKOFF: Final = Backoff(first=0.5, factor=2.0, cap=3.0, late_cap=3.0, late_after=300.0, jitter=0.5)
-"""After a lost connection. An attempt costs one packet in the local network, also after hours."""
+"""After a lost connection. An attempt costs one packet on the local network, even after hours."""
 
 MAX_ADDRESSES: Final = 3
 _NO_ACCESS: Final = frozenset({401, 403})
 
 
 class BridgeRunner(DeviceRunner):
-    """Works with one bridge, which is a device itself; its id is the key.
+    """The runner of one bridge, which is itself a device, with its id as key.
 
     Args:
-        name: The name that it is listed by before it answers.
-        on_state: Called when it was connected, or a try failed.
+        name: Its name in the list before it has answered.
+        on_state: Called after a connection or a failed attempt.
 
     Attributes:
-        origins: The beginnings of its addresses (``https://192.168.1.20``), the first to be tried first.
-        pairing: The application key that it made as ``key``, and its ``certificate`` in PEM; empty without a pairing.
+        origins: The origins of its addresses (``https://192.168.1.20``), in order of attempts.
+        pairing: Its application key as ``key``, and its ``certificate`` in PEM; empty without a pairing.
     """
 
     def __init__(
@@ -75,17 +75,17 @@ class BridgeRunner(DeviceRunner):
         return self._link is not None
 
     def has(self, key: str) -> bool:
-        """Return whether a device is its."""
+        """Return whether it has a device."""
         return key in self._described
 
     def forget_devices(self, why: str) -> None:
-        """Remove its devices, but the bridge itself."""
+        """Remove its devices, except the bridge itself."""
         for key in self._described.keys() - {self.key}:
             self._devices.remove(key, why)
         self._described = {}
 
     def add_origin(self, origin: str) -> None:
-        """Try an address first from now on, at once if there is no connection."""
+        """Try an address first from now on, and at once if there is no connection."""
         if origin not in self.origins:
             self.origins = (origin, *self.origins)[:MAX_ADDRESSES]
             if self._link is None:
@@ -127,12 +127,12 @@ class BridgeRunner(DeviceRunner):
             raise self._explained(exc) from None
 
     def list_unheard(self) -> None:
-        """Publish the bridge by its id and name alone."""
+        """Publish the bridge with only its id and name."""
         device = GatewayDevice(self.key, self.name, identifiers=bridge_identifiers(self.key), service_type="bridge")
         self._devices.put(device, "it was found", confirmed=False)
 
     def on_end(self) -> None:
-        """Publish that there is no connection to the bridge and to what is behind it."""
+        """Publish the loss of the connection to the bridge and the devices behind it."""
         super().on_end()
         for key in self._described:
             self._devices.report_reachable(key, reachable=False)
@@ -178,7 +178,7 @@ class BridgeRunner(DeviceRunner):
             await anyio.lowlevel.checkpoint()
 
     async def _watch(self, link: BridgeLink) -> None:
-        """Notice that the bridge is gone, confirm the devices that it reaches, and read again what was missed."""
+        """Check that the bridge is there, confirm the devices that it can reach, and read missed changes."""
         while True:
             await anyio.sleep(WATCH_EVERY)
             await (self._read_all(link) if self._has_missed else link.read("bridge"))
@@ -195,7 +195,7 @@ class BridgeRunner(DeviceRunner):
         self._places = {service.id: (key, service) for key, one in self._described.items() for service in one.services}
         self._pressed = {rid: at for rid, at in self._pressed.items() if rid in self._places}
         name = next((one.name for one in devices.values() if one.is_bridge and one.name), self.name)
-        if name != self.name:  # all devices bear it
+        if name != self.name:  # all devices have it
             self.name, devices = name, self._described
         for key, device in devices.items():
             self._put(key, device, why)
@@ -209,14 +209,14 @@ class BridgeRunner(DeviceRunner):
             tuple(one.part for one in device.services),
             device.metadata if device.is_bridge else {**device.metadata, "via_device": self.name},
             device.identifiers,
-            authenticated=True,  # by the certificate of the bridge, which was pinned when its button was pressed
+            authenticated=True,  # by the bridge's certificate, pinned when its button was pressed
             area=device.area,
             service_type="bridge" if device.is_bridge else "",
         )
         self._devices.put(published, why, confirmed=device.reachable is not False)
 
     async def _on_event(self, event: ServerEvent) -> None:
-        """Apply one event, which has the changes of many resources."""
+        """Apply one event, with the changes of many resources."""
         await anyio.lowlevel.checkpoint()
         payload = event.data.encode()
         try:
@@ -227,13 +227,13 @@ class BridgeRunner(DeviceRunner):
             return
         events = parts if isinstance(parts, list) else []
         changes = [change for one in events for change in self._apply(as_fields(one))]
-        if described := frozenset[str]().union(*(ids for _, ids in changes)):  # once all their resources are there
+        if described := frozenset[str]().union(*(ids for _, ids in changes)):  # once all their resources are known
             self._describe("the bridge reported it", described)
         for item, _ in changes:
             await self._publish(item)
 
     def _apply(self, event: Fields) -> Iterator[tuple[Fields, frozenset[str]]]:
-        """Apply the changes of an event that are valid; yield each with the ids of the resources described anew."""
+        """Apply the valid changes of an event; yield each with the ids of resources whose description has changed."""
         kind, items = text_of(event.get("type")), event.get("data")
         for item in items if isinstance(items, list) else ():
             rid = text_of(as_fields(item).get("id"))
@@ -258,7 +258,7 @@ class BridgeRunner(DeviceRunner):
         return admitted
 
     async def _report(self, key: str, service: HueService, change: Fields | None, *, is_old: bool = False) -> None:
-        """Report the values that a change has, or all of them for None."""
+        """Report the values in a change, or all values for None."""
         resource = self._resources.get(service.id)
         values: dict[frozenset[str], dict[str, PlainValue]] = {}
         for row in service.rows:

@@ -1,8 +1,8 @@
-"""Requests to one Hue bridge, no faster than it allows, and the stream of its events.
+"""Requests to one Hue bridge, at the rate that it allows, and its event stream.
 
-Requests run two at a time: a bridge refuses more than three connections, and the events have one. Commands to lights
-start at most ten a second, and recalls of scenes one a second, in the order in which they come. What the bridge was too
-busy for is sent again; a command without an answer is not.
+Two requests run at a time: a bridge refuses more than three connections, and the events need one. Commands to lights
+start at most ten times a second, recalls of scenes once a second, in order. Requests for which the bridge was too busy
+are repeated; a command without an answer is not.
 
 Source: Philips Hue, CLIP API v2, "Getting started" (system performance), and its reference.
 """
@@ -42,7 +42,7 @@ _AT_ONCE: Final = 2
 _SCENES: Final = frozenset({"scene", "smart_scene"})
 _NOT_PRESSED: Final = 101
 _MAY_NOT: Final = "may not have effect"
-"""In the text of an error with a command that was sent all the same, such as to a lamp without power."""
+"""Part of the error text for a command that was sent nevertheless, such as to a lamp without power."""
 
 
 def bridge_client(origin: str, tls: ssl.SSLContext, key: SecretStr | None = None) -> HttpClient:
@@ -68,19 +68,19 @@ class BridgeLink:
         return self._client.events(f"{self._origin}/eventstream/clip/v2")
 
     async def read(self, kind: str = "") -> object:
-        """Return all resources of a type, by default of all types, as the bridge lists them."""
+        """Return all resources of a type, by default of all types, in the bridge's order."""
         url = f"{self._origin}/clip/v2/resource{kind and f'/{kind}'}"
         answer = await self._ask(lambda: self._client.get(url))
         return as_fields(await parse_long_json(answer.body, MAX_BYTES)).get("data")
 
     async def change(self, what: str, kind: str, rid: str, body: HueBody) -> None:
-        """Change a resource; return when the bridge has accepted it, raise LinkError, or RefusedError about *what*."""
+        """Change a resource; return when the bridge has accepted it. Raises LinkError, or RefusedError about *what*."""
         url = f"{self._origin}/clip/v2/resource/{kind}/{rid}"
         limit = self._scenes if kind in _SCENES else self._lights
         _check_answer(what, as_fields(await self._ask(lambda: self._client.send_json("PUT", url, body), limit)))
 
     async def _ask(self, send: Callable[[], Awaitable[AnswerT]], limit: RateLimit | None = None) -> AnswerT:
-        """Send a request in its turn, and again while the bridge is too busy for it; return the answer."""
+        """Send a request in turn, repeating it while the bridge is too busy; return the answer."""
         attempt = 1
         while True:
             if limit is not None:
@@ -104,7 +104,7 @@ def _check_answer(what: str, answer: Fields) -> None:
 
 
 async def create_key(client: HttpClient, origin: str, name: str) -> SecretStr | None:
-    """Return a new application key; None while the button of the bridge was not pressed."""
+    """Return a new application key; None while the bridge's button has not been pressed."""
     answer = await client.send_json("POST", f"{origin}/api", {"devicetype": f"homebot#{clean_text(name, 19)}"})
     first = answer[0] if isinstance(answer, list) and answer else None
     key = at(first, "success", "username")

@@ -1,7 +1,7 @@
-"""The gateway to Philips Hue bridges: finds them, pairs with them by their button, and works with each.
+"""The gateway to Philips Hue bridges: finds bridges, pairs with them by their button, and works with each.
 
-A bridge is found by an mDNS gateway, whose sightings this gateway follows on the graph, or by its configured address.
-It is a device before it is paired, so that ``homebot pair`` can name it.
+A bridge is found by an mDNS gateway, whose sightings this gateway follows on the graph, or by a configured address. It
+is listed before it is paired, so that ``homebot pair`` can name it.
 """
 
 import re
@@ -40,7 +40,7 @@ class HueGatewaySettings(GatewaySettings):
     """The settings of a gateway to Hue bridges.
 
     Attributes:
-        bridges: Addresses of bridges that are not found by DNS-SD, such as ``192.168.1.20``.
+        bridges: Addresses of bridges not found by DNS-SD, such as ``192.168.1.20``.
         mdns: The name of the mDNS gateway that finds the others.
         pairings: The file with the keys of paired bridges; by default one beside the index.
     """
@@ -59,9 +59,9 @@ _NONE: Final = "no Hue bridge was found; is the mDNS gateway on, or give its add
 
 
 class HueGateway(Gateway):
-    """Brings the devices of Hue bridges onto the graph; *pressed_within* seconds the button may be pressed."""
+    """Brings the devices of Hue bridges onto the graph; pairing waits *pressed_within* seconds for the button."""
 
-    pressed_within = 30.0  # as long as a bridge accepts a program after that
+    pressed_within = 30.0  # for as long as a bridge accepts programs after the press
     Settings: ClassVar[type[BaseModel]] = HueGatewaySettings
 
     def __init__(self, node: Node, settings: HueGatewaySettings, context: GatewayContext | None = None) -> None:
@@ -81,7 +81,7 @@ class HueGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the library."""
+        """Check the library."""
         del settings
         check_extra('the gateway "hue"', "hue", "aiohttp")
 
@@ -104,7 +104,7 @@ class HueGateway(Gateway):
             await anyio.sleep_forever()  # a bridge may be found at any time
 
     async def pair(self, key: str, code: str) -> str:
-        """Pair with a bridge of which the button was pressed, or is pressed soon."""
+        """Pair with a bridge whose button has just been pressed, or soon will be."""
         from homebot.gateways.hue import bridge_link  # noqa: PLC0415 - an extra
 
         bridge = self._bridge(key)
@@ -138,7 +138,7 @@ class HueGateway(Gateway):
         return bridge
 
     async def _keep(self, bridge: BridgeRunner, pairings: dict[str, dict[str, object]]) -> None:
-        """Keep the pairings in the file, and connect to a bridge anew."""
+        """Save the pairings, and reconnect to a bridge."""
         await self._file.keep(pairings)
         self._pairings = pairings
         bridge.pairing = pairings.get(bridge.key, {})
@@ -157,7 +157,7 @@ class HueGateway(Gateway):
             self._found(facts.get("txt_bridgeid", ""), sighting.name, origin)
 
     def _found(self, bridge_id: str, name: str, origin: str) -> None:
-        """Work with a bridge, or remember another address of one."""
+        """Start working with a bridge, or remember another of its addresses."""
         key = bridge_id.casefold()
         if key in self._bridges:
             self._bridges[key].add_origin(origin)

@@ -44,7 +44,7 @@ class MatterGatewaySettings(GatewaySettings):
 
     Attributes:
         url: The WebSocket of the Matter server.
-        max_nodes: Nodes that are known at once; a further one is refused and counted.
+        max_nodes: Most known nodes; further ones are refused and counted.
     """
 
     url: str = "ws://127.0.0.1:5580/ws"
@@ -79,7 +79,7 @@ class MatterGateway(LinkedGateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for the library."""
+        """Check the library."""
         del settings
         check_extra('the gateway "matter"', "matter", "aiohttp")
 
@@ -253,7 +253,7 @@ class MatterGateway(LinkedGateway):
                 self.devices.reject(self.peer, b"", f"node {node_id} cannot be read again: {exc}")
 
     async def _commission(self, request: CommissionRequest) -> tuple[str, str]:
-        """Add the device that has a setup code."""
+        """Add the device with a setup code."""
         check_matter_setup_code(request.code)
         self.check_link()
         if not (request.network_only or self._link.has_bluetooth):

@@ -21,10 +21,10 @@ from homebot.gateways.thing_directory.documents import DirectoryPage, ReadPage, 
 __all__ = ["DirectoryReader"]
 
 PAGE: Final = 50
-"""Things of one page, where the directory can count."""
+"""Things per page, if the directory can paginate."""
 
 MAX_PAGE_BYTES: Final = 8 * 1024 * 1024
-"""Longest page: a directory that cannot count answers with all things at once."""
+"""Longest page: a directory that cannot paginate answers with all things at once."""
 
 MAX_PAGES: Final = 1000
 
@@ -34,11 +34,11 @@ _CANNOT_COUNT = frozenset({400, 422, 501})
 
 
 class DirectoryReader:
-    """A directory, as far as it is read.
+    """The reader of a directory.
 
     Args:
         url: The address below which it has ``/things`` and ``/events``.
-        read: The pages that were read, by address; kept from one connection to the next.
+        read: The pages read so far, by address; kept across connections.
     """
 
     def __init__(self, url: str, client: HttpClient, read: dict[str, ReadPage]) -> None:
@@ -49,15 +49,15 @@ class DirectoryReader:
         self._can_count = True
 
     async def pages(self, has_all: Callable[[frozenset[str]], bool]) -> AsyncIterator[DirectoryPage]:
-        """Yield each page, until the last; one that is as it was read before has no members.
+        """Yield all pages; an unchanged page has no members.
 
         Args:
-            has_all: Returns whether the things of these keys are known; else their page is sent again.
+            has_all: Returns whether the things with these keys are known; if not, their page is requested again.
 
         Raises:
             LinkError: The directory does not answer.
-            RefusedError: It does not let homebot in, or has no list.
-            WireError: It breaks the rules, or leads to another server, or around in a circle.
+            RefusedError: It refuses homebot, or has no list.
+            WireError: It breaks the rules, or its pages lead to another server or in a circle.
         """
         where = f"{self._url}/things?limit={PAGE}" if self._can_count else f"{self._url}/things"
         seen: set[str] = set()
@@ -89,7 +89,7 @@ class DirectoryReader:
         return before if before is not None and has_all(before.keys) else None
 
     async def _get_page(self, where: str, before: ReadPage | None, *, is_first: bool) -> HttpAnswer | None:
-        """Return the answer with a page; None if the directory turns out not to count."""
+        """Return the answer with a page; None if the directory turns out not to paginate."""
         etag = "" if before is None else before.etag
         try:
             return await self._client.get(where, accept=_ACCEPTED, etag=etag, max_bytes=MAX_PAGE_BYTES)
@@ -100,11 +100,11 @@ class DirectoryReader:
             return None
 
     def _after_same(self, where: str, page: ReadPage, answer: HttpAnswer) -> str:
-        """Return the page behind one that is the same: the list may have become longer or shorter there."""
+        """Return the page after an unchanged one, where the list may have grown or shrunk."""
         return self._resolved(where, next_page(None, answer.headers)) if "link" in answer.headers else page.following
 
     async def retrieve(self, thing_id: str) -> bytes | None:
-        """Return the description of one thing; None if the directory has it no longer."""
+        """Return the description of one thing; None if the directory no longer has it."""
         where = f"{self._url}/things/{quote(thing_id, safe='')}"
         try:
             return (await self._client.get(where, accept=_TD, max_bytes=MAX_ANNOUNCEMENT_BYTES)).body
@@ -115,12 +115,12 @@ class DirectoryReader:
 
     @asynccontextmanager
     async def events(self) -> AsyncIterator[EventStream]:
-        """Open the stream of changes; whole descriptions come if the directory can send them.
+        """Open the stream of changes, with whole descriptions if the directory supports that.
 
         Raises:
             LinkError: The directory does not answer.
             RefusedError: It does not report changes, or refuses homebot.
-            WireError: Its answer is no event stream.
+            WireError: Its answer is not an event stream.
         """
         try:
             async with self._client.events(f"{self._url}/events?diff=true", max_bytes=MAX_ANNOUNCEMENT_BYTES) as stream:

@@ -40,7 +40,7 @@ _SHORTEST_LIFETIME, _LONGEST_LIFETIME = 60.0, 30 * 86_400.0
 
 @dataclass(frozen=True, slots=True)
 class DirectoryEvent:
-    """A change that the directory tells of, with the whole description where the event has it."""
+    """A change in the directory, with the whole description if the event has it."""
 
     change: ThingChange
     id: str
@@ -49,7 +49,7 @@ class DirectoryEvent:
 
 @dataclass(frozen=True, slots=True)
 class ReadPage:
-    """A page as it was when it was read, with the address of the next one; empty for none."""
+    """A page as last read, with the address of the next one; empty for none."""
 
     etag: str
     keys: frozenset[str]
@@ -61,8 +61,8 @@ class DirectoryPage:
     """A page of the list.
 
     Attributes:
-        members: The descriptions on it; none if it has not changed.
-        keys: The keys of the things on it; the reader of a page that has members adds them.
+        members: The descriptions on it; empty if it has not changed.
+        keys: The keys of the things on it, added by the reader of a page with members.
     """
 
     members: list[object] = field(default_factory=list)
@@ -70,7 +70,7 @@ class DirectoryPage:
 
 
 def members_of(page: object) -> list[object]:
-    """Return the members of a page, an array or a collection that has them; raise WireError for another value."""
+    """Return the members of a page, an array or a collection; raise WireError for anything else."""
     members = as_fields(page).get("members") if isinstance(page, dict) else page
     if not isinstance(members, list):
         raise WireError(f"{shown(page)} is no page of a list of things")
@@ -78,7 +78,7 @@ def members_of(page: object) -> list[object]:
 
 
 def next_page(page: object, headers: Mapping[str, str]) -> str:
-    """Return the address of the next page, as it is written; empty if there is none."""
+    """Return the unresolved address of the next page; empty for none."""
     for link in _LINK.finditer(headers.get("link", "")[:_LONGEST_HEADER]):
         if _NEXT.search(link[2]):
             return link[1]
@@ -87,7 +87,7 @@ def next_page(page: object, headers: Mapping[str, str]) -> str:
 
 
 def read_event(kind: str, data: str) -> DirectoryEvent | None:
-    """Return the event in a message, None for one of another kind; raise WireError if it has no id of a thing."""
+    """Return the event in a message, None for another kind of event; raise WireError without the id of a thing."""
     change = next((one for one in THING_CHANGES if one == kind), None)
     if change is None:
         return None
@@ -97,7 +97,7 @@ def read_event(kind: str, data: str) -> DirectoryEvent | None:
 
 
 def id_of(document: object) -> str:
-    """Return the id of a described thing; raise WireError for none, or one that cannot be a name."""
+    """Return the id of a described thing; raise WireError if it is missing or cannot be a name."""
     found = as_fields(document).get("id")
     if not isinstance(found, str) or not 0 < len(found) <= _LONGEST_ID or not found.isprintable() or " " in found:
         raise WireError(f"a thing has the id {shown(found)}; a URI of at most {_LONGEST_ID} characters is expected")
@@ -105,16 +105,16 @@ def id_of(document: object) -> str:
 
 
 def text_of(document: object) -> bytes:
-    """Return the text of a description, by which it is compared; when it was registered and read does not count."""
+    """Return the text of a description for comparison, without times of registration and retrieval."""
     fields = {name: value for name, value in as_fields(document).items() if name != "registration"}
     return json.dumps(fields, sort_keys=True, ensure_ascii=True).encode()
 
 
 def lifetime_of(document: object, now: float) -> float:
-    """Return the seconds for which a registration holds, from 60 to 30 days; 0 if it has no end.
+    """Return the lifetime of a registration in seconds, between 60 and 30 days; 0 if it has no end.
 
     Args:
-        now: Seconds since the Unix epoch, by which a registration without ``ttl`` is judged that says when it ends.
+        now: Seconds since the Unix epoch, for a registration with an end instead of a ``ttl``.
     """
     registration = as_fields(as_fields(document).get("registration"))
     given = to_number(registration.get("ttl"))
@@ -126,13 +126,13 @@ def lifetime_of(document: object, now: float) -> float:
 
 
 def etag_of(headers: Mapping[str, str]) -> str:
-    """Return the entity tag in header fields, names in lower case; empty if there is none that can be sent back."""
+    """Return the entity tag in header fields, names in lower case; empty if there is none to send back."""
     etag = headers.get("etag", "")
     return etag if _ETAG.fullmatch(etag) else ""
 
 
 def _end_of(expires: object) -> float:
-    """Return the time that *expires* says, in seconds since the Unix epoch; infinite where it says none."""
+    """Return the time in *expires*, in seconds since the Unix epoch; infinite if there is none."""
     if not isinstance(expires, str):
         return math.inf
     try:

@@ -27,8 +27,8 @@ __all__ = ["ThingDirectoryGateway"]
 class ThingDirectoryGateway(Gateway):
     """A gateway to the things that a W3C Thing Description Directory lists.
 
-    The directory lists the things; each one is connected to by itself, at the addresses that its description names.
-    While the directory is away, known things stay, and are used.
+    The directory lists the things; each is connected to separately, at the addresses in its description. While the
+    directory is away, known things stay in use.
     """
 
     Settings: ClassVar[type[BaseModel]] = ThingDirectorySettings
@@ -44,13 +44,13 @@ class ThingDirectoryGateway(Gateway):
 
     @classmethod
     def check(cls, settings: BaseModel) -> None:
-        """Look for aiohttp, and for the passwords."""
+        """Check aiohttp and the passwords."""
         check_extra('the gateway "thing_directory"', "mdns", "aiohttp")
         if isinstance(settings, ThingDirectorySettings):
             read_logins(settings.credentials)
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Follow the directory until cancelled; ready when its list was read, or could not be."""
+        """Follow the directory until cancelled; ready after the first attempt to read its list."""
         from homebot.gateways.thing_directory.session import DirectorySession  # noqa: PLC0415 - loads aiohttp
 
         def has_listed() -> None:

@@ -1,4 +1,4 @@
-"""One thing of a directory: run over its own forms, and tried again when it cannot be reached."""
+"""One thing of a directory: used through its own forms, with retries when it cannot be reached."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ __all__ = ["ListedThing"]
 
 
 class ListedThing(DeviceRunner):
-    """A thing that a directory lists. That it is listed is a note; it was heard when it answers itself.
+    """A thing listed by a directory, confirmed when it answers itself.
 
     Args:
-        device: The same, as it is published: when it has answered, or has not for a moment.
-        connecting: The limit of things that are connected to at the same time.
+        device: Its device, which is published once it has answered, or has failed to for a moment.
+        connecting: The limit of concurrent connection attempts.
     """
 
     def __init__(
@@ -49,12 +49,12 @@ class ListedThing(DeviceRunner):
         self._thing = ThingDevice(thing, device, port, self, poll_every)
 
     async def run(self) -> None:
-        """Work with the thing until it is stopped."""
+        """Work with the thing until stopped."""
         async with self._port:
             await super().run()
 
     async def work(self) -> None:
-        """Use the thing, and look now and then whether it is still there."""
+        """Use the thing, and check at intervals whether it is still there."""
         self._answered = anyio.Event()
         async with anyio.create_task_group() as tasks:
             async with self._connecting:
@@ -71,18 +71,18 @@ class ListedThing(DeviceRunner):
         """Do nothing: the directory described it."""
 
     def report_reachable(self, *, reachable: bool | None, part: str = "") -> None:
-        """Publish whether the thing can be reached, and that it was heard where it can."""
+        """Publish whether the thing can be reached, and if so, that it was heard."""
         if reachable:
             self.confirm()
         super().report_reachable(reachable=reachable, part=part)
 
     def confirm(self) -> None:
-        """Publish that the thing itself was heard, unless it was taken away meanwhile."""
+        """Publish that the thing itself was heard, unless it has been removed."""
         self._answered.set()
         if not self.is_stopped:
             self.on_answer()
             self._devices.put(self._device, "it answers")
 
     def list_unheard(self) -> None:
-        """Publish the thing as its directory knows it."""
+        """Publish the thing as known from its directory."""
         self._devices.put(self._device, "the directory lists it", confirmed=False)

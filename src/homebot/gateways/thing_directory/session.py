@@ -1,7 +1,7 @@
-"""The things of one directory: listed, followed, and taken away.
+"""The things of one directory: listed, followed and removed.
 
-The events of the directory are listened to before its list is read, so that nothing is missed between the two. A
-directory without events is read again and again.
+The events of the directory are subscribed to before its list is read, so that nothing is missed. A directory without
+events is polled.
 """
 
 from collections.abc import Callable, Iterable
@@ -44,13 +44,13 @@ from homebot.wot.thing import Thing
 __all__ = ["DirectorySession"]
 
 LIST_AGAIN: Final = 3600.0
-"""Seconds between two readings of the list if the directory reports changes."""
+"""Seconds between readings of the list if the directory reports changes."""
 
 AFTER_A_LOSS: Final = 30.0
-"""Seconds after which the list is read again because a change was not."""
+"""Seconds after which the list is read again after a change could not be read."""
 
 CONNECTED_AT_ONCE: Final = 20
-"""Things that are connected to at the same time; the others wait until one of them has answered or failed."""
+"""Most concurrent connection attempts; the others wait until one has succeeded or failed."""
 
 _TOO_MANY = "thing_directory.thing_refused"
 _TURN = 20
@@ -62,7 +62,7 @@ class DirectorySession:
     """The work on one directory.
 
     Args:
-        tasks: The tasks of the things, which outlive a connection to the directory.
+        tasks: The task group of the things, which outlives the connection to the directory.
     """
 
     def __init__(
@@ -87,11 +87,11 @@ class DirectorySession:
         self._lists_soon = anyio.Event()
 
     async def follow(self) -> None:
-        """Read the list, and then the changes, for as long as that works.
+        """Read the list, and then changes, until that fails.
 
         Raises:
             LinkError: The directory does not answer, or the stream of events was lost.
-            RefusedError: It does not let homebot in.
+            RefusedError: It refuses homebot.
             WireError: It breaks the rules.
         """
         guard = await guard_for(URL(self._settings.url).host)
@@ -104,7 +104,7 @@ class DirectorySession:
                 await anyio.sleep(self._settings.list_every)
 
     def problems(self) -> Iterable[str]:
-        """Return the problems of things that need a person's help, as text."""
+        """Return the problems of things that need a person's help, in words."""
         return problems_of(self._followed.values())
 
     async def perform(self, command: Command) -> None:
@@ -151,7 +151,7 @@ class DirectorySession:
                 page.keys.add(self._list_thing(document))
             listed |= page.keys
             if len(listed) > 2 * self._settings.max_devices:
-                is_whole = False  # the rest would be refused as well
+                is_whole = False  # the rest would be refused too
                 break
         if is_whole:
             for key in self._known.keys() - listed:
@@ -159,7 +159,7 @@ class DirectorySession:
         self._has_listed()
 
     def _has_all(self, keys: frozenset[str]) -> bool:
-        """Return whether nothing would be different if the things of *keys* were listed again as they were."""
+        """Return whether listing the things of *keys* again unchanged would make no difference."""
         return all(key in self._known or key in self._invalid or not key for key in keys)
 
     async def _on_event(self, reader: DirectoryReader, kind: str, data: str) -> None:
@@ -191,7 +191,7 @@ class DirectorySession:
             self._devices.reject(event.id, body, str(exc))
 
     def _list_thing(self, document: object) -> str:
-        """List a thing; one that is described as before is left as it is. Return its key, empty for none."""
+        """List a thing, unless its description is unchanged; return its key, empty for none."""
         if is_longer_than(document, MAX_ANNOUNCEMENT_BYTES):
             problem = f"the description of a thing has more than {MAX_ANNOUNCEMENT_BYTES} characters"
             self._devices.reject(self._settings.url, b"", problem)
@@ -214,7 +214,7 @@ class DirectorySession:
             self._devices.reject(key, text, f"{key[:100]}: {exc}")
             if len(self._invalid) >= _MAX_INVALID:
                 self._invalid.clear()
-            self._invalid[key] = digest  # charged once, not with each list
+            self._invalid[key] = digest  # charged once, not for each list
             return key
         self._invalid.pop(key, None)
         self._put(
@@ -260,7 +260,7 @@ class DirectorySession:
 
 
 def _unusable_text(schemes: set[str]) -> str:
-    """Return the reason why a thing with addresses of *schemes* is not used here, and its remedy."""
+    """Return why a thing with addresses of *schemes* is not used, and the remedy."""
     named = ", ".join(sorted(one for one in schemes if one))[:60]
     text = f"its addresses are of {named}, not of HTTP" if named else "it has no address"
     coap = any(one.startswith("coap") for one in schemes)

@@ -32,9 +32,9 @@ class ThingDirectorySettings(GatewaySettings):
     Attributes:
         url: The address below which the directory has ``/things`` and ``/events``.
         credentials: The credentials of the directory, which names its *scheme*, and of things.
-        list_every: Seconds between two readings of the directory, if it does not report changes.
-        poll_every: Seconds between two readings of values that a thing does not push.
-        max_devices: Things that may be known at once.
+        list_every: Seconds between readings of the directory, if it does not report changes.
+        poll_every: Seconds between readings of values that a thing does not push.
+        max_devices: Most known things.
     """
 
     url: Annotated[str, AfterValidator(_checked_url)]
