@@ -159,6 +159,16 @@ def test_units_are_converted_or_stay_the_devices_own() -> None:
     assert {one.id: one.category for one in found.parts}["voltage"] == "diagnostic"
 
 
+def test_an_error_is_an_unknown_value_and_ends() -> None:
+    """A Govee H5075 that measures beyond its range, then within it: govee-ble, tests/test_parser.py."""
+    parser, address = SensorLibraryParser({}), "A4:C1:38:DD:27:62"
+    for data, celsius in ("00bc00043e27", None), ("000341c26400", 21.3), ("00bc00043e27", None):
+        sent = {GOVEE: bytes.fromhex(data)}
+        found = read(parser, Advertisement(address, -63, "GVH5075_2762", manufacturer_data=sent))
+        assert values(found)["temperature", "temperature"] == celsius
+        assert {one.id: one.service_type for one in found.parts}["temperature"] == "temperature_sensor"
+
+
 def test_an_index_is_no_concentration() -> None:
     """Ruuvi Air, format E1 (docs.ruuvi.com, Bluetooth advertisements)."""
     data = bytes.fromhex("e1170c5668c79e0065007004bd11ca00c90a0213e0ac000000decdee110000000000cbb8334c884f")

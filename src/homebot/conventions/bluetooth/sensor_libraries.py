@@ -11,7 +11,7 @@ import importlib
 import importlib.util
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
-from datetime import date, datetime
+from datetime import date
 from decimal import Decimal
 from functools import cache
 from importlib.metadata import distributions
@@ -254,13 +254,11 @@ _LONGEST_EVENT = 100
 def _measured(
     parts: dict[str, Part], part_id: str, description: SensorDescription, device_class: str, value: object
 ) -> Iterator[BroadcastValue]:
-    device_class = _HOME_ASSISTANT.get(device_class, device_class)
     unit = str(description.native_unit_of_measurement or "")
-    quantity = quantity_of(device_class, unit)
-    if quantity.unit and not unit:  # Ruuvi Air's index of organic compounds is no concentration
-        quantity = Quantity(quantity.service_type, "measurement")
+    quantity = _quantity(device_class, unit)
     category: Category = "diagnostic" if device_class in {"battery", "voltage"} else ""
-    if isinstance(value, str | date):
+    is_text = isinstance(value, str | date) and not unit  # a Govee reports "error" in °C
+    if is_text:
         part = sensor_part(part_id, "value", category=category)
     else:
         part = sensor_part(
@@ -269,13 +267,17 @@ def _measured(
     if not _has(parts, part):
         return
     found: PlainValue = None
-    if isinstance(value, str):
-        found = value[:200]
-    elif isinstance(value, date | datetime):
-        found = value.isoformat()
+    if is_text:
+        found = value.isoformat() if isinstance(value, date) else str(value)[:200]
     elif isinstance(value, int | float | Decimal):
         found = quantity.value(float(value))
     yield BroadcastValue(part_id, part.capabilities[0].name, found)
+
+
+def _quantity(device_class: str, unit: str) -> Quantity:
+    """Return the quantity of a class; an index without a unit, such as that of a Ruuvi Air, is no concentration."""
+    known = quantity_of(_HOME_ASSISTANT.get(device_class, device_class), unit)
+    return Quantity(known.service_type, "measurement") if known.unit and not unit else known
 
 
 def _has(parts: dict[str, Part], part: Part) -> bool:
