@@ -106,6 +106,17 @@ async def test_a_program_imports_the_modules_beside_it(tmp_path: Path) -> None:
     assert run.text == "imported\n"
 
 
+async def test_a_program_has_not_failed_that_works_when_another_one_shuts_down(tmp_path: Path) -> None:
+    begin = "import rclpy\nfrom std_msgs.msg import String\nrclpy.init()\n"
+    busy, last = tmp_path / "busy.py", tmp_path / "last.py"
+    busy.write_text(
+        f"{begin}p = rclpy.create_node('a').create_publisher(String, 't', 1)\nwhile True: p.publish(String())\n"
+    )
+    last.write_text(f"{begin}n = rclpy.create_node('b')\nwhile not n.count_publishers('t'): pass\nrclpy.shutdown()\n")
+    async with running(str(busy.with_suffix("")), str(last.with_suffix(""))) as programs:
+        assert (await programs.exit_code(), programs.text) == (0, "")
+
+
 async def test_an_action_reports_feedback_and_a_result_and_can_be_cancelled() -> None:
     """The execution blocks its thread; feedback arrives meanwhile, and so does the request to cancel a second goal."""
     async with running("action_client", "action_server") as run:

@@ -91,7 +91,9 @@ def _run(program: str, failed: list[str]) -> None:
     try:
         code = compile(Path(program).read_bytes(), program, "exec")
         exec(code, {"__name__": "__main__", "__file__": program})  # noqa: S102 - the program that was named
-    except Exception:  # noqa: BLE001 - shown as Python shows the failure of a program
+    except Exception as exc:  # noqa: BLE001 - shown as Python shows the failure of a program
+        if isinstance(exc, UsageError) and not rclpy.ok():  # another program shut the graph down
+            return
         failed.append(program)
         traceback.print_exc()
 
