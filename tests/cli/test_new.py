@@ -20,8 +20,18 @@ def test_a_new_folder_passes_without_a_warning(tmp_path: Path, plugins: tuple[st
     done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=120, cwd=folder)
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert "warning" not in done.stdout
-    unit = (folder / "hall_light.service").read_text()
-    assert f"WorkingDirectory={folder}\nExecStart={sys.executable} -m homebot run --config homebot.toml" in unit
+
+
+def test_a_folder_with_any_name_has_the_unit_of_service_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """With a percent sign in its path the unit had another folder."""
+    folder = tmp_path / "100% mine" / "hall_light"
+    assert main(["new", str(folder)]) == 0
+    monkeypatch.chdir(folder)
+    capsys.readouterr()
+    assert main(["service", "install", "--user", "--print"]) == 0
+    assert capsys.readouterr().out == (folder / "hall_light.service").read_text()
 
 
 def test_nothing_is_written_over(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,13 +5,13 @@ import importlib.util
 import keyword
 import re
 import shlex
-import sys
 from importlib.resources import files
 from pathlib import Path
 from string import Template
 from typing import Final
 
 from homebot.cli.arguments import set_command
+from homebot.cli.commands.service import unit_text
 from homebot.errors import UsageError
 
 __all__ = ["add_arguments"]
@@ -27,7 +27,6 @@ _FILES: Final = {
     "pytest.ini.template": "pytest.ini",
     "homebot.toml.template": "homebot.toml",
     "house.toml.template": "house.toml",
-    "service.template": "$module.service",
 }
 
 
@@ -39,13 +38,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _new(options: argparse.Namespace) -> int:
     folder = Path(options.folder).resolve()
     module = _module_name(folder.name)
-    names = {
-        "module": module,
-        "kind": "".join(word.capitalize() for word in module.split("_")),
-        "folder": str(folder),
-        "python": sys.executable,
-    }
+    names = {"module": module, "kind": "".join(word.capitalize() for word in module.split("_"))}
     texts = {folder / Template(name).substitute(names): _text(template, names) for template, name in _FILES.items()}
+    texts[folder / f"{module}.service"] = unit_text(folder / "homebot.toml", is_user=True)
     if taken := [path for path in texts if path.exists()]:
         raise UsageError(f"{taken[0]} exists; give another folder")
     try:
