@@ -54,6 +54,10 @@ def read(advertisement: Advertisement) -> Broadcast:
         (heard(b"o\x80\x64", "da83 0020"), {"lock": "locked", "contact": False, "battery": 100.0}),
         (heard(b"o\x80\x64", "da94 0020"), {"lock": "unlocked", "contact": True, "battery": 100.0}),
         (heard(b"$\x80\x64", "da88 1020 0000"), {"lock": "unlocked", "contact": True, "battery": 32.0}),
+        (heard(b">\x00\x00", "0880 00"), {"contact": True}),
+        (heard(b">\x00\x00", "08a0 00"), {"contact": False}),
+        (heard(b"\x00\x80d\x00\x11\x9f\xb8", "0780 1064 0020"), {"lock": "locked", "contact": True, "battery": 100.0}),
+        (heard(b"\x00\x80d\x00\x11\x69\x08", "0793 0820"), {"lock": "unlocked", "battery": 100.0}),
         # The following are of real devices, from the tests of pySwitchbot.
         (
             heard(b"\x00\x00d\x00\x10\xb9@", "00ff6826d6648303993480"),

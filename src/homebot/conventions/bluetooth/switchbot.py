@@ -101,6 +101,7 @@ _PLUG: Final = (
 _RELAY: Final = _SwitchbotRow("on_off", lambda _, maker: bool(maker[7] & 0x80), "switch")
 _WATTS: Final = _SwitchbotRow("power", lambda _, maker: float(maker[10] << 8 | maker[11]))
 _LOCK_PRO: Final = (_lock(3, 0x78), *_bits(contact=(8, 0x10)), _battery_at(9))
+_LOCK_LITE: Final = (_lock(4, 0x70), _BATTERY)
 _BOT: Final = _SwitchbotRow("on_off", lambda service, _: (service[1] & 0xC0) == 0x80, "switch")
 _MODELS: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
     "TtIiWw4\x14": ("Meter", (*_CLIMATE, _BATTERY)),
@@ -118,9 +119,10 @@ _MODELS: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
     "<\x1c": ("Relay Switch 1PM", (_RELAY, _WATTS)),
     ";\x1b": ("Relay Switch 1", (_RELAY,)),
     "Oo": ("Lock", (_lock(4, 0x70), *_bits(contact=(7, 4)), _BATTERY)),
-    "-\r": ("Lock Lite", (_lock(4, 0x70), _BATTERY)),
+    "-\r": ("Lock Lite", _LOCK_LITE),
     "$\x04": ("Lock Pro", _LOCK_PRO),
     "H": ("Bot", (_BOT, _BATTERY)),
+    ">\x1e": ("Garage Door Opener", (_SwitchbotRow("contact", lambda _, maker: not maker[7] & 0x20),)),
 }
 """By the letters of each model, of which one is that of a device that is being paired."""
 
@@ -128,6 +130,9 @@ _NUMBERED: Final[Mapping[str, tuple[str, tuple[_SwitchbotRow, ...]]]] = {
     "10b940": ("Hub 3", (*_climate_at(13), *_bits(occupancy=(16, 0x80)))),
     "10a5b8": ("Lock Ultra", _LOCK_PRO),
     "10ff90": ("Lock Pro", _LOCK_PRO),  # with Wi-Fi
+    "119fb8": ("Lock Ultra Max", _LOCK_PRO),
+    "116909": ("Lock Vision Pro", _LOCK_PRO),
+    "116908": ("Lock Vision", _LOCK_LITE),
     "10f3d8": ("Climate Panel", (*_climate_at(_BODY), *_bits(occupancy=(15, 0x80)), _battery_at(7))),
     "10ccc8": ("Presence Sensor", (*_bits(occupancy=(7, 0x40)), _BATTERY)),
     "1053b0": ("Weather Station", (*_climate_at(_BODY), _battery_at(7))),
