@@ -19,7 +19,7 @@ from homebot.house.virtual_radio import GattValue, VirtualPeripheral, VirtualRad
 __all__ = ["BluetoothLight", "BroadcastingButton", "BroadcastingSensor", "address_of"]
 
 EVERY = 1.0
-"""Seconds between two advertisements."""
+"""Seconds between advertisements."""
 
 PRESS_LASTS = 2.0
 """Seconds for which a button advertises that it was pressed."""
@@ -35,11 +35,11 @@ _SERVICES_128 = 0x07
 _NAME = 0x09
 _BTHOME = b"\xd2\xfc"
 _NAME_BYTES = 10
-"""The room for a name in 31 bytes."""
+"""Room for a name in 31 bytes."""
 
 
 def address_of(name: str) -> str:
-    """Return the address of the device *name*: random static, and the same in every run."""
+    """Return the address of the device *name*: random static, the same in every run."""
     digits = bytearray(hashlib.sha256(name.encode()).digest()[:6])
     digits[0] |= 0xC0
     return digits.hex(":").upper()
@@ -69,14 +69,14 @@ class _RadioDevice(ServedDevice):
 
     @abstractmethod
     async def send(self, peripheral: VirtualPeripheral) -> None:
-        """Send the state, which is new."""
+        """Send the new state."""
 
 
 class _BTHomeDevice(_RadioDevice):
     """A device that broadcasts BTHome v2.
 
     Args:
-        bind_key: The key by which it encrypts; empty for none.
+        bind_key: The encryption key; empty for none.
     """
 
     is_trigger_based = False
@@ -110,7 +110,7 @@ class BroadcastingSensor(_BTHomeDevice):
     """A contact, a motion sensor, a light sensor, a power meter or a thermometer that broadcasts BTHome v2.
 
     Raises:
-        UsageError: Its kind is another.
+        UsageError: It is of another kind.
     """
 
     def __init__(
@@ -132,7 +132,7 @@ class BroadcastingButton(_BTHomeDevice):
     _press = 0
 
     def press(self, how: str) -> None:
-        """Send that it was pressed.
+        """Send a press.
 
         Args:
             how: ``single``, ``double``, ``triple`` or ``long``.
@@ -155,10 +155,10 @@ class BroadcastingButton(_BTHomeDevice):
 
 
 class BluetoothLight(_RadioDevice):
-    """A light with two characteristics: one takes commands, one reports."""
+    """A light with two characteristics, one for commands and one for reports."""
 
     def services(self) -> Mapping[str, tuple[GattValue, ...]]:
-        """Return the light's, and the information on the device."""
+        """Return the light's service and the device information."""
         return {
             LIGHT_SERVICE: (
                 GattValue(LIGHT_COMMAND, read=self._value, write=self._write),
@@ -203,4 +203,4 @@ _OBJECTS: Mapping[str, Callable[[DeviceState], bytes]] = {
     "power_meter": lambda state: b"\x0b" + _little(state.value * 100, 3),
     "thermostat": lambda state: b"\x01\x64\x02" + _little(state.celsius * 100, 2),
 }
-"""Broadcast objects by kind: the battery, if there is one, and the measurements."""
+"""Broadcast objects by kind: the battery, if any, and the measurements."""

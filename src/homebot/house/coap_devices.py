@@ -39,9 +39,9 @@ class CoapDevice(ServedDevice):
     """A lamp with a Thing Description, or a sensor with an OCF resource.
 
     Args:
-        port: The port; 0 for any that is free, which it keeps.
-        directory: The address of a resource directory to register in: ``coap://127.0.0.1:5683``; empty for none.
-        groups: Multicast groups to listen to, each with the name of an interface.
+        port: The port; 0 for any free one, which it keeps.
+        directory: The resource directory for its registration: ``coap://127.0.0.1:5683``; empty for none.
+        groups: Multicast groups to join, each with the name of an interface.
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class CoapDevice(ServedDevice):
         return f"coap://{self._host if ':' not in self._host else f'[{self._host}]'}:{self.port}"
 
     async def serve(self) -> None:
-        """Be there until cancelled."""
+        """Serve until cancelled."""
         site = resource.Site()
         site.add_resource(
             [".well-known", "core"], resource.WKCResource(site.get_resources_as_linkheader, impl_info=None)
@@ -97,8 +97,8 @@ class CoapDevice(ServedDevice):
                 one.updated_state()
 
     async def register(self) -> None:
-        """Register in the directory or renew that (RFC 9176, section 5); raise OSError if it refuses, or is silent."""
-        query = f"ep={self.device.device_id}&lt={_LIFETIME}"  # its address is where that comes from
+        """Register in the directory or renew that (RFC 9176, section 5); raise OSError on a refusal or silence."""
+        query = f"ep={self.device.device_id}&lt={_LIFETIME}"  # the request's source is its address
         links = ",".join(_link(path, one) for path, one in self._resources).encode()
         if self._registration:
             await self._request_directory(Code.POST, f"{self._directory}{self._registration}")
@@ -109,7 +109,7 @@ class CoapDevice(ServedDevice):
         self._registration = "/" + "/".join(answer.opt.location_path)
 
     async def deregister(self) -> None:
-        """Take itself out of the directory, though it is there; raise OSError if that does not answer, or refuses."""
+        """Remove its registration while it stays online; raise OSError on a refusal or silence."""
         path, self._registration = self._registration, ""
         await self._request_directory(Code.DELETE, f"{self._directory}{path}")
 

@@ -13,7 +13,7 @@ __all__ = ["ConnectedDevice", "HubDevice", "ServedDevice"]
 
 
 class ConnectedDevice(ABC):
-    """A simulated device on the wire; it does not know homebot."""
+    """A simulated device on its network, which does not know homebot."""
 
     def __init__(self) -> None:
         self._has_power = True
@@ -21,18 +21,18 @@ class ConnectedDevice(ABC):
 
     @abstractmethod
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
-        """Begin in *state*; before :meth:`live`."""
+        """Start in *state*; called before :meth:`live`."""
 
     @abstractmethod
     def publish(self, state: DeviceState) -> None:
-        """Report *state* as the device does in its protocol; never waits."""
+        """Report *state* in the device's protocol; never waits."""
 
     @abstractmethod
     def repeat(self) -> None:
-        """Report the last state again, where devices of the protocol do that."""
+        """Report the last state again, if devices of the protocol do that."""
 
     def power(self, *, on: bool) -> None:
-        """Give or take the power: without it the device vanishes from the network without a word."""
+        """Switch the power: without it the device vanishes from the network silently."""
         if on is not self._has_power:
             self._has_power = on
             self._switched.set()
@@ -40,14 +40,14 @@ class ConnectedDevice(ABC):
 
     @abstractmethod
     async def live(self) -> None:
-        """Be there whenever there is power, until cancelled."""
+        """Be online whenever there is power, until cancelled."""
 
 
 class ServedDevice(ConnectedDevice):
-    """A device that is a server by itself, or a radio: it is asked, or it broadcasts.
+    """A device that is itself a server or a radio: it answers requests, or broadcasts.
 
     Args:
-        on_command: Gets each command for it, as text such as ``on``.
+        on_command: Receives each command, as text such as ``on``.
     """
 
     def __init__(self, device: SimulatedDeviceInfo, on_command: Callable[[str], None]) -> None:
@@ -58,11 +58,11 @@ class ServedDevice(ConnectedDevice):
 
     @abstractmethod
     async def serve(self) -> None:
-        """Be on the network until cancelled, which is a power failure: no farewell is sent."""
+        """Be on the network until cancelled, as by a power failure: without a goodbye."""
 
     @abstractmethod
     def show(self) -> None:
-        """Report the new :attr:`state` to its observers; never waits. Called also without power."""
+        """Report the new :attr:`state` to observers; never waits. Also called without power."""
 
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
         """Begin in *state*."""
@@ -75,7 +75,7 @@ class ServedDevice(ConnectedDevice):
         self.show()
 
     def repeat(self) -> None:
-        """Do nothing: a server is asked."""
+        """Do nothing: a server only answers requests."""
 
     async def live(self) -> None:
         """Serve while there is power, until cancelled."""
@@ -93,21 +93,21 @@ class HubDevice(ServedDevice):
     """A device that others reach through a hub: a bridge, or a server with its nodes.
 
     Attributes:
-        is_there: Whether it has power, so that the hub reaches it.
+        is_there: Whether it has power, so that the hub can reach it.
     """
 
     is_there = False
 
     @abstractmethod
     async def join(self) -> None:
-        """Have the hub reach it."""
+        """Make it reachable for the hub."""
 
     @abstractmethod
     def leave(self) -> None:
-        """Have the hub miss it."""
+        """Make it unreachable for the hub."""
 
     async def serve(self, *, task_status: TaskStatus[None] = anyio.TASK_STATUS_IGNORED) -> None:
-        """Be reachable by the hub until cancelled."""
+        """Be reachable for the hub until cancelled."""
         self.is_there = True
         await self.join()
         task_status.started()

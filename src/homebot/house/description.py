@@ -4,12 +4,12 @@
 
     [house]
     seed = 1
-    dialect = "thesis"                      # how devices speak; a device may have a dialect of its own
-    pace = 60.0                             # so many times as fast as the clock, from a time of day on
+    dialect = "thesis"                      # the dialect of devices without one of their own
+    pace = 60.0                             # speed relative to the clock, from a time of day on
     begins = "06:30"
 
     [rooms.hall]
-    doors = ["outside", "kitchen"]          # each door once, on either side
+    doors = ["outside", "kitchen"]          # each door once, in either room
 
     [rooms.kitchen]
     x = 4.0                                 # metres
@@ -65,7 +65,7 @@ def load_world(path: Path, *, seed: int | None = None) -> World:
     """Return the house that the TOML file *path* describes, at its first midnight.
 
     Args:
-        seed: In place of the file's.
+        seed: Overrides that of the file.
 
     Raises:
         ConfigError: The file cannot be read or is no TOML, or as :func:`parse_world`.

@@ -15,15 +15,15 @@ KELVIN = (1500.0, 9000.0)
 
 @dataclass(eq=False)
 class SimulatedLamp(SimulatedDevice):
-    """A lamp that obeys at once, and reports it.
+    """A lamp that obeys and reports at once.
 
     It takes ``on``, ``off``, a brightness from ``0`` to ``1``, and a colour temperature such as ``2700 K``.
 
     Attributes:
-        brightness: How bright it is while on, 0 to 1.
+        brightness: Brightness while on, 0 to 1.
         kelvin: Colour temperature.
         rated_watts: Power at full brightness, above 0: a lamp without power is dark.
-        rated_lux: The light that it then gives its room.
+        rated_lux: Illuminance of its room at full brightness.
     """
 
     kind: ClassVar[str] = "lamp"
@@ -40,11 +40,11 @@ class SimulatedLamp(SimulatedDevice):
         return "on" if self.is_on else "off"
 
     def watts(self) -> float:
-        """Return watts in proportion to the brightness."""
+        """Return watts, proportional to the brightness."""
         return self.rated_watts * self.brightness if self.is_on else 0.0
 
     def lux(self) -> float:
-        """Return the light it gives its room."""
+        """Return the light that it gives its room."""
         return self.rated_lux * self.brightness if self.is_on else 0.0
 
     def restore(self) -> str:
@@ -73,11 +73,11 @@ class SimulatedLamp(SimulatedDevice):
 class WindowMotor(SimulatedDevice):
     """A motor that takes a while to ``open`` or ``close`` its window.
 
-    It also takes ``stop`` and a position from ``0`` (closed) to ``1`` (open), and moves at one speed. It reports
-    ``opening`` or ``closing``, then where it arrived: ``open``, ``closed`` or a position.
+    It also takes ``stop`` and a position from ``0`` (closed) to ``1`` (open), and moves at constant speed. It reports
+    ``opening`` or ``closing``, then its final state: ``open``, ``closed`` or a position.
 
     Attributes:
-        is_open: Whether it was not closed when it last rested.
+        is_open: Whether it was not closed when it last stopped.
         travel_time: Seconds from one end to the other, above 0.
     """
 
@@ -98,14 +98,14 @@ class WindowMotor(SimulatedDevice):
         return self.position_at(self.now)
 
     def position_at(self, now: float) -> float:
-        """Return where it is at *now*, no earlier than :attr:`now`, if no command comes until then."""
+        """Return the position at *now*, not before :attr:`now`, if no command arrives until then."""
         if not self._moves:
             return self._target
         way = min((now - self._started_at) / self.travel_time, abs(self._target - self._start))
         return self._start + (way if self._target > self._start else -way)
 
     def state(self) -> str:
-        """Return ``open``, ``closed`` or a position; ``opening`` or ``closing`` on the way."""
+        """Return ``open``, ``closed`` or a position; while moving, ``opening`` or ``closing``."""
         if self._moves:
             return "opening" if self._target > self._start else "closing"
         return _position_text(self._target)
@@ -115,7 +115,7 @@ class WindowMotor(SimulatedDevice):
         return 40.0 if self._moves else 0.0
 
     def restore(self) -> str:
-        """Return ``open``, ``close`` or the position where it is."""
+        """Return ``open``, ``close`` or its position."""
         return {"open": "open", "closed": "close"}.get(_position_text(self.position), number_text(self.position))
 
     def next_event(self) -> float | None:
@@ -147,7 +147,7 @@ class WindowMotor(SimulatedDevice):
 
 @dataclass(eq=False)
 class CoverMotor(WindowMotor):
-    """A shutter or blind: as a window's motor, but slower, and open at first. Its position is the light it lets in."""
+    """A shutter or blind: like a window motor, but slower and initially open. Its position is the light it lets in."""
 
     kind: ClassVar[str] = "cover"
     is_open: bool = True
@@ -161,15 +161,15 @@ def _position_text(position: float) -> str:
 
 @dataclass(eq=False)
 class SimulatedDoorLock(SimulatedDevice):
-    """A lock that takes ``lock`` and ``unlock``; reports ``locking`` or ``unlocking``, then where it ended.
+    """A lock that takes ``lock`` and ``unlock``; reports ``locking`` or ``unlocking``, then its final state.
 
-    A jammed lock reports ``jammed`` and is as open as it was; a further command is tried again.
+    A jammed lock reports ``jammed`` and keeps its position; a further command tries again.
 
     Attributes:
         is_locked: Whether the bolt is out.
-        travel_time: Seconds the bolt takes.
-        jams: The share of turns, 0 to 1, in which the bolt sticks.
-        rng: Decides which.
+        travel_time: Seconds for which the bolt moves.
+        jams: The share of moves, 0 to 1, in which the bolt sticks.
+        rng: Decides when it jams.
     """
 
     kind: ClassVar[str] = "lock"
@@ -186,7 +186,7 @@ class SimulatedDoorLock(SimulatedDevice):
         self._wants_locked = self.is_locked
 
     def state(self) -> str:
-        """Return ``locked``, ``unlocked`` or ``jammed``; ``locking`` or ``unlocking`` on the way."""
+        """Return ``locked``, ``unlocked`` or ``jammed``; while moving, ``locking`` or ``unlocking``."""
         return self._state_text
 
     def restore(self) -> str:
@@ -216,30 +216,31 @@ class SimulatedDoorLock(SimulatedDevice):
 
 
 LEAST, MOST = 5.0, 30.0
-"""Targets that it takes, in degrees Celsius."""
+"""Range of targets, in degrees Celsius."""
 
 PERIOD = 300.0
-"""Seconds between two looks at the thermometer; rooms are slow."""
+"""Seconds between readings of the thermometer; rooms are slow."""
 
 _DEGREES = " °C"
 
 BAND = 0.3
-"""Kelvin below the target at which heating begins; it ends at as much above."""
+"""Kelvin below the target at which heating starts; it stops at as much above."""
 
 
 @dataclass(eq=False)
 class SimulatedThermostat(SimulatedDevice):
     """A thermostat in a room that cools towards the weather and, while heated, warms towards ``weather + gain``.
 
-    First-order: the distance to where the room tends shrinks to 1/e within ``inertia`` seconds. It takes a target from
-    ``5`` to ``30``, reports that target, and later the room's temperature whenever it moved by 0.1 K. Degrees Celsius.
-    It senses the temperature outside.
+    First-order: the difference to the final temperature shrinks to 1/e within ``inertia`` seconds. It takes a target
+    from
+    ``5`` to ``30``, reports that target, and later the room's temperature whenever it has changed by 0.1 K. Degrees
+    Celsius. It senses the temperature outside.
 
     Attributes:
-        celsius: The room.
+        celsius: Temperature of the room.
         target: Setpoint of the room.
-        gain: Kelvin above outside that full heating can hold.
-        inertia: Seconds.
+        gain: Kelvin above outside that full heating can maintain.
+        inertia: Time constant in seconds.
         rated_watts: Power of the heating.
     """
 
@@ -272,7 +273,7 @@ class SimulatedThermostat(SimulatedDevice):
         return number_text(self.target)
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Let the weather be *value* degrees Celsius."""
+        """Set the outside temperature to *value* degrees Celsius."""
         reports = self.advance(now)
         self.outside = value
         return reports
@@ -286,11 +287,11 @@ class SimulatedThermostat(SimulatedDevice):
         return (*reports, self.state())
 
     def sensing(self, value: float) -> str:
-        """Return the command for a room of *value* degrees, which then cools or warms."""
+        """Return the command for a room of *value* degrees, from which it then cools or warms."""
         return f"{number_text(value)}{_DEGREES}"
 
     def next_event(self) -> float | None:
-        """Return when it looks at the thermometer."""
+        """Return when it next reads the thermometer."""
         return self._looks_at
 
     def _obey(self, command: str) -> tuple[str, ...]:

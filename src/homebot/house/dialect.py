@@ -1,8 +1,8 @@
-"""Families of devices: pure functions between a device of :mod:`homebot.house` and MQTT, one class for each family.
+"""Families of devices: pure functions between a device of :mod:`homebot.house` and MQTT, one class per family.
 
-A command or report is a text such as ``on`` or ``21.5``; the dialect defines the messages on the wire. A device behind
-a bridge publishes everything itself here; only the messages of the bridge about itself and all its devices come from
-one client more.
+A command or report is a text such as ``on`` or ``21.5``; the dialect defines the messages on the wire. Here, a device
+behind a bridge publishes everything itself; only the bridge's messages about itself and all its devices come from a
+separate client.
 """
 
 from abc import ABC, abstractmethod
@@ -24,12 +24,12 @@ class DeviceState:
 
     Attributes:
         text: Its last state as text, for example ``on``, ``opening``, ``locked`` or ``21.5``.
-        is_on: Of a lamp: whether it shines.
-        brightness: Of a lamp: how bright it is while on, 0 to 1.
+        is_on: Of a lamp: whether it is on.
+        brightness: Of a lamp: brightness while on, 0 to 1.
         kelvin: Of a lamp: its colour temperature.
         position: Of a motor: 0 is closed, 1 is open.
         way: Of a motor: 1 while it opens, -1 while it closes, 0 at rest.
-        value: The number that a sensor reports; 0 where it reports none.
+        value: The number reported by a sensor; 0 for none.
         kilowatt_hours: Of a power meter: the energy counted.
         celsius: Of a thermostat: the room's temperature.
         target: Setpoint of a thermostat.
@@ -50,11 +50,11 @@ class DeviceState:
 
 
 def state_of(device: SimulatedDevice, text: str) -> DeviceState:
-    """Return how *device* is, if the state it reported last is *text*, which may be a lie.
+    """Return the state of *device*, whose last report is *text*, perhaps a lie.
 
     Args:
-        device: The device itself, under all its faults.
-        text: The state that it reported.
+        device: The actual device, without its faults.
+        text: The reported state.
     """
     if isinstance(device, SimulatedLamp):
         return _lamp(device, text)
@@ -94,10 +94,10 @@ class SimulatedDeviceInfo:
     """The identity of a simulated device.
 
     Attributes:
-        home: First level, or levels, of the topics.
+        home: First level or levels of the topics.
 
     Raises:
-        UsageError: The name or the service type is empty or cannot be one level of a topic.
+        UsageError: The name or service type is empty, or cannot be one level of a topic.
     """
 
     home: str
@@ -116,7 +116,7 @@ class OutgoingMessage(NamedTuple):
     """A message that a device sends.
 
     Attributes:
-        qos: How sure it has to be that it comes, 0 to 2.
+        qos: Quality of service, 0 to 2.
     """
 
     topic: str
@@ -126,11 +126,11 @@ class OutgoingMessage(NamedTuple):
 
 
 class Bridge(NamedTuple):
-    """The one program that publishes for all devices that are bound to it.
+    """The program that publishes for all devices bound to it.
 
     Attributes:
-        birth: On each new link.
-        will: When it vanishes.
+        birth: Messages on each new link.
+        will: The last will.
     """
 
     birth: tuple[OutgoingMessage, ...]
@@ -138,19 +138,19 @@ class Bridge(NamedTuple):
 
 
 class Dialect(ABC):
-    """A family of devices. No function raises, for any state or payload."""
+    """A family of devices. Its functions never raise, for any state or payload."""
 
     @property
     @abstractmethod
     def kinds(self) -> frozenset[str]:
-        """The kinds of devices, as houses are described, that there are in this family."""
+        """The kinds of devices in this family, as named in descriptions of houses."""
 
     @abstractmethod
     def state_messages(self, device: SimulatedDeviceInfo, state: DeviceState) -> tuple[OutgoingMessage, ...]:
-        """Return the messages by which *device* reports *state*."""
+        """Return the messages that report *state* of *device*."""
 
     def filters(self, device: SimulatedDeviceInfo) -> tuple[str, ...]:
-        """Return the topic filters that *device* subscribes to."""
+        """Return the topic filters to which *device* subscribes."""
         del device
         return ()
 
@@ -160,7 +160,7 @@ class Dialect(ABC):
         return None
 
     def announcement(self, device: SimulatedDeviceInfo) -> tuple[OutgoingMessage, ...]:
-        """Return the messages by which *device* announces itself."""
+        """Return the messages that announce *device*."""
         del device
         return ()
 
@@ -176,7 +176,7 @@ class Dialect(ABC):
         return None if found is None else OutgoingMessage(found[0], found[2], retain=True)
 
     def parse_command(self, device: SimulatedDeviceInfo, topic: str, payload: bytes) -> tuple[str, ...]:
-        """Return the commands in a message that came in; empty where it holds none."""
+        """Return the commands in a received message."""
         del device, topic, payload
         return ()
 
@@ -188,14 +188,14 @@ class Dialect(ABC):
         return ()
 
     def bridge(self, devices: Sequence[SimulatedDeviceInfo]) -> Bridge | None:
-        """Return the bridge that *devices*, all of this family in a house, are bound to; None where there is none."""
+        """Return the bridge of *devices*, all of this family in a house, or None."""
         del devices
         return None
 
 
 @final
 class BridgeDialect(Dialect):
-    """A bridge as a device of its own: it publishes the bridge's messages and takes no command."""
+    """A bridge as a device, which publishes the bridge's messages and takes no commands."""
 
     kinds = frozenset()
 

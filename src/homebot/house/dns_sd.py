@@ -1,4 +1,4 @@
-"""Announcements of simulated devices by DNS-SD over multicast DNS; the one file of the house that knows zeroconf.
+"""Announcements of simulated devices by DNS-SD over multicast DNS; the only file of the house with zeroconf.
 
 Source: RFC 6762 and 6763.
 """
@@ -22,7 +22,7 @@ class DnsSdService:
     Attributes:
         service_type: ``_wled._tcp.local.``
         host: The name of its host, without ``.local.``
-        ttl: Seconds for which others believe the SRV record; 120 by the standard.
+        ttl: Time to live of the SRV record in seconds; 120 by the standard.
     """
 
     service_type: str
@@ -38,7 +38,7 @@ async def announce_service(
 ) -> None:
     """Announce *service* on the interface with the IPv4 *address* until cancelled, without a goodbye.
 
-    Simulated devices end like devices that lose power: they say nothing, and their records expire.
+    Simulated devices end like devices that lose power: silently, so that their records expire.
     """
     info = ServiceInfo(
         service.service_type,

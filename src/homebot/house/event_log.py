@@ -12,15 +12,15 @@ Verb = Literal["says", "told", "switch", "power", "enters", "sleeps"]
 
 
 class Event(NamedTuple):
-    """One thing that happened.
+    """An event.
 
     Attributes:
         at: Seconds since the first midnight.
         who: The name of the device or person.
-        verb: A device ``says`` a report, is ``told`` a command, hands ``switch`` it, or its ``power`` goes ``off`` or
-            ``on``; a person ``enters`` a room or ``sleeps`` there.
+        verb: A device ``says`` a report, is ``told`` a command, is operated by hand (``switch``), or its ``power`` goes
+            ``off`` or ``on``; a person ``enters`` a room or ``sleeps`` there.
         what: The report, command, state or room.
-        command: The id that a command carried on its way, where it did.
+        command: The id of the command, if it had one.
     """
 
     at: float
@@ -34,18 +34,18 @@ class Event(NamedTuple):
         days, rest = divmod(milliseconds, int(DAY) * 1000)
         hours, rest = divmod(rest, 3_600_000)
         minutes, rest = divmod(rest, 60_000)
-        what = self.what if self.what.isprintable() else ascii(self.what)  # one event, one line
+        what = self.what if self.what.isprintable() else ascii(self.what)  # one line per event
         return f"{days} {hours:02}:{minutes:02}:{rest // 1000:02}.{rest % 1000:03} {self.who} {self.verb} {what}"
 
 
 class WorldLog:
-    """The newest events; where it is full the oldest is dropped.
+    """The newest events; when it is full, the oldest is dropped.
 
     Args:
         capacity: Events kept, at least 1.
 
     Attributes:
-        count: How many events there were in all.
+        count: Total number of events.
     """
 
     def __init__(self, capacity: int = 100_000) -> None:
@@ -58,15 +58,15 @@ class WorldLog:
         return self.count - len(self._events)
 
     def add(self, event: Event) -> None:
-        """Write *event* down."""
+        """Add *event*."""
         self._events.append(event)
         self.count += 1
 
     def since(self, mark: int) -> tuple[Event, ...]:
-        """Return the events after the first *mark*, oldest first, as far as they are kept."""
+        """Return the kept events after the first *mark*, oldest first."""
         newest = islice(reversed(self._events), max(0, self.count - mark))
         return tuple(newest)[::-1]
 
     def text(self) -> str:
-        """Return the kept events, a line each."""
+        """Return the kept events, one line each."""
         return "".join(f"{event}\n" for event in self._events)

@@ -1,7 +1,7 @@
-"""Faults of devices: wrappers of any device, which are devices themselves, so faults combine.
+"""Faults of devices: wrappers of any device, which are devices themselves, so that faults combine.
 
-A fault gets a command before the device does and its reports before the world does. ``device`` is the
-wrapped device, and :func:`unwrap` returns the one at the bottom, which has the real state.
+A fault receives commands before the device, and reports before the world. ``device`` is the wrapped device;
+:func:`unwrap` returns the innermost one, which has the real state.
 """
 
 import math
@@ -30,7 +30,7 @@ __all__ = [
 ]
 
 HELD = 1000
-"""The most that a fault holds back, of commands or of reports; then the oldest is lost and counted."""
+"""Most commands, or reports, that a fault holds back; beyond that the oldest is lost and counted."""
 
 DONE = {"open": "open", "close": "closed", "lock": "locked", "unlock": "unlocked"}
 OPPOSITES = {"on": "off", "open": "closed", "motion": "clear", "locked": "unlocked"}
@@ -39,7 +39,7 @@ OPPOSITES |= {opposite: word for word, opposite in OPPOSITES.items()}
 
 @dataclass(eq=False)
 class DeviceFault(SimulatedDevice):
-    """A device with something wrong.
+    """A device with a fault.
 
     Attributes:
         lost: Number of held commands and reports that overflowed.
@@ -77,13 +77,13 @@ class DeviceFault(SimulatedDevice):
         return self.device.watts()
 
     def restore(self) -> str:
-        """Return the command that would bring the device back to its state."""
+        """Return the command that restores the device's state."""
         return self.device.restore()
 
     def advance(self, now: float) -> tuple[str, ...]:
         """Advance the fault and the device."""
         reports = super().advance(now)
-        self.device.advance(now)  # to the same time; its due reports are already out
+        self.device.advance(now)  # to the same time; its due reports have been sent
         return reports
 
     def heartbeat(self) -> tuple[str, ...] | None:
@@ -91,7 +91,7 @@ class DeviceFault(SimulatedDevice):
         return self.device.heartbeat()
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Operate the device by hand: most faults are of its radio."""
+        """Operate the device by hand, which most faults do not affect."""
         return (*self.advance(now), *self._deliver_all(self.device.operate_manually(command, now)))
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
@@ -99,7 +99,7 @@ class DeviceFault(SimulatedDevice):
         return (*self.advance(now), *self._deliver_all(self.device.apply_input(value, now)))
 
     def next_event(self) -> float | None:
-        """Return when the device or the fault does something by itself."""
+        """Return when the device or the fault next acts by itself."""
         own = self._held[0][0] if self._held else None
         inner = self.device.next_event()
         return inner if own is None else own if inner is None else min(own, inner)
@@ -125,11 +125,11 @@ class DeviceFault(SimulatedDevice):
         return (report,)
 
     def _release(self, held: str) -> tuple[str, ...]:
-        """Return the reports that come of one that was held back."""
+        """Return the reports for one that was held back."""
         return (held,)
 
     def _hold(self, at: float, held: str) -> None:
-        """Hold *held* until *at*, which is never before an earlier entry."""
+        """Hold back *held* until *at*, which is never before an earlier entry."""
         if len(self._held) == HELD:
             self._held.popleft()
             self.lost += 1
@@ -138,7 +138,7 @@ class DeviceFault(SimulatedDevice):
 
 @dataclass(eq=False)
 class Lossy(DeviceFault):
-    """Loses a share (0 to 1) of its commands and of its reports."""
+    """Loses a share (0 to 1) of its commands and reports."""
 
     share: float = field(default=0.2, kw_only=True)
 
@@ -149,19 +149,19 @@ class Lossy(DeviceFault):
         return () if self.rng.random() < self.share else (report,)
 
     def heartbeat(self) -> tuple[str, ...] | None:
-        """Return its state as it is, not as last reported."""
+        """Return its actual state, not the last report."""
         return (self.state(),)
 
 
 @dataclass(eq=False)
 class Slow(DeviceFault):
-    """Begins to obey only after a delay of seconds, each time up to half as long again."""
+    """Obeys after a delay in seconds, each time up to half as long again."""
 
     delay: float = field(default=5.0, kw_only=True)
 
     def _obey(self, command: str) -> tuple[str, ...]:
         at = self.now + self.delay * self.rng.uniform(1.0, 1.5)
-        self._hold(max(at, self._held[-1][0]) if self._held else at, command)  # in the order they came
+        self._hold(max(at, self._held[-1][0]) if self._held else at, command)  # in order of arrival
         return ()
 
     def _release(self, held: str) -> tuple[str, ...]:
@@ -170,7 +170,7 @@ class Slow(DeviceFault):
 
 @dataclass(eq=False)
 class Deaf(DeviceFault):
-    """Receives no command; still reports its state."""
+    """Receives no commands, but reports its state."""
 
     def _obey(self, command: str) -> tuple[str, ...]:
         del command
@@ -179,7 +179,7 @@ class Deaf(DeviceFault):
 
 @dataclass(eq=False)
 class Liar(DeviceFault):
-    """Reports commands as done and does nothing, from a time on (seconds since the first midnight)."""
+    """From a time on (seconds since the first midnight), reports commands as done without doing anything."""
 
     since: float = field(default=0.0, kw_only=True)
 
@@ -188,7 +188,7 @@ class Liar(DeviceFault):
         self._lie: str | None = None
 
     def state(self) -> str:
-        """Return the last lie, or how it is where it told none."""
+        """Return the last lie, or the actual state without one."""
         return self.device.state() if self._lie is None else self._lie
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
@@ -213,7 +213,7 @@ class EchoingBridge(DeviceFault):
 
 @dataclass(eq=False)
 class Stuck(DeviceFault):
-    """Keeps its state: tries for some seconds and answers with the old state; sensors feel no change."""
+    """Keeps its state: tries for some seconds, then reports the old state; sensors notice no change."""
 
     after: float = field(default=2.0, kw_only=True)
 
@@ -229,7 +229,7 @@ class Stuck(DeviceFault):
 
     def _obey(self, command: str) -> tuple[str, ...]:
         del command
-        if not self._held:  # a command meanwhile gets the same answer
+        if not self._held:  # a command in the meantime gets the same answer
             self._hold(self.now + self.after, "")
         return ()
 
@@ -240,7 +240,7 @@ class Stuck(DeviceFault):
 
 @dataclass(eq=False)
 class Reverter(DeviceFault):
-    """Obeys, and goes back to how it was after some seconds; a later command calls that off."""
+    """Obeys, and reverts after some seconds unless there is a later command."""
 
     after: float = field(default=60.0, kw_only=True)
 
@@ -258,7 +258,7 @@ class Reverter(DeviceFault):
 
 @dataclass(eq=False)
 class Chatterbox(DeviceFault):
-    """Floods: repeats every report so many times, so many seconds apart."""
+    """Repeats every report a number of times, at intervals in seconds."""
 
     times: int = field(default=50, kw_only=True)
     every: float = field(default=0.1, kw_only=True)
@@ -272,7 +272,7 @@ class Chatterbox(DeviceFault):
 
 @dataclass(eq=False)
 class Flapper(DeviceFault):
-    """Now and then, on average every so many seconds, reports the opposite and takes it back 0.2 s later."""
+    """Reports the opposite, on average every so many seconds, and corrects it 0.2 s later."""
 
     every: float = field(default=3600.0, kw_only=True)
 
@@ -302,7 +302,7 @@ class Late(DeviceFault):
 
 @dataclass(eq=False)
 class Silent(DeviceFault):
-    """Says nothing from a time on (seconds since the first midnight), not even at a heartbeat; it keeps its link."""
+    """From a time on (seconds since the first midnight), reports nothing, not even heartbeats; it keeps its link."""
 
     since: float = field(default=0.0, kw_only=True)
 
@@ -316,7 +316,7 @@ class Silent(DeviceFault):
 
 @dataclass(eq=False)
 class Unplugged(DeviceFault):
-    """Has no power from one time until another (seconds since the first midnight): it does and reports nothing."""
+    """Without power between two times (seconds since the first midnight)."""
 
     since: float = field(default=0.0, kw_only=True)
     until: float = field(default=math.inf, kw_only=True)
@@ -350,7 +350,7 @@ class Unplugged(DeviceFault):
         return reports + self._deliver_all(self.device.apply_input(value, now))
 
     def next_event(self) -> float | None:
-        """Return the next time, also that at which the power goes or returns."""
+        """Return the next time at which anything happens, including loss and return of power."""
         inner = super().next_event()
         own = self._changes[0] if self._changes else None
         return inner if own is None else own if inner is None else min(own, inner)
@@ -374,7 +374,7 @@ class Unplugged(DeviceFault):
 
 
 def unwrap(device: SimulatedDevice) -> SimulatedDevice:
-    """Return the device under all faults."""
+    """Return the device without its faults."""
     while isinstance(device, DeviceFault):
         device = device.device
     return device

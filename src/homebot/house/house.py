@@ -1,4 +1,4 @@
-"""A world on its networks: one loop moves the world, and each of its devices is a client or a server by itself."""
+"""A world on its networks: one loop advances the world, and each of its devices is a client or a server."""
 
 from __future__ import annotations
 
@@ -37,42 +37,41 @@ from homebot.support.isolation import run_as
 __all__ = ["HEARTBEAT", "SimulatedHouse"]
 
 HEARTBEAT = 2.0
-"""Seconds between two reports without another, short enough to watch."""
+"""Seconds between heartbeats, short enough to watch."""
 
 TICK = 1e-6
-"""Seconds within which an event is due now, because loop timers cannot wait for less."""
+"""Seconds within which an event counts as due, because loop timers cannot wait for less."""
 
 STRIDE = 3600.0
-"""Seconds of the world that pass in one turn of the loop, where a clock was set or a computer slept."""
+"""Most seconds of the world in one turn of the loop, after a clock was set or a computer slept."""
 
 SHORTEST_KEEP_ALIVE = 30
 LONGEST_KEEP_ALIVE = 65_535
 
 
 class SimulatedHouse:
-    """Carries a world over a broker.
+    """Connects a world to a broker.
 
-    The world's first day is the day, in UTC, on which the house is made: the world's time is the clock's since
-    that day's midnight, or has a pace of its own (:class:`~homebot.house.rooms.WorldTime`). Events of the morning
-    before are not published, but devices begin as it left them.
-    A world that has lived some days goes on with the next.
+    The world's first day is the day, in UTC, on which the house is created: its time is the clock's since that day's
+    midnight, or has its own pace (:class:`~homebot.house.rooms.WorldTime`). Earlier events of that day are not
+    published, but determine the initial states. A world that has already run for some days continues with the next.
 
     Args:
         url: The broker, ``mqtt://host:port``.
         home: First level of the devices' topics.
-        world: The carried world, which only this object moves.
-        random: Source of their reconnects' jitter; a seeded one makes every run the same.
-        heartbeat: Seconds after which devices publish their last state again, as real ones do.
-        dialects: Families of devices on MQTT, by the names that the world's devices have for them.
-        network: Where the devices of served families are; by default networks of its own.
+        world: The world, which only this object may advance.
+        random: Source of the jitter of reconnects, seeded for reproducible runs.
+        heartbeat: Seconds after which devices repeat their last state, as real ones do.
+        dialects: Families of devices on MQTT, by the names used in the world.
+        network: The networks of served families; by default its own.
 
     Attributes:
         Host: The class of the service that can host one.
-        WITHOUT_HOST: The reason why no gateway of a configuration does, as text.
+        WITHOUT_HOST: Why no gateway of a configuration can, in words.
 
     Raises:
-        UsageError: The heartbeat is not above 0, a device's name cannot be one on MQTT, there is no such dialect, or
-            it has no such kind of device.
+        UsageError: The heartbeat is not above 0, a device's name is not valid on MQTT, or a dialect, or its kind of
+            device, does not exist.
     """
 
     Host: ClassVar[type[HostedBroker]] = HostedBroker
@@ -124,7 +123,7 @@ class SimulatedHouse:
         random: Random | None = None,
         network: HouseNetwork | None = None,
     ) -> SimulatedHouse:
-        """Return a house whose devices connect to a broker in this process; the arguments are those of the class."""
+        """Return a house whose devices connect to a broker in this process; arguments as for the class."""
         make_client = host.make_client or NativeClient
         return cls(host.url, home, world, clock, make_client=make_client, random=random, network=network)
 
@@ -143,12 +142,12 @@ class SimulatedHouse:
             await self._move()
 
     def catch_up(self) -> None:
-        """Bring the world to the present, or an hour nearer to it; nothing before it is served."""
+        """Advance the world to the present, or by an hour, without publishing anything."""
         if self._is_served:
             self._show(self.world.run_until(self._within_reach()))
 
     def command(self, device_id: str, command: str, command_id: str = "") -> None:
-        """Give *command*, which may carry an id, to a device, as its radio does.
+        """Give *command*, which may have an id, to a device, as its radio does.
 
         Raises:
             UsageError: There is no such device.
@@ -157,7 +156,7 @@ class SimulatedHouse:
         self._changed.set()
 
     def press(self, device_id: str, command: str) -> None:
-        """Operate a device by hand, as *command* would.
+        """Operate a device by hand, with the effect of *command*.
 
         Raises:
             UsageError: There is no such device.
@@ -220,7 +219,7 @@ class SimulatedHouse:
         return SimulatedDeviceInfo(self._home, kind, device.device_id, device.service_type, placed.room)
 
     def _bound(self, world: World, infos: Mapping[str, SimulatedDeviceInfo]) -> list[MqttDevice]:
-        """Return the bridges of the families that have one here."""
+        """Return the bridges of the families with one in this house."""
         bridges = []
         for name in world.families():
             if name not in self._dialects:
@@ -243,7 +242,7 @@ class SimulatedHouse:
         options = MqttOptions.from_url(
             self._url,
             client_id=f"{self._home}-{info.device_id}",
-            # A client that publishes this often needs few pings in between.
+            # A client that publishes this often needs few pings.
             keep_alive=math.ceil(min(max(SHORTEST_KEEP_ALIVE, 12 * self._heartbeat), LONGEST_KEEP_ALIVE)),
             will=None if will is None else Will(will.topic, will.payload, will.qos, will.retain),
         )

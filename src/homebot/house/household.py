@@ -1,4 +1,4 @@
-"""People of a house: their habits, where they are, and their ways through it."""
+"""The people of a house: their habits, their places, and their walks."""
 
 import random
 from collections.abc import Callable, Sequence
@@ -12,16 +12,16 @@ from homebot.support.timer_queue import TimerQueue
 __all__ = ["MOVES", "Habit", "Household", "MovementObserver", "Person", "Visit"]
 
 MOVES = 20.0
-"""Seconds of movement of a sitting person after coming in, and each time in between."""
+"""Seconds of movement of a sitting person, after coming in and each time in between."""
 
 
 class Habit(NamedTuple):
-    """A habit: to set out for a room at some time of the day.
+    """A habit: setting out for a room at some time of the day.
 
     Attributes:
         at: Seconds since midnight.
-        jitter: Seconds by which it may be earlier or later; uniform.
-        asleep: Whether they lie still there, in the dark.
+        jitter: Seconds by which it may be earlier or later, uniformly distributed.
+        asleep: Whether they sleep there, in the dark.
         still: Seconds without movement, awake, between two short movements, as of a reader;
             0 for constant movement.
     """
@@ -38,7 +38,7 @@ class Visit(NamedTuple):
 
     Attributes:
         at: Seconds since the first midnight.
-        still: As of :class:`Habit`.
+        still: As for :class:`Habit`.
     """
 
     at: float
@@ -51,8 +51,8 @@ class Person(NamedTuple):
     """A person in the house.
 
     Attributes:
-        day: Their habits, every day the same but for the jitter.
-        starts_in: Where they are at the first midnight.
+        day: Their habits, the same every day apart from jitter.
+        starts_in: Their room at the first midnight.
         speed: Metres a second, above 0.
     """
 
@@ -63,7 +63,7 @@ class Person(NamedTuple):
     speed: float = 1.0
 
     def plan(self, day: int, seed: str) -> tuple[Visit, ...]:
-        """Return the visits of *day*, 0 for the first, in time order; the same for the same *seed*."""
+        """Return the visits of *day*, 0 for the first, in order of time; determined by *seed*."""
         rng = random.Random(f"{seed}/{self.name}/{day}")  # noqa: S311  # numbers of a game, no secrets
         drawn = [
             (min(DAY - 1.0, max(0.0, habit.at + rng.uniform(-1.0, 1.0) * habit.jitter)), habit) for habit in self.day
@@ -78,27 +78,27 @@ class MovementObserver(Protocol):
     """A port for people's movements."""
 
     def on_door_passed(self, name: str, left: str, entered: str) -> None:
-        """Take note that a person went through the door between two rooms, and is in *entered* now."""
+        """Handle a person's passage through the door between two rooms, into *entered*."""
         ...
 
     def on_sleep(self, name: str, room: str) -> None:
-        """Take note that a person sleeps now."""
+        """Handle a person falling asleep."""
         ...
 
     def on_motion(self, room: str) -> None:
-        """Take note that a person set out, arrived, passed or moved in *room*; called after the above."""
+        """Handle a person who sets out, arrives, passes or moves in *room*; called after the above."""
         ...
 
     def on_still(self, room: str) -> None:
-        """Take note that a person in *room* moves no longer, and is awake."""
+        """Handle a person in *room* who stops moving, and is awake."""
         ...
 
 
 @dataclass(eq=False)
 class _Body:
-    """A person's place; ``walk`` counts the walks, so that an older one ends where a newer begins.
+    """A person's place; ``walk`` counts walks, so that a new one ends an older one.
 
-    ``still`` is as of their habit, and ``moves`` whether they move meanwhile.
+    ``still`` is that of their habit, ``moves`` whether they are moving.
     """
 
     person: Person
@@ -113,10 +113,10 @@ class Household:
     """People that walk from room to room by their habits.
 
     Args:
-        clock: Returns the time that the queue is at.
+        clock: Returns the current time of the queue.
 
     Raises:
-        UsageError: A room is not there, or no doors lead to it.
+        UsageError: A room does not exist, or no doors lead to it.
     """
 
     def __init__(
@@ -147,15 +147,15 @@ class Household:
         return tuple(body.person.name for body in self._bodies if body.room == room)
 
     def awake_in(self, room: str) -> int:
-        """Return how many are awake in *room*."""
+        """Return the number of people awake in *room*."""
         return sum(body.room == room and not body.asleep for body in self._bodies)
 
     def moving_in(self, room: str) -> int:
-        """Return how many are awake in *room* and do not sit still."""
+        """Return the number of people in *room* who are awake and do not sit still."""
         return sum(body.room == room and not body.asleep and body.moves for body in self._bodies)
 
     def stir(self, room: str) -> None:
-        """Move the people sitting in *room* for a moment."""
+        """Let the people sitting in *room* move for a moment."""
         for body in self._bodies:
             if body.room == room and not body.moves:
                 self._move(body, body.walk)

@@ -1,6 +1,6 @@
-"""The kinds of devices and faults by the names that describe them, each with the settings it takes.
+"""The kinds of devices and faults by name, each with its settings.
 
-A setting that is left out has the default of the device or fault, which is written there alone.
+The defaults of settings are those of the device or fault.
 """
 
 import random
@@ -34,7 +34,7 @@ Celsius = Annotated[float, Field(ge=-60.0, le=60.0)]
 
 @dataclass(frozen=True, slots=True)
 class Surroundings:
-    """The surroundings that a device is made in."""
+    """The surroundings of a new device."""
 
     name: str
     room: str
@@ -113,7 +113,7 @@ KINDS: Final[dict[str, type[KindSettings]]] = {
     "robot": _kind(Robot, speed=Positive),
     "tag": _kind(SimulatedTag, text=_Text, hold=Moment, every=_Since),
 }
-"""Kinds of devices, each with the settings that it takes."""
+"""Kinds of devices, with their settings."""
 
 FAULTS: Final[dict[str, type[FaultSettings]]] = {
     "lossy": _fault(faults.Lossy, share=Fraction),
@@ -129,4 +129,4 @@ FAULTS: Final[dict[str, type[FaultSettings]]] = {
     "silent": _fault(faults.Silent, since=_Since),
     "unplugged": _fault(faults.Unplugged, since=_Since, until=Seconds),
 }
-"""Kinds of faults, each with the settings that it takes."""
+"""Kinds of faults, with their settings."""

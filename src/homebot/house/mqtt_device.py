@@ -1,7 +1,7 @@
-"""One device of a simulated house on the wire: an MQTT client of its own, which does not know homebot.
+"""One device of a simulated house: a separate MQTT client, which does not know homebot.
 
-Its messages wait in a queue of its own, so that a slow broker stops neither the world nor other devices. Without a link
-messages are dropped and the last state is published at the next link, as small devices do.
+Its messages wait in its own queue, so that a slow broker blocks neither the world nor other devices. Without a link
+messages are dropped, and the next link publishes the last state, as small devices do.
 """
 
 import asyncio
@@ -26,7 +26,7 @@ __all__ = ["HouseCounters", "MqttDevice"]
 REFUSED = "house.publish_refused"
 
 QUEUED = 100
-"""Messages of one device that wait for the broker; the oldest goes, because a newer one is nearer to the present."""
+"""Most messages of one device waiting for the broker; the oldest is dropped, because newer ones are more useful."""
 
 _COMMAND_ID = "command"
 
@@ -38,10 +38,10 @@ class HouseCounters:
     """Counters of the messages between the devices of a house and the broker.
 
     Attributes:
-        published: Messages that the broker took.
-        unsaid: States and messages that found no link.
-        overflowed: Messages that waited too long for a slow broker.
-        refused: Messages that the broker did not want.
+        published: Messages accepted by the broker.
+        unsaid: States and messages without a link.
+        overflowed: Messages dropped because of a slow broker.
+        refused: Messages refused by the broker.
     """
 
     published: int = 0
@@ -53,11 +53,11 @@ class HouseCounters:
 
 @final
 class MqttDevice(ConnectedDevice):
-    """A device on the wire.
+    """A device on MQTT.
 
     Args:
-        on_command: Gets each command for it, and its id where the message has the user property ``command``.
-        counters: Shared by the house.
+        on_command: Receives each command, and its id if the message has the user property ``command``.
+        counters: The counters of the house.
     """
 
     def __init__(
@@ -83,12 +83,12 @@ class MqttDevice(ConnectedDevice):
         self._queued = asyncio.Event()  # anyio's cannot be cleared, and a new one for each message costs
 
     def begin(self, state: DeviceState, *, has_power: bool) -> None:
-        """Begin in *state*, which is published at the first link; before :meth:`live`."""
+        """Start in *state*, published at the first link; called before :meth:`live`."""
         self._store(state)
         self._has_power = has_power
 
     def publish(self, state: DeviceState) -> None:
-        """Publish *state*, and again at each heartbeat and new link until another; never waits."""
+        """Publish *state*, repeated at heartbeats and new links until the next state; never waits."""
         self._store(state)
         if self._is_online:
             self._enqueue(self._last)
@@ -101,9 +101,9 @@ class MqttDevice(ConnectedDevice):
             self._enqueue(self._again)
 
     async def live(self) -> None:
-        """Be there whenever there is power, until cancelled."""
+        """Be online whenever there is power, until cancelled."""
         for topic_filter in self._dialect.filters(self._device):
-            await self._connection.subscribe(MqttSubscription(topic_filter, qos=1))  # remembered for every link
+            await self._connection.subscribe(MqttSubscription(topic_filter, qos=1))  # kept for every link
         while True:
             while not self._has_power:
                 await self._switched.wait()

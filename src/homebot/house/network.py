@@ -1,7 +1,7 @@
-"""Networks of a simulated house beside its broker: this computer's loopback interface, and a virtual radio.
+"""The networks of a simulated house besides its broker: the loopback interface, and a virtual radio.
 
-A device of a house speaks MQTT in a dialect, or belongs to a *served family*: it is a server or a radio by itself,
-and a gateway of its protocol finds it. The house says which gateways its devices need; the runtime adds missing ones.
+A device speaks MQTT in a dialect, or belongs to a *served family*: it is a server or a radio, found by the gateway of
+its protocol. The house tells which gateways its devices need; the runtime adds missing ones.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ TOKEN = "HOMEBOT_SIMULATED_TOKEN"  # noqa: S105 - the name of a variable
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ServedFamily:
-    """A family of devices that are servers or radios by themselves.
+    """A family of devices that are servers or radios.
 
     Attributes:
-        kinds: The kinds of devices, as houses are described, that there are in it.
-        device: Module and class of a device.
-        options: The arguments of that class beside its name and its receiver of commands.
-        gateway: The gateway that finds them, by the name of its plug-in.
+        kinds: Its kinds of devices, as named in descriptions of houses.
+        device: Module and class of its devices.
+        options: Arguments of that class besides the name and the receiver of commands.
+        gateway: The plug-in name of the gateway that finds them.
         extra: The extra that installs its libraries.
         libraries: Their top-level modules.
     """
@@ -64,7 +64,7 @@ class ServedFamily:
 def _family(
     kinds: frozenset[str], device: str, gateway: str, libraries: tuple[str, ...], **options: object
 ) -> ServedFamily:
-    """Return a family with libraries of the extra of its gateway, or of another one that has them."""
+    """Return a family whose libraries come from the extra of its gateway, or of another one."""
     extra = {"ble": "testing", "homeassistant": "matter", "homekit": "testing", "hue": "testing"}.get(gateway, gateway)
     return ServedFamily(kinds, f"homebot.house.{device}", gateway, extra, libraries, options)
 
@@ -94,11 +94,11 @@ FAMILIES: Mapping[str, ServedFamily] = MappingProxyType(
         "wled": _family(_LAMP, "http.wled:ServedWled", "mdns", ("aiohttp", "zeroconf"), announced=True),
     }
 )
-"""Every served family by the name that houses have for it."""
+"""The served families by their names in houses."""
 
 
 def kinds_of(name: str) -> frozenset[str] | None:
-    """Return the kinds of devices in the dialect or served family *name*; None where there is none of that name."""
+    """Return the kinds of devices in the dialect or served family *name*, or None if it does not exist."""
     if name in DIALECTS:
         return DIALECTS[name].kinds
     return FAMILIES[name].kinds if name in FAMILIES else None
@@ -119,7 +119,7 @@ class HouseNetwork:
 
     @asynccontextmanager
     async def running(self, random: Random | None) -> AsyncIterator[tuple[object, ...]]:
-        """Run the networks inside the block; the value maps gateways to their peers.
+        """Run the networks inside the block; yield the peers by gateway.
 
         Args:
             random: The source of random numbers; None for one of its own.
@@ -172,7 +172,7 @@ class HouseNetwork:
         """Return the tables of the gateways that find its devices, by the names of their plug-ins.
 
         Raises:
-            UsageError: A library of a device is not installed; says how to install it.
+            UsageError: A library of a device is not installed; the message says how to install it.
         """
         found: dict[str, dict[str, object]] = {}
         for name, family in self._families.items():
@@ -185,7 +185,7 @@ class HouseNetwork:
     def connect(
         self, family: str, device: SimulatedDeviceInfo, on_command: OnCommand, **options: object
     ) -> ConnectedDevice:
-        """Return a device of a served family, which is on the network once it lives; inside :meth:`running`.
+        """Return a device of a served family, online while it lives; called inside :meth:`running`.
 
         Args:
             options: Further arguments of the class of the device.
@@ -217,7 +217,7 @@ class HouseNetwork:
                 return {}
 
     def _port(self, gateway: str) -> int:
-        """Return the port at which a gateway and its devices meet; one that was free when it was asked for first."""
+        """Return the port shared by a gateway and its devices: one that was free when first asked for."""
         if gateway not in self._ports:
             kind = socket.SOCK_STREAM if gateway in {"homeassistant", "hue", "matter"} else socket.SOCK_DGRAM
             with socket.socket(socket.AF_INET, kind) as probe:

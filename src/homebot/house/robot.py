@@ -14,7 +14,7 @@ __all__ = ["Robot"]
 
 
 class _Leg(NamedTuple):
-    """A straight piece of a way: its end, and the room of that."""
+    """A straight piece of a path: its end, and the room there."""
 
     room: str
     x: float
@@ -25,12 +25,11 @@ class _Leg(NamedTuple):
 class Robot(SimulatedDevice):
     """A robot that takes ``go ROOM``, ``go X,Y`` and ``stop``, and reports each room that it enters.
 
-    It drives from the middle of one room to the middle of the next, at one speed, and last to a point in a room. A
-    room that no doors lead to it ignores. Stopped between two rooms it drives on to the nearer one's middle only when
-    told.
+    It drives at constant speed from the middle of one room to the middle of the next, and finally to a point in a room.
+    It ignores rooms to which no doors lead. If stopped between two rooms, it stays there until the next command.
 
     Attributes:
-        room: The last room with a reached middle.
+        room: The last room whose middle it has reached.
         speed: Metres a second, above 0.
     """
 
@@ -47,16 +46,16 @@ class Robot(SimulatedDevice):
         self._ahead: tuple[_Leg, ...] = ()
 
     def state(self) -> str:
-        """Return the room it is in, or ``moving``."""
+        """Return its room, or ``moving``."""
         return "moving" if self.drives else self.room
 
     def restore(self) -> str:
-        """Return ``go`` to the room it is in."""
+        """Return ``go`` to its room."""
         return f"go {self.room}"
 
     @property
     def drives(self) -> bool:
-        """True while it is on its way."""
+        """True while it drives."""
         return bool(self._ahead)
 
     @property
@@ -65,7 +64,7 @@ class Robot(SimulatedDevice):
         return Drive(self.room, self.drives)
 
     def pose(self) -> MapPose:
-        """Return where it is at :attr:`now`."""
+        """Return its pose at :attr:`now`."""
         if not self._ahead:
             return self._at_rest
         goal = self._ahead[0]
@@ -76,7 +75,7 @@ class Robot(SimulatedDevice):
         )
 
     def metres_left(self) -> float:
-        """Return the length of the way ahead."""
+        """Return the length of the remaining path."""
         here, metres = self.pose()[:2], 0.0
         for leg in self._ahead:
             metres += math.dist(here, leg[1:])
@@ -92,7 +91,7 @@ class Robot(SimulatedDevice):
         return ("stop", *(f"go {room}" for room in self.rooms.rooms if self._way_to(room)))
 
     def knows(self, command: str) -> bool:
-        """Return whether it knows *command*; a room that no doors lead to it does not."""
+        """Return whether it knows *command*; not for rooms to which no doors lead."""
         return command == "stop" or (command.startswith("go ") and bool(self._legs_to(command.removeprefix("go "))))
 
     def _obey(self, command: str) -> tuple[str, ...]:
@@ -108,7 +107,7 @@ class Robot(SimulatedDevice):
         return (self.state(),)
 
     def _legs_to(self, goal: str) -> tuple[_Leg, ...]:
-        """Return the way to a room, or to a point in one; empty where there is none."""
+        """Return the path to a room, or to a point in one; empty if there is none."""
         point = _point(goal)
         room = goal if point is None else self.rooms.room_at(*point)
         way = self._way_to(room) if room else ()
@@ -119,7 +118,7 @@ class Robot(SimulatedDevice):
         return (*(() if is_there else legs), _Leg(room, *point))
 
     def _way_to(self, room: str) -> tuple[str, ...]:
-        """Return the rooms on the way, with both ends; empty where there is none."""
+        """Return the rooms on the path, both ends included; empty if there is none."""
         try:
             return self.rooms.path(self.room, room)
         except UsageError:
@@ -134,13 +133,13 @@ class Robot(SimulatedDevice):
         return (self.room,)
 
     def _leg(self) -> float:
-        """Return seconds from where it set out to the next room."""
+        """Return the seconds from its start to the next room."""
         goal = self._ahead[0]
         return max(0.01, math.hypot(goal.x - self._from.x, goal.y - self._from.y) / self.speed)
 
 
 def _point(text: str) -> tuple[float, float] | None:
-    """Return the point that *text* spells, as ``X,Y``; None if it is none."""
+    """Return the point in a *text* ``X,Y``, or None."""
     try:
         return read_position(text)[:2]
     except UsageError:

@@ -1,4 +1,4 @@
-"""The actions of a simulated house's robot, as Nav2 has them: to drive to a pose, and to dock."""
+"""The actions of a simulated house's robot, as in Nav2: driving to a pose, and docking."""
 
 from collections.abc import Callable
 from typing import Any, Final, final
@@ -16,18 +16,18 @@ from homebot.messages.message import Message
 __all__ = ["RobotActions"]
 
 _EVERY: Final = 0.2
-"""Seconds from one feedback to the next."""
+"""Seconds between feedback messages."""
 
 _NOT_REACHED: Final = 207
 _NO_DOCK: Final = 901
-"""Nav2's codes for a goal that cannot be reached, and for a dock that is unknown."""
+"""Nav2's codes for an unreachable goal and an unknown dock."""
 
 _STAGING: Final = 1
 
 
 @final
 class RobotActions:
-    """Serves ``/navigate_to_pose`` and ``/dock_robot``; a new goal to drive aborts the one before."""
+    """Serves ``/navigate_to_pose`` and ``/dock_robot``; a new goal to drive aborts the last one."""
 
     def __init__(self, robot: RosRobot) -> None:
         self._robot = robot
@@ -77,7 +77,7 @@ class RobotActions:
         return _message(self._dock.Result, {"success": not problem, "error_code": code, "error_msg": problem})
 
     async def _reach(self, x: float, y: float, publish: Callable[[Duration, float, float], None]) -> bool:
-        """Drive to a point; publish the time spent, the metres left and the speed; stop where the goal ends before."""
+        """Drive to a point; publish time, distance left and speed; stop if the goal ends earlier."""
         robot, began = self._robot, self._clock.monotonic()
         if not robot.read().knows(f"go {x!r},{y!r}"):
             return False

@@ -1,4 +1,4 @@
-"""The plan of a house: rooms, the doors between them, and the ways through; with the sun and the weather outside."""
+"""The plan of a house: rooms, doors and paths; also the sun and the weather outside."""
 
 import heapq
 import math
@@ -16,7 +16,7 @@ NOON_LUX = 100_000.0
 
 
 def daylight(now: float, first_day: int, latitude: float) -> float:
-    """Return the lux outside under a clear sky: in proportion to the sine of the sun's height, 0 when it is down.
+    """Return the lux outside under a clear sky: proportional to the sine of the sun's height, 0 at night.
 
     Args:
         now: Seconds since the midnight that begins the first day; local solar time.
@@ -42,9 +42,9 @@ class WorldTime(NamedTuple):
     """The relation of a world's time to that of the clock.
 
     Attributes:
-        pace: Seconds of the world that pass in a second of the clock, above 0. Only the world runs at it: messages,
-            commands and apps take their real time.
-        begins: The time of day, in seconds, at which the world begins; None for that of the clock, in UTC.
+        pace: Seconds of the world per second of the clock, above 0. It only applies to the world: messages, commands
+            and apps run in real time.
+        begins: The time of day, in seconds, at which the world starts; None for that of the clock, in UTC.
     """
 
     pace: float = 1.0
@@ -52,11 +52,11 @@ class WorldTime(NamedTuple):
 
     @property
     def is_real(self) -> bool:
-        """True for the time of the clock."""
+        """True if it is the time of the clock."""
         return self == REAL_TIME
 
     def first_midnight(self, now: float, lived: float) -> float:
-        """Return the midnight, as a time of the clock, from which the world's time counts, before all of *lived*."""
+        """Return the clock's time at the world's first midnight, if it is now and the world has run for *lived*."""
         time_of_day = now % DAY if self.begins is None else self.begins
         days = max(0, math.ceil((lived - time_of_day) / DAY))
         return now - time_of_day / self.pace - DAY * days / self.pace
@@ -67,21 +67,21 @@ REAL_TIME = WorldTime()
 
 
 OUTSIDE = "outside"
-"""The room of absent people: like any other, but light and warmth are the weather's."""
+"""The room of absent people, with the light and temperature outside."""
 
 
 DOOR_WIDTH = 0.9
-"""Metres of the width of a door."""
+"""Width of a door in metres."""
 
 
 class Room(NamedTuple):
     """A room.
 
     Attributes:
-        x: Its middle, in metres east.
-        y: Its middle, in metres north.
-        window: The share of daylight, 0 to 1, that comes in.
-        width: Its extent from west to east, in metres; 0 if it is not known.
+        x: Its centre, in metres east.
+        y: Its centre, in metres north.
+        window: The share of daylight, 0 to 1, that enters.
+        width: Its extent from west to east, in metres; 0 if unknown.
         depth: Its extent from south to north, likewise.
     """
 
@@ -93,7 +93,7 @@ class Room(NamedTuple):
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
-        """Its corners, counter-clockwise; none if its extent is not known."""
+        """Its corners, counter-clockwise; empty if its extent is unknown."""
         if not self.width or not self.depth:
             return ()
         left, right = self.x - self.width / 2, self.x + self.width / 2
@@ -103,10 +103,10 @@ class Room(NamedTuple):
 
 @dataclass(frozen=True)
 class Rooms:
-    """Rooms by name, and the pairs of them that a door joins.
+    """Rooms by name, and the pairs joined by a door.
 
     Raises:
-        UsageError: A door leads to a room that is not there.
+        UsageError: A door leads to an unknown room.
     """
 
     rooms: Mapping[str, Room]
@@ -132,17 +132,17 @@ class Rooms:
         return ""
 
     def doorways(self) -> Iterator[tuple[str, str, tuple[float, float]]]:
-        """Yield two rooms with a door, and its middle: that of the wall that they share."""
+        """Yield two rooms with a door, and its centre: that of their shared wall."""
         for name, ways in self._ways.items():
             for other in ways:
                 if name < other and (middle := _shared_wall(self.rooms[name], self.rooms[other])):
                     yield name, other, middle
 
     def path(self, start: str, goal: str) -> tuple[str, ...]:
-        """Return the shortest way in rooms, both ends included; of two equally short ones the first by name.
+        """Return the shortest path in rooms, both ends included; of equally short ones the first by name.
 
         Raises:
-            UsageError: A room is not there, or no door leads to it.
+            UsageError: A room does not exist, or no door leads to it.
         """
         if start not in self.rooms or goal not in self.rooms:
             raise UsageError(f"there is no room {goal if start in self.rooms else start!r}")
@@ -160,7 +160,7 @@ class Rooms:
         raise UsageError(f"no doors lead from {start!r} to {goal!r}")
 
     def metres(self, here: str, there: str) -> float:
-        """Return how far the middles of two rooms are apart; at least 1 m."""
+        """Return the distance between the centres of two rooms; at least 1 m."""
         one, other = self.rooms[here], self.rooms[there]
         return max(1.0, math.hypot(other.x - one.x, other.y - one.y))
 

@@ -1,4 +1,4 @@
-"""The robot of a simulated house as a robot with ROS: its map, frames, pose and battery on the graph."""
+"""The robot of a simulated house as a ROS robot: its map, frames, pose and battery on the graph."""
 
 import math
 from array import array
@@ -31,13 +31,13 @@ from homebot.places.rigid import MapPose
 __all__ = ["RosRobot", "occupancy_grid", "ros_pose"]
 
 _CELL: Final = 0.05
-"""Metres of a cell of the map."""
+"""Width of a cell of the map in metres."""
 
 _FREE, _OCCUPIED, _UNKNOWN = 0, 100, 255
 
 _DRIVING: Final = 0.1
 _PARKED: Final = 1.0
-"""Seconds between two messages on ``/tf``."""
+"""Seconds between messages on ``/tf``."""
 
 _MOVED: Final = 0.25
 _TURNED: Final = 0.2
@@ -47,7 +47,7 @@ _VARIANCE: Final = 0.01
 _HEIGHT: Final = 0.1
 _DRAINS: Final = 1 / 7200
 _CHARGES: Final = 1 / 3600
-"""Shares of a full battery in a second, driving and in the dock."""
+"""Change of the battery per second, as a share of full, while driving and in the dock."""
 
 _CHARGING, _DISCHARGING, _FULL = 1, 2, 4
 _BATTERY: Final = {
@@ -62,7 +62,7 @@ class RosRobot:
     """Publishes ``/map``, ``/tf``, ``/tf_static``, ``/amcl_pose`` and ``/battery_state`` of one robot.
 
     Attributes:
-        dock: The position of its dock, where it begins.
+        dock: The position of its dock, where it starts.
     """
 
     def __init__(self, node: Node, read: Callable[[], Robot], command: Callable[[str], None]) -> None:
@@ -147,7 +147,7 @@ def _has_moved(before: MapPose, pose: MapPose) -> bool:
 
 
 def occupancy_grid(rooms: Rooms, stamp: Time) -> OccupancyGrid:
-    """Return the map: rooms are free, their walls occupied but for the doors, and all else is unknown."""
+    """Return the map: rooms are free, walls except doors occupied, everything else unknown."""
     xs, ys = zip(*(corner for room in rooms.rooms.values() for corner in room.corners), strict=True)
     left, bottom = min(xs), min(ys)
     width = math.ceil((max(xs) - left) / _CELL) + 1

@@ -18,7 +18,7 @@ class SimulatedContactSensor(SimulatedDevice):
     """A contact on a door or window: senses 1 for open and 0 for closed."""
 
     kind: ClassVar[str] = "contact"
-    by_hand = ("open", "close")  # the world carries them out, because the door or window stays so
+    by_hand = ("open", "close")  # the world handles them, because the door or window stays so
     senses = ("is_open", bool)
     is_open: bool = False
     service_type: str = field(default="contacts", kw_only=True)
@@ -42,7 +42,7 @@ class SimulatedContactSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class MotionSensor(SimulatedDevice):
-    """A motion sensor: senses how many people move before it; reports ``motion`` at once and ``clear`` after a while.
+    """A motion sensor: senses the number of moving people; reports ``motion`` at once, ``clear`` after a while.
 
     ``motion`` by hand is a person walking past.
 
@@ -66,7 +66,7 @@ class MotionSensor(SimulatedDevice):
         return "motion" if self._sees_motion else "clear"
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
-        """Report ``motion`` when it begins."""
+        """Report the beginning of motion."""
         reports = self.advance(now)
         if value > 0:
             self._clear_at = None
@@ -77,7 +77,7 @@ class MotionSensor(SimulatedDevice):
         return reports
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Simulate a person walking past for ``motion``; a test lets somebody stay, or leave, see :meth:`sensing`."""
+        """Simulate a person walking past for ``motion``; see :meth:`sensing` for a person who stays or leaves."""
         reports = self.advance(now)
         if command in {_STAYS, _LEFT}:
             self._is_held = command == _STAYS
@@ -88,7 +88,7 @@ class MotionSensor(SimulatedDevice):
         return reports
 
     def sensing(self, value: float) -> str:
-        """Return the command for somebody who stays in front of it, or for nobody there any more."""
+        """Return the command for a person who stays in front of it, or has left."""
         return _STAYS if value else _LEFT
 
     def next_event(self) -> float | None:
@@ -102,7 +102,7 @@ class MotionSensor(SimulatedDevice):
 
 @dataclass(eq=False)
 class _MeasuringSensor(SimulatedDevice):
-    """A sensor of a number; a number by hand replaces its measurements until ``measure`` by hand."""
+    """A sensor of a number; a manual number replaces its measurements until a manual ``measure``."""
 
     by_hand = ("a number", _MEASURE)
 
@@ -117,7 +117,7 @@ class _MeasuringSensor(SimulatedDevice):
         return self._report(value if self._by_hand is None else self._by_hand)
 
     def operate_manually(self, command: str, now: float) -> tuple[str, ...]:
-        """Measure the number *command*, or the world again with ``measure``."""
+        """Measure the number *command*, or with ``measure`` the world again."""
         self.advance(now)
         if self.knows(command):
             self._by_hand = to_number(command)
@@ -128,17 +128,17 @@ class _MeasuringSensor(SimulatedDevice):
         return command == _MEASURE or to_number(command) is not None
 
     def _report(self, value: float) -> tuple[str, ...]:
-        """Return the report of *value*; nothing if it is near the last one."""
+        """Return the report of *value*; nothing if it is close to the last one."""
         raise NotImplementedError
 
 
 @dataclass(eq=False)
 class LuxSensor(_MeasuringSensor):
-    """A light sensor: senses lux and reports them when they changed enough.
+    """A light sensor: senses lux, and reports large enough changes.
 
     Attributes:
         lux: The last report.
-        share: The change that is worth a report, as a share of the last; never under 1 lux.
+        share: The least change for a report, as a share of the last value; at least 1 lux.
     """
 
     kind: ClassVar[str] = "lux"
@@ -160,12 +160,12 @@ class LuxSensor(_MeasuringSensor):
 
 @dataclass(eq=False)
 class PowerMeter(_MeasuringSensor):
-    """A power meter: senses the watts of all that is on, or of one device, as a metering plug does.
+    """A power meter: senses the watts of the whole house, or of one device like a metering plug.
 
     Attributes:
         total: The last report, in watts.
         kilowatt_hours: The energy counted since the start.
-        step: The change in watts that is worth a report.
+        step: The least change for a report, in watts.
         of: The name of the measured device; empty for the whole house.
     """
 
@@ -183,7 +183,7 @@ class PowerMeter(_MeasuringSensor):
         return super().advance(now)
 
     def heartbeat(self) -> tuple[str, ...]:
-        """Return the last power anew: its message has the energy counted since."""
+        """Return the last power again, as its message also has the energy."""
         return (self.state(),)
 
     def state(self) -> str:

@@ -1,4 +1,4 @@
-"""A simulated device: a state machine that takes the time and commands, and its place in a house."""
+"""A simulated device: a state machine driven by time and commands, and its place in a house."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
@@ -10,7 +10,7 @@ __all__ = ["Drive", "Placed", "ScheduledCommand", "SimulatedDevice", "number", "
 
 
 class Drive(NamedTuple):
-    """The room of a device that drives by itself, and whether it drives now."""
+    """The room of a self-driving device, and whether it is driving."""
 
     room: str = ""
     drives: bool = False
@@ -21,12 +21,12 @@ _STAYS = Drive()
 
 @dataclass(eq=False)
 class SimulatedDevice(ABC):
-    """A simulated device that lives in time. It reads no clock: time is given, in seconds, and never goes back.
+    """A simulated device. It reads no clock: callers pass the time, in seconds, which never goes back.
 
     Time 0 is the midnight before the house starts.
 
     Attributes:
-        now: The time it was last advanced to.
+        now: The time to which it was last advanced.
         senses: The property of its handle that it senses, with the type of its values; None for a device that senses
             nothing.
         by_hand: The manual commands that every device of its kind knows, see :meth:`commands`.
@@ -41,17 +41,17 @@ class SimulatedDevice(ABC):
 
     @property
     def has_power(self) -> bool:
-        """True if it has power at :attr:`now`; without it, it neither receives nor sends."""
+        """True if it has power at :attr:`now`, without which it neither receives nor sends."""
         return True
 
     @property
     def drive(self) -> Drive:
-        """Its drive; the same at all times for a device that does not drive by itself."""
+        """Its drive; constant for a device that does not drive."""
         return _STAYS
 
     @abstractmethod
     def state(self) -> str:
-        """Return the state that it reports."""
+        """Return its reported state."""
 
     def handle_command(self, command: str, now: float) -> tuple[str, ...]:
         """Execute *command* at *now*.
@@ -60,12 +60,12 @@ class SimulatedDevice(ABC):
             command: A text such as ``on``, or a number as text; unknown ones are ignored.
 
         Returns:
-            Its immediate reports, after those due before; later ones come from :meth:`advance`.
+            Its immediate reports, after any due earlier; later ones are returned by :meth:`advance`.
         """
         return (*self.advance(now), *self._obey(command))
 
     def advance(self, now: float) -> tuple[str, ...]:
-        """Advance to *now* and return the reports due on the way, oldest first."""
+        """Advance to *now*, and return the reports due until then, oldest first."""
         reports: list[str] = []
         while (at := self.next_event()) is not None and at <= now:
             self.now = max(self.now, at)
@@ -74,13 +74,13 @@ class SimulatedDevice(ABC):
         return tuple(reports)
 
     def next_event(self) -> float | None:
-        """Return when it will next do something by itself, or None while it rests."""
+        """Return when it next acts by itself, or None."""
         return None
 
     def apply_input(self, value: float, now: float) -> tuple[str, ...]:
         """Apply an input of the world; the device defines the meaning of *value*. Return its reports.
 
-        Most devices feel nothing.
+        Most devices ignore it.
         """
         del value
         return self.advance(now)
@@ -110,11 +110,11 @@ class SimulatedDevice(ABC):
         return None
 
     def restore(self) -> str:
-        """Return the command that would bring it back to how it is now; empty when there is none."""
+        """Return the command that restores its current state; empty for none."""
         return ""
 
     def _obey(self, command: str) -> tuple[str, ...]:
-        """Obey at :attr:`now`; return the reports at once."""
+        """Obey at :attr:`now`; return the immediate reports."""
         del command
         return ()
 
@@ -124,12 +124,12 @@ class SimulatedDevice(ABC):
 
 
 class Placed(NamedTuple):
-    """A device in its place.
+    """A device and its place.
 
     Attributes:
-        door: For a contact or a lock: the room on the other side of the door it is on.
-        dialect: Its family where it is carried over a wire, by name.
-        at: Its position in metres, if it is known.
+        door: For a contact or lock: the room on the other side of its door.
+        dialect: The name of its family.
+        at: Its position in metres, if known.
     """
 
     device: SimulatedDevice
@@ -140,7 +140,7 @@ class Placed(NamedTuple):
 
 
 class ScheduledCommand(NamedTuple):
-    """A command that a timer gives every day.
+    """A command given every day by a timer.
 
     Attributes:
         at: Seconds since midnight.
@@ -160,11 +160,11 @@ def _is_one(command: str, known: str) -> bool:
 
 
 def number(text: str, low: float, high: float) -> float | None:
-    """Return the number that *text* spells, or None when it spells none from *low* to *high*."""
+    """Return the number in *text*, or None if it is not one from *low* to *high*."""
     value = to_number(text)
     return value if value is not None and low <= value <= high else None
 
 
 def number_text(value: float, digits: int = 3) -> str:
-    """Return *value* as devices report it: decimal text with at most *digits* decimals."""
+    """Return *value* as reported by devices: decimal text with at most *digits* decimals."""
     return f"{round(value, digits) + 0.0:.{digits}f}".rstrip("0").rstrip(".") if digits else f"{round(value)}"

@@ -1,4 +1,4 @@
-"""A tag that people hold to a reader."""
+"""A tag for a reader."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar, Final
@@ -12,12 +12,12 @@ AWAY: Final = "away"
 
 @dataclass(eq=False)
 class SimulatedTag(SimulatedDevice):
-    """A tag: ``tap`` holds it to a reader for a while, where its text is read; then it is ``away`` again.
+    """A tag: ``tap`` holds it to a reader, which reads its text, for a while; then it is ``away`` again.
 
     Attributes:
         text: The text on it: the id or the name of a device; by default its own name.
         hold: Seconds at the reader, above 0.
-        every: Seconds between two taps that happen by themselves; 0 for none.
+        every: Seconds between automatic taps; 0 for none.
     """
 
     kind: ClassVar[str] = "tag"
@@ -37,7 +37,7 @@ class SimulatedTag(SimulatedDevice):
         return AWAY if self._leaves_at is None else self.text
 
     def next_event(self) -> float | None:
-        """Return when it leaves the reader, or comes to it by itself."""
+        """Return when it leaves the reader, or is next tapped automatically."""
         if self._leaves_at is not None:
             return self._leaves_at
         return self._tapped_at + max(self.every, self.hold) if self.every else None

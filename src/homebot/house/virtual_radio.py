@@ -1,9 +1,8 @@
 """Bluetooth in one process: virtual controllers on one link; a hub uses it through bleak.
 
-It and :mod:`homebot.house.virtual_bleak`, the backend of bleak, are the files that import bumble. Devices advertise and
-serve GATT as on a radio, but nothing is lost and distance does not count. The virtual controller reports a constant
--50 dBm, so that BlueZ, and filters, would see an impossible signal: each gets a strength of its own here,
-around that of its device.
+Only this file and :mod:`homebot.house.virtual_bleak`, the backend of bleak, import bumble. Devices advertise and serve
+GATT as on a radio, but nothing is lost, and distance does not matter. The virtual controller would report a constant,
+implausible -50 dBm, so each packet gets a signal strength here, around that of its device.
 """
 
 from __future__ import annotations
@@ -43,7 +42,7 @@ __all__ = ["GattValue", "VirtualPeripheral", "VirtualRadio"]
 HUB = "F0:F0:F0:F0:F0:FF"
 RSSI = -60.0
 JITTER = 3.0
-"""Both in dB: how strongly a device is received, and how much that varies from packet to packet."""
+"""The signal strength of a device, and its variation from packet to packet; both in dB."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +51,7 @@ class GattValue:
 
     Attributes:
         uuid: Its UUID, of 16 or 128 bits.
-        read: Returns its value; None where it cannot be read.
+        read: Returns its value; None if it is not readable.
     """
 
     uuid: str
@@ -77,7 +76,7 @@ class VirtualPeripheral:
     async def advertise(self, fields: Sequence[tuple[int, bytes]], interval: float, *, connectable: bool) -> None:
         """Advertise *fields*, types and bytes, at this interval in seconds, replacing earlier ones."""
         if connectable and self._device.connections:
-            return  # it goes on by itself when it is disconnected
+            return  # it resumes by itself after a disconnection
         kind = AdvertisingType.UNDIRECTED_CONNECTABLE_SCANNABLE if connectable else AdvertisingType.UNDIRECTED
         data = bytes(AdvertisingData([(AdvertisingData.Type(one), value) for one, value in fields]))
         milliseconds = interval * 1000
@@ -92,16 +91,16 @@ class VirtualPeripheral:
             )
 
     async def advertise_nothing(self) -> None:
-        """Be silent."""
+        """Stop advertising."""
         with anyio.CancelScope(shield=True):
             await self._device.stop_advertising()
 
     async def notify(self, uuid: str, value: bytes) -> None:
-        """Notify all that subscribed to a characteristic."""
+        """Notify all subscribers to a characteristic."""
         await self._device.notify_subscribers(self._characteristics[uuid], value)
 
     async def lose_power(self) -> None:
-        """Leave without a word: connections time out, and nothing is advertised."""
+        """Vanish silently: connections time out, and nothing is advertised."""
         await self._device.stop_advertising()
         for connection in list(self._device.connections.values()):
             await connection.disconnect(HCI_ErrorCode.CONNECTION_TIMEOUT_ERROR)
@@ -113,7 +112,7 @@ class VirtualRadio:
 
     Attributes:
         listeners: Called with the sender and the fields of each advertisement that :meth:`transmit` reports.
-        is_plugged: Whether the adapter is there.
+        is_plugged: Whether the adapter is plugged in.
     """
 
     def __init__(self, rng: Random) -> None:
@@ -140,7 +139,7 @@ class VirtualRadio:
     async def peripheral(
         self, name: str, address: str, services: Mapping[str, Sequence[GattValue]] | None = None
     ) -> AsyncIterator[VirtualPeripheral]:
-        """Have a device on the radio inside the block.
+        """Run a device on the radio inside the block.
 
         Args:
             address: Its address, of a random static kind: the first byte is C0 to FF.
@@ -163,29 +162,29 @@ class VirtualRadio:
             self._link.remove_controller(controller)
 
     def transmit(self, address: str, fields: Sequence[tuple[int, bytes]]) -> None:
-        """Report an advertisement from an address, which need not be that of a device, without a controller."""
+        """Report an advertisement from any address, without a controller."""
         for listener in tuple(self.listeners):
             listener(Address(address), fields)
 
     async def unplug(self) -> None:
-        """Take the adapter away: connections end, and no advertisements come."""
+        """Unplug the adapter: connections end, and no advertisements arrive."""
         self.is_plugged = False
         for connection in list(self._hub.connections.values()):
             await connection.disconnect()
 
     def plug_in(self) -> None:
-        """Give it back."""
+        """Plug the adapter in again."""
         self.is_plugged = True
 
     def strength(self) -> int:
-        """Return how strongly a packet is received now, in dBm."""
+        """Return the signal strength of the next packet, in dBm."""
         return round(self._rng.gauss(RSSI, JITTER))
 
     def hub(self) -> Device:
         """Return the stack of the hub.
 
         Raises:
-            BleakBluetoothNotAvailableError: The adapter was taken away.
+            BleakBluetoothNotAvailableError: The adapter is unplugged.
         """
         if not self.is_plugged:
             raise BleakBluetoothNotAvailableError(
@@ -194,14 +193,14 @@ class VirtualRadio:
         return self._hub
 
     def stop_connecting(self) -> None:
-        """Give up the connection that the hub is opening, if any."""
+        """Cancel the connection that the hub is opening, if any."""
         self._controller.pending_le_connection = None
 
 
 class _Controller(Controller):
-    """A controller that stops connecting when it is asked to (Core 6.0, Vol 4, E 7.8.13).
+    """A controller that stops connecting when told to (Core 6.0, Vol 4, E 7.8.13).
 
-    bumble's own says so and goes on: after one device that did not answer, it refuses every further connection.
+    bumble's own only claims to: after one device that did not answer, it refuses every further connection.
     """
 
     def on_hci_le_create_connection_cancel_command(
@@ -225,10 +224,10 @@ class _Controller(Controller):
 
 
 class _Link(LocalLink):
-    """A link that names a sender by the address of its connection, as a radio does.
+    """A link that identifies a sender by the address of its connection, as a radio does.
 
-    Advertisements go to the controllers that listen: bumble hands each of them to all, which costs time that grows
-    with the square of the devices.
+    Advertisements only go to listening controllers: bumble passes each to all, which takes time proportional to the
+    square of the number of devices.
     """
 
     def send_advertising_pdu(self, sender_controller: Controller, packet: AdvertisingPdu) -> None:

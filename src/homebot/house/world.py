@@ -1,8 +1,7 @@
-"""The world of a simulated house: its people, its devices and the sun, on one time line.
+"""The world of a simulated house: its people, its devices and the sun, on one timeline.
 
-Everything happens in :meth:`World.run_until`, :meth:`World.command` and :meth:`World.press`, in time order, and is
-written into one event log. The same house with the same seed, given the same commands at the same times, writes the
-same text.
+Everything happens in :meth:`World.run_until`, :meth:`World.command` and :meth:`World.press`, in order of time, and is
+recorded in one event log. The same house, seed and commands at the same times give the same log.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from homebot.support.timer_queue import TimerQueue
 __all__ = ["World"]
 
 SAMPLE = 300.0
-"""Seconds between two looks at sun and weather."""
+"""Seconds between updates of sun and weather."""
 
 DARK = 30.0
-"""Lux below which people want a lamp."""
+"""Lux below which people switch on a lamp."""
 
 LONGEST_COMMAND = 200
-"""Characters; longer texts are cut, since the event log keeps commands."""
+"""Most characters of a text, since the event log keeps commands."""
 
 DOOR_CLOSES = 3.0
 DOOR_LOCKS = 15.0
@@ -42,7 +41,7 @@ DOOR_LOCKS = 15.0
 class _PlacedDevice:
     """A device, the real device under its faults, and the state of its door.
 
-    The door is open until ``open_until`` after a person went through, and while it was ``left_open`` by hand.
+    The door is open until ``open_until`` after a person passed, and while ``left_open`` by hand.
     """
 
     placed: Placed
@@ -52,17 +51,17 @@ class _PlacedDevice:
 
 
 class World:
-    """A house that lives.
+    """A simulated house over time.
 
     Args:
         errands: Daily timers.
-        seed: Decides every jitter of its people; devices with faults have random numbers of their own.
+        seed: Determines the jitter of its people; faults have their own random numbers.
         first_day: Day of the year, 1 to 366.
         latitude: Degrees north.
-        by_hand: Whether people switch lamps on where they enter the dark, and off where they leave.
-        forgetful: Whether they leave the lamps on where they leave or fall asleep.
-        time: How its time passes where it is carried over a network.
-        capacity: Events the event log keeps.
+        by_hand: Whether people switch lamps on when entering a dark room, and off when leaving.
+        forgetful: Whether they leave lamps on when leaving or falling asleep.
+        time: The relation of its time to the clock, on a network.
+        capacity: Most events in the event log.
 
     Attributes:
         now: Seconds since the midnight before the first day.
@@ -121,16 +120,16 @@ class World:
 
     @property
     def devices(self) -> Mapping[str, Placed]:
-        """The devices by name, in the order they were given."""
+        """The devices by name, in their original order."""
         return {name: entry.placed for name, entry in self._entries.items()}
 
     def next_event(self) -> float:
-        """Return when something happens next by itself; at most a few minutes ahead."""
+        """Return the time of the next event, at most a few minutes ahead."""
         at = self._queue.next()
         return self.now + SAMPLE if at is None else at
 
     def run_until(self, now: float) -> tuple[Event, ...]:
-        """Let everything happen that is due until *now*, and return it; time never goes back.
+        """Run everything due until *now*, and return the events; time never goes back.
 
         Raises:
             UsageError: *now* is no finite number.
@@ -154,7 +153,7 @@ class World:
         return self.event_log.since(mark)
 
     def press(self, device_id: str, command: str, now: float) -> tuple[Event, ...]:
-        """Run until *now*, then work a device by hand, as *command* would; otherwise as :meth:`command`."""
+        """Run until *now*, then operate a device by hand, as by *command*; otherwise as :meth:`command`."""
         entry = self._find(device_id)
         mark = self.event_log.count
         self.run_until(now)
@@ -184,7 +183,7 @@ class World:
         return self._household.awake_in(room)
 
     def is_open(self, device_id: str) -> bool:
-        """Return whether the door or window of a contact is open, also if the contact reports something else.
+        """Return whether the door or window of a contact is actually open, whatever the contact reports.
 
         Raises:
             UsageError: There is no such device.
@@ -193,7 +192,7 @@ class World:
         return entry.left_open or self.now < entry.open_until
 
     def lux(self, room: str) -> float:
-        """Return how bright *room* is: the sun through its windows and covers, and its lamps.
+        """Return the illuminance of *room*: sunlight through windows and covers, and its lamps.
 
         Raises:
             UsageError: There is no such room.
@@ -208,7 +207,7 @@ class World:
         return sun + sum(lamp.lux() for lamp in lamps)
 
     def on_door_passed(self, name: str, left: str, entered: str) -> None:
-        """Open the door that a person went through: its contact reports, its lock works. For the household alone."""
+        """Open the door through which a person passes: its contact reports, its lock works. For the household."""
         self._record(name, "enters", entered)
         for entry in self._at_door(left, entered):
             if isinstance(entry.real, SimulatedContactSensor):
@@ -219,11 +218,11 @@ class World:
                 self._queue.set(object(), entry.open_until, partial(self._close, entry))
 
     def on_sleep(self, name: str, room: str) -> None:
-        """Log that a person sleeps. For the household alone."""
+        """Log a person falling asleep. For the household."""
         self._record(name, "sleeps", room)
 
     def on_motion(self, room: str) -> None:
-        """Show motion in *room* to its sensors, and work its lamps by hand. For the household alone."""
+        """Report motion in *room* to its sensors, and operate its lamps by hand. For the household."""
         self._show_motion(room)
         wish = self._wish(room) if self._by_hand and room != OUTSIDE else ""
         for entry in self._in_room[room] if wish else ():
@@ -231,13 +230,13 @@ class World:
                 self._switch(entry, wish)
 
     def _wish(self, room: str) -> str:
-        """Return the order that the people in *room* give its lamps; empty for none."""
+        """Return the command of the people in *room* to its lamps; empty for none."""
         if self._household.awake_in(room):
             return "on" if self.lux(room) < DARK else ""
         return "" if self._forgetful else "off"
 
     def on_still(self, room: str) -> None:
-        """Report the end of movement to the sensors of *room*. For the household alone."""
+        """Report the end of motion to the sensors of *room*. For the household."""
         self._show_motion(room)
 
     def _check(self) -> None:
@@ -269,7 +268,7 @@ class World:
         self._queue.set(object(), (day + 1) * DAY, partial(self._begin_day, day + 1))
 
     def _at_door(self, one: str, other: str) -> list[_PlacedDevice]:
-        """Return the entries on the door between two rooms; nothing where they are one."""
+        """Return the entries on the door between two rooms; none if they are the same."""
         near = (*self._devices_in(one), *self._devices_in(other)) if one != other else ()
         return [entry for entry in near if {entry.placed.room, entry.placed.door} == {one, other}]
 
@@ -283,7 +282,7 @@ class World:
 
     def _close(self, entry: _PlacedDevice) -> None:
         if self.now < entry.open_until:
-            return  # another person came through
+            return  # another person has passed
         if isinstance(entry.real, SimulatedContactSensor):
             self._feel(entry, float(entry.left_open))
         else:
@@ -327,14 +326,14 @@ class World:
         at = device.next_event()
         if at is None:
             self._queue.discard(device.device_id)
-        elif at != self._queue.time_of(device.device_id):  # else its turn among those at the same time stays
+        elif at != self._queue.time_of(device.device_id):  # otherwise it keeps its turn among simultaneous events
             self._queue.set(device.device_id, at, partial(self._act, entry, self._advance))
 
     def _advance(self, device: SimulatedDevice) -> tuple[str, ...]:
         return device.advance(self.now)
 
     def _show_drive(self, left: str, entered: str) -> None:
-        """Show to the sensors that a robot set out, arrived or stopped; it works no locks."""
+        """Report a robot that sets out, arrives or stops to the sensors; it cannot operate locks."""
         for entry in self._at_door(left, entered):
             if isinstance(entry.real, SimulatedContactSensor):
                 self._open(entry)
