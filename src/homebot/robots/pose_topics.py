@@ -63,7 +63,11 @@ _Handle: TypeAlias = Callable[[str, str, Sequence[Any]], None]
 
 
 class PoseTopics:
-    """Reads the pose topics of all robots."""
+    """Reads the pose topics of all robots.
+
+    Attributes:
+        refused: The last refusal of a message of each robot; under an empty name those on topics of all robots.
+    """
 
     def __init__(
         self, node: Node, owners: RobotOwners, robots: Mapping[str, TrackedRobot], on_arrival: Callable[[], None]
@@ -73,6 +77,7 @@ class PoseTopics:
         self._frames = RobotFrames(owners)
         self._placed: dict[str, tuple[MapPose, float]] = {}
         self._odometry: dict[str, tuple[float, float] | None] = {}
+        self.refused: dict[str, str] = {}
         self._log = LogLimit(node.graph.clock)
         self._readers: list[tuple[Subscription[Message], Callable[[Sequence[Any]], None]]] = []
         rows: dict[str, tuple[type[Message], _Handle]] = {
@@ -199,5 +204,6 @@ class PoseTopics:
         return ahead > MOST_AHEAD
 
     def _refuse(self, topic: str, problem: str) -> None:
+        text = self.refused[self._owners.of_topic(topic) or ""] = f"a message on {topic} was refused: {problem}"
         if self._log.allows(topic) is not None:
-            self._node.log.warning(REFUSED, message=f"a message on {topic} was refused: {problem}", topic=topic)
+            self._node.log.warning(REFUSED, message=text, topic=topic)

@@ -103,7 +103,9 @@ class RobotTracker:
             return WhereIsRobotResponse(success=False, message=problem, is_mistake=True)
         self._topics.read()
         if (best := robot.best()) is None:
-            return WhereIsRobotResponse(success=False, message=f"nothing has told yet where {name} is")
+            refused = self._topics.refused.get(name) or self._topics.refused.get("")
+            problem = "; ".join(filter(None, (f"nothing has told yet where {name} is", refused)))
+            return WhereIsRobotResponse(success=False, message=problem)
         pose = self._completed(robot, best)
         age = max(0.0, robot.now() - best.received_at.to_seconds())
         problem = "" if pose.is_sure else f"{name} is not sure where it is: {robot.unsure_because}"
