@@ -1,8 +1,8 @@
 """The clock that is passed to everything that needs the time, time slices for long work, and time zones.
 
 It has two readings: :meth:`Clock.monotonic` for durations, which never goes back, and :meth:`Clock.now` for time stamps
-    that leave the process. In a test both advance together; on a real computer ``now`` also follows changes of the
-    system clock, and includes time asleep.
+that leave the process. In a test both advance together; on a real computer ``now`` also follows changes of the
+system clock, and includes time asleep.
 """
 
 import asyncio

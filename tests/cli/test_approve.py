@@ -46,7 +46,7 @@ def approved(text: str) -> dict[str, object]:
 
 
 def test_a_lock_waits_until_it_is_approved(run: Run) -> None:
-    waits = "approval waits for it: it can hurt, and is not driven before `homebot approve DEVICE`"
+    waits = "approval missing: it is dangerous, and gets no commands before `homebot approve DEVICE`"
     note = "note on control: 1 device waits for approval, and nothing is sent before"
     _, listed = run("devices")
     assert "front_door Front door door_lock Hall unknown mqtt door/set fresh, unapproved now" in listed

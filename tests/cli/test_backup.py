@@ -100,7 +100,7 @@ def test_a_stopped_house_goes_and_comes_back(data: Path, files: dict[str, Sqlite
     close(files)
     Path("homebot.toml").chmod(mode := 0o644)
     assert main(["backup", "villa.tar"]) == 0
-    assert "left out, as they hold secrets: password; --with-tokens takes them" in capsys.readouterr().out
+    assert "left out, because they contain secrets: password; --with-tokens includes them" in capsys.readouterr().out
     assert Path("villa.tar").stat().st_mode & 0o777 == 0o600
     found = members("villa.tar")
     assert set(found) == {"manifest.json", "config/homebot.toml", "config/mine.py", *(f"data/{one}" for one in files)}
@@ -113,7 +113,7 @@ def test_a_stopped_house_goes_and_comes_back(data: Path, files: dict[str, Sqlite
     Path("password").unlink()
     assert main(["restore", "villa.tar"]) == 0
     out = capsys.readouterr().out
-    assert "missing, as they hold secrets: password; put them there" in out
+    assert "missing, because they contain secrets: password; put them there" in out
     assert out.startswith("restored villa, as it was on ")
     assert out.count("moved aside: ") == 2
     assert Path("homebot.toml").read_text() == CONFIG
@@ -138,7 +138,7 @@ def test_secrets_go_along_only_when_asked_for(files: dict[str, SqliteFile], caps
     close(files)
     Path("homebot.toml").write_text(CONFIG + '[door]\ntoken = "geheim"\n')
     assert main(["backup", "one.tar"]) == 0
-    assert "left out, as they hold secrets: homebot.toml, password" in capsys.readouterr().out
+    assert "left out, because they contain secrets: homebot.toml, password" in capsys.readouterr().out
     raw = Path("one.tar").read_bytes()
     assert b"geheim" not in raw
     assert b"hunter2" not in raw
@@ -238,19 +238,19 @@ def _toml(key: str, value: object) -> Callable[[dict[str, Any]], None]:
     ("changes", "more", "problem"),
     [
         (_named("../outside"), (), "manifest.json: files.../outside"),
-        (_named("config/../../outside"), (), "is outside of the backup"),
-        (_named("config//etc/passwd"), (), "is outside of the backup"),
-        (_named("config/.bashrc"), (), "is outside of the backup"),
+        (_named("config/../../outside"), (), "is outside the backup"),
+        (_named("config//etc/passwd"), (), "is outside the backup"),
+        (_named("config/.bashrc"), (), "is outside the backup"),
         (lambda one: one.update(folder="../.."), (), "manifest.json: folder"),
         (lambda one: one.update(format=2), (), "manifest.json: format"),
-        (_toml("size", 10**15), (), "is too large: there is room for"),
+        (_toml("size", 10**15), (), "is too large: there is only room for"),
         (_toml("size", 3), (), "config/homebot.toml has 7 bytes, not 3"),
         (_toml("sha256", "0" * 64), (), "config/homebot.toml has another checksum"),
         (_named("config/other"), (), "lacks config/other; is it complete?"),
-        (lambda _: None, (_with("config/more"),), "'config/more' is no file of a backup"),
-        (_named("config/x"), (_with("config/x", tarfile.SYMTYPE, "/etc/passwd"),), "'config/x' is no file of a backup"),
-        (_named("config/x"), (_with("config/x", tarfile.LNKTYPE, "/etc/passwd"),), "'config/x' is no file of a backup"),
-        (lambda _: None, (_with("config/homebot.toml"),), "'config/homebot.toml' is no file of a backup"),
+        (lambda _: None, (_with("config/more"),), "'config/more' does not belong in a backup"),
+        (_named("config/x"), (_with("config/x", tarfile.SYMTYPE, "/etc/passwd"),), "'config/x' does not belong"),
+        (_named("config/x"), (_with("config/x", tarfile.LNKTYPE, "/etc/passwd"),), "'config/x' does not belong"),
+        (lambda _: None, (_with("config/homebot.toml"),), "'config/homebot.toml' does not belong in a backup"),
     ],
 )
 def test_an_archive_that_is_not_as_it_should_be_changes_nothing(
@@ -266,7 +266,7 @@ def test_an_archive_that_is_not_as_it_should_be_changes_nothing(
 def test_what_is_no_archive_is_told(capsys: Text, content: bytes) -> None:
     Path("bad.tar").write_bytes(content)
     assert main(["restore", "bad.tar"]) == 1
-    assert "bad.tar is no backup of homebot" in capsys.readouterr().err
+    assert "bad.tar is not a backup of homebot" in capsys.readouterr().err
 
 
 def test_an_archive_that_was_cut_changes_nothing(files: dict[str, SqliteFile], capsys: Text) -> None:

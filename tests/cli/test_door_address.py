@@ -10,7 +10,7 @@ from homebot.cli import main
 Text = pytest.CaptureFixture[str]
 TOKEN = "hunter2"  # of the locked homebot
 NOWHERE = "127.0.0.1:1"
-OTHERS = "where homebot is, so others must not be able to change it"
+OTHERS = "has the address of homebot; others must not be able to change it"
 
 
 @pytest.fixture(autouse=True)
@@ -45,7 +45,7 @@ def test_a_homebot_of_another_home_than_that_of_the_configuration_is_refused(
     (folder / "homebot.toml").write_text(f'[home]\nname = "villa"\n[door]\nport = {homebot.port}\n')
     assert nodes() == 1
     error = capsys.readouterr().err
-    assert f"of the home 'villa', but the homebot on 127.0.0.1:{homebot.port} is of 'Café'; give the address" in error
+    assert f"for the home 'villa', but the homebot on 127.0.0.1:{homebot.port} serves 'Café'; give the address" in error
     (folder / "homebot.toml").write_text(f'[home]\nname = "Café"\n[door]\nport = {homebot.port}\n')
     assert nodes() == 0
 
@@ -66,7 +66,7 @@ def test_a_home_is_named(locked_homebot: Any, homes: Path, monkeypatch: pytest.M
     assert nodes("--home", "villa") == 0
     monkeypatch.setenv("HOMEBOT_DOOR_TOKEN", TOKEN)
     assert nodes("--home", "flat") == 1
-    assert f"no homebot is running on {NOWHERE}, which {homes} names" in capsys.readouterr().err
+    assert f"no homebot is running on {NOWHERE}, the address in {homes}" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
@@ -74,10 +74,10 @@ def test_a_home_is_named(locked_homebot: Any, homes: Path, monkeypatch: pytest.M
     [
         (None, (), "homes.toml does not exist; write a table [villa] with door ="),
         ("[vila]\ndoor = '1.2.3.4:5'\n", (), "homes.toml: villa: there is no such home; did you mean vila?"),
-        ("[villa]\nport = 1\n", (), "homes.toml: villa: names no address; write a table [villa]"),
+        ("[villa]\nport = 1\n", (), "homes.toml: villa: has no address; write a table [villa]"),
         ("[villa]\ndoor = 'x'\n", (), "homes.toml: villa.door: an address is HOST:PORT"),
         ("[villa]\ndoor = '1'\ntoken = 'x'\n", (), "homes.toml: villa.token: unknown key; did you mean token_file"),
-        ("[villa]\ndoor = '1'\n", ("--door", "1"), "--home and --door both say where homebot is"),
+        ("[villa]\ndoor = '1'\n", ("--door", "1"), "--home and --door both give the address of homebot"),
     ],
 )
 def test_a_home_that_is_not_known_is_told(
@@ -130,7 +130,7 @@ def test_its_token_is_sent_to_its_homebot_alone(locked_homebot: Any, folder: Pat
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[door]\nport = 1\n", "no homebot is running on 127.0.0.1:1, which homebot.toml names; start one"),
+        ("[door]\nport = 1\n", "no homebot is running on 127.0.0.1:1, the address in homebot.toml; start one"),
         ("[door]\nport = 0\n", "homebot.toml: door.port: must be a port for clients, got 0; give --door"),
         ('[door]\nport = "x"\n', "homebot.toml: door.port: must be a port for clients, got 'x'"),
         ("[door]\nhost = 1\n", "homebot.toml: door.host: must be a host, got 1"),

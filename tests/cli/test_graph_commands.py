@@ -190,8 +190,8 @@ def test_parameters_of_a_file_are_set_one_by_one(door: str, capsys: Text, tmp_pa
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("/arm:\n  ros__parameters:\n    a: 1\n", "{} has no ros__parameters for /robot, but for /arm"),
-        ("/robot:\n  speed: 1\n", "{} has no ros__parameters for /robot, but for no node"),
+        ("/arm:\n  ros__parameters:\n    a: 1\n", "{} has no ros__parameters for /robot, only for /arm"),
+        ("/robot:\n  speed: 1\n", "{} has no ros__parameters for /robot, only for no node"),
         ("/robot: [1\n", "{} cannot be read: line 2: expected ',' or ']', but got '<stream end>'"),
     ],
 )

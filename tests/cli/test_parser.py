@@ -59,15 +59,15 @@ def test_other_mistakes_are_shown_with_the_usage(capsys: Text) -> None:
     [
         (
             "--door 127.0.0.1:7 broker",
-            "--door is for commands that connect to a running homebot, `homebot broker` does not",
+            "--door is for commands that connect to a running homebot; `homebot broker` does not",
         ),
         (
             "--door 127.0.0.1:7 config check",
-            "--door is for commands that connect to a running homebot, `homebot config check` does not",
+            "--door is for commands that connect to a running homebot; `homebot config check` does not",
         ),
         (
             "--token-file token run",
-            "--token-file is for commands that connect to a running homebot, `homebot run` does not; "
+            "--token-file is for commands that connect to a running homebot; `homebot run` does not; "
             "the configuration file has the tokens of its clients",
         ),
     ],

@@ -123,7 +123,7 @@ def test_a_device_that_is_to_come_is_placed_when_it_appears(placed: Homebot, ind
     assert run("place", "mac:000000000008", "kitchen")[1].endswith(
         "mac:000000000008 will be in Kitchen when it appears\n"
     )
-    assert run("places", "list")[1].partition("placed, and not there yet:\n")[2].split() == [
+    assert run("places", "list")[1].partition("placed, but absent:\n")[2].split() == [
         *("desk_lmp", "Hall", "garden_lamp", "Terrace", "mac:000000000008", "Kitchen")
     ]
     assert run("place", "Desk lmp", "--undo")[1].endswith("desk_lmp will be in no stated room\n")
@@ -194,14 +194,14 @@ def test_who_renames_a_room_is_told_of_the_devices_that_announce_it(run: Run) ->
     assert run("places", "rename", "Study", "Office") == (
         0,
         "Study is called Office now\n"
-        "these announce Study and stay there, until `homebot place` moves them: desk_lamp\n",
+        "devices that announce Study stay there until `homebot place` moves them: desk_lamp\n",
     )
     assert "Office (home425)" in run("show", "ceiling")[1]
 
 
 def test_a_search_for_a_room_in_a_house_without_rooms_leads_to_homebot_place(run_with: Callable[..., Run]) -> None:
     run = run_with(partial(index_node, DeviceIndex(forget_after=1000.0), devices=[("Lamp", "")]))
-    hint = "`homebot place DEVICE ROOM` says which room a device is in"
+    hint = "state the room of a device with `homebot place DEVICE ROOM`"
     assert run("find", "light in kichen") == (1, f"no device is in 'kichen'; {hint}\n")
 
 
@@ -299,14 +299,14 @@ def test_places_are_exported_and_imported(run: Run, tmp_path: Path) -> None:
     run("place", "ceiling", "Hall")
     assert run("places", "export") == (0, EXPORTED)
     assert run("places", "export", str(file)) == (0, f"wrote {file}\n")
-    assert run("places", "import", str(file)) == (0, "everything in the file is known already\n")
+    assert run("places", "import", str(file)) == (0, "everything in the file is already known\n")
     run("place", "ceiling", "Kitchen")
     file.write_text(f"{EXPORTED}[places.rooms.Loft]\n")
     assert run("places", "import", str(file)) == (
         0,
         "imported room Loft\n"
         "kept: ceiling stays in Kitchen; the file says Hall\n"
-        "use --replace to take the rooms of the file\n",
+        "use --replace to use the rooms of the file\n",
     )
     assert run("places", "import", str(file), "--replace") == (0, "imported ceiling\n")
     assert "Hall (Downstairs, home425)" in run("show", "ceiling")[1]
@@ -316,7 +316,7 @@ def test_an_import_that_moves_a_room_to_another_floor_says_so(run: Run, tmp_path
     file = tmp_path / "house.toml"
     file.write_text('[places.rooms.Hall]\nfloor = "Cellar"\n')
     assert run("places", "import", str(file)) == (0, "imported room Hall\n")
-    assert run("places", "import", str(file)) == (0, "everything in the file is known already\n")
+    assert run("places", "import", str(file)) == (0, "everything in the file is already known\n")
     assert ["Hall", "Cellar", "Kitchen", "0"] in [line.split() for line in run("places", "list")[1].splitlines()]
 
 

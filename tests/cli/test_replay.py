@@ -88,7 +88,7 @@ def test_a_recording_without_its_end_is_replayed_and_said_to_end_early(
     assert capsys.readouterr() == ("no difference: 0 commands are the same\n", "")
     (folder / "cut").write_bytes(b"".join(WHOLE.splitlines(keepends=True)[:2]))
     assert main(["replay", "cut", "--diff"]) == 0
-    assert capsys.readouterr().err == f"{ENDS_EARLY}homebot or the recorder stopped before it was over\n"
+    assert capsys.readouterr().err == f"{ENDS_EARLY}homebot or the recorder stopped before its end\n"
 
 
 @pytest.mark.parametrize(("options", "said"), [([], "; --log shows where\n"), (["--log"], "\n")])

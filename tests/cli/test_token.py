@@ -49,7 +49,7 @@ def test_without_a_configuration_the_table_is_printed(capsys: Text) -> None:
 @pytest.mark.parametrize(
     ("name", "scope", "problem"),
     [
-        ("rosie", "fly", "is no right"),
+        ("rosie", "fly", "is not a right"),
         ("../rosie", "read", "a token cannot be called '../rosie'"),
         ("owner", "read", "a token cannot be called 'owner'"),
         ("taken", "read", "choose another name"),

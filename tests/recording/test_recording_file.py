@@ -32,7 +32,7 @@ def test_a_file_that_is_there_is_replaced_only_by_force(tmp_path: Path) -> None:
     path = tmp_path / "day.jsonl"
     path.write_text("precious")
     path.chmod(0o644)
-    with pytest.raises(UsageError, match="is there already; --force replaces it"):
+    with pytest.raises(UsageError, match="exists already; --force replaces it"):
         RecordingFile(path)
     assert path.read_text() == "precious"
     RecordingFile(path, force=True).close()

@@ -62,7 +62,7 @@ def test_a_run_is_recorded_and_replayed(tmp_path: Path) -> None:
         again = shell.run("homebot record day.jsonl.gz")
         assert (again.returncode, again.stderr) == (
             1,
-            "homebot: day.jsonl.gz is there already; --force replaces it\n",
+            "homebot: day.jsonl.gz exists already; --force replaces it\n",
         )
     for file in ("day.jsonl.gz", "run.jsonl"):
         assert (tmp_path / file).stat().st_mode & 0o777 == 0o600

@@ -1,4 +1,4 @@
-"""Common ground of the commands' parsers: commands, shared options, and the types of arguments."""
+"""Shared parts of the commands' parsers: commands, common options, and argument types."""
 
 import argparse
 import math
@@ -35,17 +35,17 @@ __all__ = [
 ]
 
 DEFAULT_CONFIG = Path("homebot.toml")
-"""The configuration of `homebot run` in the working directory, and of the clients there."""
+"""The configuration in the working directory, of `homebot run` and of client commands."""
 
 DEFAULT_BROKER = "mqtt://localhost:1883"
 DEFAULT_DOOR = ("127.0.0.1", 9090)
 
 Command: TypeAlias = "Callable[[argparse.Namespace], int]"
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"  # noqa: SLF001 - argparse has no other way
-"""The commands below one."""
+"""The subcommands of a command."""
 
 _CONNECTION: Final = ("door", "home", "token_file")
-"""The options that say which homebot a command connects to."""
+"""The options that select the homebot that a command connects to."""
 
 _HOST = re.compile(r"[\w.-]+")
 _NUMBER = re.compile(r"-?[0-9]+([.][0-9]*)?")
@@ -54,26 +54,26 @@ _NUMBER = re.compile(r"-?[0-9]+([.][0-9]*)?")
 def set_command(
     parser: argparse.ArgumentParser, command: Command, examples: str, global_options: Collection[str] = ()
 ) -> None:
-    """Make *parser* the one of *command*, which returns the exit code and uses these of the *global_options*."""
+    """Make *parser* run *command*, which returns the exit code and uses these *global_options*."""
     parser.epilog = f"examples:\n{examples}"
     parser.set_defaults(command=command, command_name=parser.prog, used_options=frozenset(global_options))
 
 
 def set_client_command(parser: argparse.ArgumentParser, command: Command, examples: str, *, acts: bool = False) -> None:
-    """Make *parser* the one of *command*, which connects to a running homebot and, if it *acts*, changes something."""
+    """Make *parser* run *command*, which connects to a running homebot and, if it *acts*, changes something."""
     set_command(parser, command, examples, _CONNECTION)
     parser.set_defaults(acts=acts)
     add_door_options(parser, argparse.SUPPRESS)
 
 
 def add_verbs(parser: argparse.ArgumentParser, examples: str) -> Commands:
-    """Return where the commands below *parser* go, such as ``list`` of ``homebot topic``."""
+    """Return the group of subcommands of *parser*, such as ``list`` of ``homebot topic``."""
     parser.epilog = f"examples:\n{examples}"
     return parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
 
 
 def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParser:
-    """Add a command to *verbs*."""
+    """Add a subcommand to *verbs*."""
     return verbs.add_parser(
         name,
         help=summary,
@@ -83,17 +83,17 @@ def add_verb(verbs: Commands, name: str, summary: str) -> argparse.ArgumentParse
 
 
 def unused_option(options: argparse.Namespace) -> str:
-    """Return the problem if *options* have a global option that the command does not use; empty if there is none."""
+    """Return the problem if *options* contain a global option that the command does not use; empty otherwise."""
     for name in _CONNECTION:
         if getattr(options, name, None) is not None and name not in options.used_options:
             option, command = f"--{name.replace('_', '-')}", options.command_name
             where = "; the configuration file has the tokens of its clients" if "door" in options.used_options else ""
-            return f"{option} is for commands that connect to a running homebot, `{command}` does not{where}"
+            return f"{option} is for commands that connect to a running homebot; `{command}` does not{where}"
     return ""
 
 
 def add_broker_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that says which broker Thing Descriptions name."""
+    """Add the option for the broker in Thing Descriptions."""
     parser.add_argument(
         "--broker",
         metavar="URL",
@@ -104,7 +104,7 @@ def add_broker_option(parser: argparse.ArgumentParser) -> None:
 
 
 def broker_url(text: str) -> str:
-    """Return the address of a broker, without user and password: descriptions are shown to others."""
+    """Return the address of a broker, without user and password, because descriptions are public."""
     try:
         split = urlsplit(text)
         is_broker = split.scheme in {"mqtt", "mqtts"} and bool(split.hostname) and split.port != 0
@@ -118,13 +118,13 @@ def broker_url(text: str) -> str:
 
 
 def address(text: str, example: int = 9090) -> tuple[str, int]:
-    """Return the host and port of ``HOST:PORT``; an IPv6 address stands in brackets.
+    """Return the host and port of ``HOST:PORT``; an IPv6 address is in brackets.
 
     Args:
-        example: The port that the error shows.
+        example: The port in the error's example.
 
     Raises:
-        argparse.ArgumentTypeError: It is no address.
+        argparse.ArgumentTypeError: It is not an address.
     """
     host, _, port = text.rpartition(":")
     is_port = port.isascii() and port.isdigit() and len(port) <= 5 and int(port) <= 65535
@@ -140,7 +140,7 @@ def door_address(text: str) -> tuple[str, int]:
     """Return the host and port of a rosbridge server, given as ``PORT``, ``HOST:PORT`` or ``ws://HOST:PORT``.
 
     Raises:
-        argparse.ArgumentTypeError: It is no such address.
+        argparse.ArgumentTypeError: It is not such an address.
     """
     if text.isascii() and text.isdigit():
         return address(f"{DEFAULT_DOOR[0]}:{text}")
@@ -159,7 +159,7 @@ def door_of_environment() -> tuple[str, int] | None:
     """Return the address in the variable ``HOMEBOT_DOOR``; None if it is not set.
 
     Raises:
-        ConfigError: It is no address.
+        ConfigError: It is not an address.
     """
     text = os.environ.get("HOMEBOT_DOOR")
     try:
@@ -189,7 +189,7 @@ def positive(text: str) -> float:
 
 
 def duration(text: str, most: float = math.inf) -> float:
-    """Return the seconds in *text*, a number or a duration such as ``2m``: *most* at most."""
+    """Return the seconds in *text*, a number or a duration such as ``2m``, up to *most*."""
     from homebot.units import parse_duration  # noqa: PLC0415 - loads pydantic
 
     try:
@@ -217,12 +217,12 @@ def whole(text: str) -> int:
 
 
 def _hidden(text: str) -> str:
-    """Return *text* without the words that may be passwords."""
+    """Return *text* without words that may be passwords."""
     return f"…@{text.rpartition('@')[2]}" if "@" in text else text
 
 
 def add_door_options(parser: argparse.ArgumentParser, default: str | None = None) -> None:
-    """Add the options that say which homebot to connect to; they may stand before a command, and after it as well."""
+    """Add the options that select the homebot to connect to; they may come before or after a command."""
     door = parser.add_argument_group("connection to a running homebot")
     door.add_argument(
         "--door",
@@ -239,5 +239,5 @@ def add_door_options(parser: argparse.ArgumentParser, default: str | None = None
         "--token-file",
         metavar="FILE",
         default=default,
-        help="file with its access token (default: that of [door], else the token in HOMEBOT_DOOR_TOKEN, if set)",
+        help="file with its access token (default: that of [door], else the token in HOMEBOT_DOOR_TOKEN)",
     )

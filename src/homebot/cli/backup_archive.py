@@ -1,4 +1,4 @@
-"""The archive of a backup: a tar that begins with its manifest. A tar of strangers is checked before it is believed."""
+"""The archive of a backup: a tar that begins with its manifest. It is validated, since it may be from a stranger."""
 
 import hashlib
 import io
@@ -40,11 +40,11 @@ class Manifest(BaseModel):
     """The first member of an archive.
 
     Attributes:
-        version: That of the homebot that wrote it.
-        made: When, in ISO 8601.
-        folder: The folder of the data, below that of all homes.
-        files: By their names in the archive: ``data/…`` and ``config/…``.
-        left_out: Names of files with secrets that it lacks, beside ``homebot.toml``.
+        version: The version of the homebot that wrote it.
+        made: The time of the backup, in ISO 8601.
+        folder: The data folder, relative to that of all homes.
+        files: The files by name in the archive: ``data/…`` and ``config/…``.
+        left_out: Names of missing files that contain secrets, next to ``homebot.toml``.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -59,10 +59,10 @@ class Manifest(BaseModel):
 
 
 def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -> None:
-    """Write *files*, by their names in the archive, into the new file *target*, which only the user can read.
+    """Write *files*, by name in the archive, to the new file *target*, which only the user can read.
 
     Raises:
-        UsageError: It is there already, or cannot be written.
+        UsageError: It exists already, or cannot be written.
     """
     sums = {name: file.model_copy(update=_facts_of(files[name])) for name, file in manifest.files.items()}
     text = manifest.model_copy(update={"files": sums}).model_dump_json(indent=2).encode()
@@ -88,21 +88,21 @@ def write_archive(target: Path, manifest: Manifest, files: Mapping[str, Path]) -
 
 
 def extract_archive(source: Path, into: Path) -> Manifest:
-    """Extract the archive *source* into the folder *into*, after a check of each member; return its manifest.
+    """Extract the archive *source* into the folder *into*, checking each member; return its manifest.
 
     Raises:
-        UsageError: It is no backup, or has a member that is none of a backup's, is too large or has another checksum.
+        UsageError: It is not a backup, or has a member that does not belong there, is too large or is damaged.
     """
     with _readable(source) as tar:
         manifest = _read_manifest(source, tar)
         missing = set(manifest.files)
         room = min(_MOST_BYTES, shutil.disk_usage(into).free)
         if sum(one.size for one in manifest.files.values()) > room:
-            raise UsageError(f"{source} is too large: there is room for {room // 2**20:,} MB in {into.parent}")
+            raise UsageError(f"{source} is too large: there is only room for {room // 2**20:,} MB in {into.parent}")
         for member in iter(tar.next, None):
             file = manifest.files.get(member.name)
             if file is None or member.name not in missing or not member.isreg() or member.issparse():
-                raise UsageError(f"{source}: {member.name[:200]!r} is no file of a backup; nothing was restored")
+                raise UsageError(f"{source}: {member.name[:200]!r} does not belong in a backup; nothing was restored")
             if member.size != file.size:
                 raise UsageError(f"{source}: {member.name} has {member.size} bytes, not {file.size}")
             missing.discard(member.name)
@@ -118,7 +118,7 @@ def _readable(source: Path) -> Iterator[tarfile.TarFile]:
         with tarfile.open(source, "r:") as tar:
             yield tar
     except tarfile.TarError as exc:
-        raise UsageError(f"{source} is no backup of homebot, or not complete: {exc}") from exc
+        raise UsageError(f"{source} is not a backup of homebot, or is incomplete: {exc}") from exc
     except OSError as exc:
         raise UsageError(f"{source}: {exc.strerror or exc}") from exc
 
@@ -126,7 +126,7 @@ def _readable(source: Path) -> Iterator[tarfile.TarFile]:
 def _read_manifest(source: Path, tar: tarfile.TarFile) -> Manifest:
     member = tar.next()
     if member is None or member.name != _MANIFEST or not member.isreg() or member.size > _LONGEST_MANIFEST:
-        raise UsageError(f"{source} is no backup of homebot: it does not begin with {_MANIFEST}")
+        raise UsageError(f"{source} is not a backup of homebot: it does not begin with {_MANIFEST}")
     content = tar.extractfile(member)
     try:
         manifest = Manifest.model_validate_json(content.read() if content else b"")
@@ -135,7 +135,7 @@ def _read_manifest(source: Path, tar: tarfile.TarFile) -> Manifest:
         raise UsageError(f"{source}: {_MANIFEST}: {where}: {exc.errors()[0]['msg']}") from None
     for name in manifest.files:
         if _is_outside(name):
-            raise UsageError(f"{source}: {name[:200]!r} is outside of the backup; nothing was restored")
+            raise UsageError(f"{source}: {name[:200]!r} is outside the backup; nothing was restored")
     return manifest
 
 

@@ -1,4 +1,4 @@
-"""Names of devices for the completion of a shell, from the homebot that runs."""
+"""Names of devices for shell completion, from the running homebot."""
 
 import argparse
 import os
@@ -17,7 +17,7 @@ __all__ = ["DEVICE_NAMES", "print_devices"]
 
 COMPLETE_DEVICES: Final = "--complete-devices"
 _LIMIT: Final = 0.3
-"""Seconds: a person who presses Tab waits no longer."""
+"""Seconds that a person waits after pressing Tab."""
 
 _MOST: Final = 2000
 _BASH: Final = f"""\
@@ -30,7 +30,7 @@ _homebot_devices() {{
   esac
 }}
 """
-"""A name is text in a quotation too, whatever the shell would read in it: devices choose theirs."""
+"""Names are escaped even inside quotation marks, because devices choose their names."""
 
 _ZSH: Final = f"""\
 _homebot_devices() {{
@@ -45,22 +45,22 @@ DEVICE_NAMES: Final = {
     "fish": f"(homebot {COMPLETE_DEVICES} (commandline -opc)[2..-1] (commandline -ct) 2>/dev/null)",
     "preamble": {"bash": _BASH, "zsh": _ZSH},
 }
-"""How each shell asks for the names of devices, for shtab."""
+"""The command with which each shell gets device names, for shtab."""
 
 
 def print_devices(words: Sequence[str]) -> int:
-    """Print the names, or else the ids, of devices that begin as the last of *words* does; nothing after 0.3 s.
+    """Print the names, or else the ids, of devices that begin with the last of *words*; give up after 0.3 s.
 
     Args:
-        words: Those of the command line after the program; they may name the homebot.
+        words: The command line after the program; it may select the homebot.
     """
-    with suppress(Exception):  # a shell that completes has no place for errors
+    with suppress(Exception):  # completion cannot show errors
         signal.signal(signal.SIGALRM, lambda *_: os._exit(0))
         signal.setitimer(signal.ITIMER_REAL, _LIMIT)
         try:
             print(*_names(words), sep="\n")
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)  # the alarm would kill a Python that ends already
+            signal.setitimer(signal.ITIMER_REAL, 0.0)  # the alarm would kill an exiting Python
     return 0
 
 
@@ -69,7 +69,7 @@ def _names(words: Sequence[str]) -> list[str]:
     add_door_options(parser)
     address = door_of(parser.parse_known_args(words[:-1])[0])
     begin = _unquoted(words[-1])
-    devices: list[dict[str, Any]] = []  # as they come
+    devices: list[dict[str, Any]] = []  # as they arrive
     with open_door(address) as door:
         while page := cast("list[dict[str, Any]]", door.call(LIST_DEVICES, {"offset": len(devices)})["devices"]):
             devices += page
@@ -85,7 +85,7 @@ def _names(words: Sequence[str]) -> list[str]:
 
 
 def _unquoted(word: str) -> str:
-    """Return *word* as the shell reads it, the end of a quotation or not."""
+    """Return *word* as the shell reads it, even with an unclosed quotation mark."""
     for end in ("", "'", '"'):
         with suppress(ValueError):
             return next(iter(shlex.split(word + end)), "")

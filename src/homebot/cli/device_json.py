@@ -1,4 +1,4 @@
-"""Devices as programs read them: JSON with plain values and times in ISO 8601."""
+"""Devices for programs: JSON with plain values and times in ISO 8601."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ __all__ = ["device_json", "json_text", "list_text"]
 
 
 def json_text(device: Mapping[str, object]) -> str:
-    """Return *device* as JSON text in ASCII, indented: in a tenth of the time that the standard library takes."""
+    """Return *device* as indented ASCII JSON text, in a tenth of the standard library's time."""
     from pydantic_core import to_json  # noqa: PLC0415 - for JSON alone
 
     return in_ascii(to_json(device, indent=2).decode())
 
 
 def list_text(devices: Sequence[str]) -> str:
-    """Return the JSON list of *devices*, each as :func:`json_text` has it."""
+    """Return the JSON list of *devices*, which are texts of :func:`json_text`."""
     if not devices:
         return "[]"
     return "[\n  " + ",\n".join(devices).replace("\n", "\n  ") + "\n]"
@@ -35,7 +35,7 @@ def device_json(device: Device, waiting: Container[str] = ()) -> dict[str, objec
     """Return *device* as a JSON object for other programs: with plain values, and times in ISO 8601.
 
     Args:
-        waiting: The ids of those that wait for approval.
+        waiting: The ids of the devices that wait for approval.
     """
     first = device.endpoints[0] if device.endpoints else None
     reachable = device.reachable

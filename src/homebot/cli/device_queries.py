@@ -1,4 +1,4 @@
-"""Questions of the command line to the directory."""
+"""Requests of the command line to the directory."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ _NEAR_MATCH = " is a near match"
 _TYPO = 0.8
 
 _PAGE = 200
-"""Devices in one answer, which take some milliseconds to be put together."""
+"""Devices in one answer, which takes a few milliseconds to assemble."""
 
 _ROUNDS = 3
-"""Times that all pages are asked for, should devices change places in between so that one slips through."""
+"""Attempts to read all pages, in case devices move between pages so that one is missed."""
 
 
 def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: str = "") -> list[T]:
-    """Return the results of *convert* for each device that offers *service_type* (all if it is empty), sorted by id."""
+    """Return the result of *convert* for each device that offers *service_type* (empty: all), sorted by id."""
     found: dict[str, T] = {}
     if service_type:
         answer = JsonMessage(door.call(FIND_DEVICES, {"service_type": service_type, "is_checked": False}))
@@ -69,7 +69,7 @@ def all_devices(door: DoorClient, convert: Callable[[Device], T], service_type: 
 
 
 def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesResponse:
-    """Return the matches of *query*, best first; *limit* at most.
+    """Return the matches of *query*, best first, up to *limit*.
 
     Raises:
         PeerError: The query is not understood; the message names the part that is not.
@@ -78,7 +78,7 @@ def find_devices(door: DoorClient, query: str, limit: int = 0) -> QueryDevicesRe
 
 
 def matching_devices(door: DoorClient, query: str) -> list[Device]:
-    """Return all devices that match *query*, all of the house if it is empty.
+    """Return all devices that match *query*; all of the house if it is empty.
 
     Raises:
         PeerError: The query is not understood; the message names the part that is not.
@@ -93,7 +93,7 @@ def matching_devices(door: DoorClient, query: str) -> list[Device]:
 
 
 def note_near_matches(found: QueryDevicesResponse) -> None:
-    """Print which words no device has, but others that are like them."""
+    """Print the words that no device found has, although some have similar ones."""
     reasons = [{one for one in result.reasons if one.endswith(_NEAR_MATCH)} for result in found.results]
     for reason in sorted(set.intersection(*reasons)):
         word = reason.removesuffix(_NEAR_MATCH)
@@ -101,11 +101,11 @@ def note_near_matches(found: QueryDevicesResponse) -> None:
 
 
 def named_device(door: DoorClient, name: str) -> Device:
-    """Return the one device with the id or name *name*, without regard to case and accents of a name.
+    """Return the only device with the id or name *name*, ignoring case and accents of a name.
 
     Raises:
         UsageError: *name* is empty.
-        PeerError: There is none, with similar ones named, or there are several, all named.
+        PeerError: There is none (names similar ones), or there are several (names all).
     """
     found = _find_named(door, name)
     if isinstance(found, list):
@@ -114,18 +114,18 @@ def named_device(door: DoorClient, name: str) -> Device:
 
 
 def device_or_similar(door: DoorClient, name: str) -> Device | list[str]:
-    """Return the one device with the id or name *name*; if there is none, the ids and names a typo away from it.
+    """Return the only device with the id or name *name*; if there is none, the ids and names that are a typo away.
 
     Raises:
         UsageError: *name* is empty.
-        PeerError: There are several, all named.
+        PeerError: There are several; names all.
     """
     found = _find_named(door, name)
     return similar_to(name, found, _TYPO) if isinstance(found, list) else found
 
 
 def _find_named(door: DoorClient, name: str) -> Device | list[str]:
-    """Return the one device that is called *name*; if there is none, the ids and names of all."""
+    """Return the only device that is called *name*; if there is none, the ids and names of all."""
     if not name.strip():
         raise UsageError("give the id or the name of a device; `homebot devices` lists all")
     named = _called(name, _near(door, name))
@@ -144,13 +144,13 @@ def _find_named(door: DoorClient, name: str) -> Device | list[str]:
 
 
 def reasons_for(door: DoorClient, device: Device) -> Sequence[str]:
-    """Return why a search for the device's name finds it, and why it stands where it stands."""
+    """Return why a search for the device's name finds it, and the reasons for its rank."""
     found = find_devices(door, quoted(device.name))
     return next((one.reasons for one in found.results if one.device.id == device.id), ())
 
 
 def why_none(door: DoorClient, query: str) -> str:
-    """Return why *query* finds nothing: the area that no device is in, if there is one."""
+    """Return why *query* finds nothing: the area without devices, if there is one."""
     from homebot.devices.query import parse, terms  # noqa: PLC0415 - loads pydantic
 
     def areas_of(query: Query) -> Iterator[str]:
@@ -168,14 +168,14 @@ def why_none(door: DoorClient, query: str) -> str:
             hint = (
                 f"areas are {', '.join(known[:_SOME])}"
                 if known
-                else "`homebot place DEVICE ROOM` says which room a device is in"
+                else "state the room of a device with `homebot place DEVICE ROOM`"
             )
             return f"no device is in {area!r}; {did_you_mean(area, known, hint)}"
     return f"no device matches {query!r}; `homebot devices` lists all"
 
 
 def unapproved(door: DoorClient, device: str = "") -> frozenset[str]:
-    """Return the ids of the devices that wait for approval; of *device* alone where one is given."""
+    """Return the ids of the devices that wait for approval; if *device* is given, only that."""
     return frozenset(_unapproved(door, device).devices)
 
 
@@ -187,7 +187,7 @@ def why_it_asks(door: DoorClient, device: str) -> tuple[str, bool]:
 
 
 def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str, str]]:
-    """Return the routes of *device* that are tried last, as their last commands had no effect: part, gateway/key."""
+    """Return the part and gateway/key of each route that is tried last, because its last commands had no effect."""
     has_choice = any(len(one.routes) > 1 for one in device.parts)
     if not (has_choice and entities(door, kind="service", name=EXPLAIN_DEVICE)):
         return frozenset()
@@ -196,18 +196,18 @@ def ineffective_routes(door: DoorClient, device: Device) -> frozenset[tuple[str,
 
 
 def _unapproved(door: DoorClient, device: str) -> UnapprovedResponse:
-    is_served = entities(door, kind="service", name=GET_UNAPPROVED)  # not where nothing is controlled
+    is_served = entities(door, kind="service", name=GET_UNAPPROVED)  # it is missing without a control layer
     fields = door.call(GET_UNAPPROVED, {"device": device}) if is_served else {"devices": [], "reasons": []}
     return cast("UnapprovedResponse", JsonMessage(fields))
 
 
 def house_time(door: DoorClient) -> float:
-    """Return the present time of homebot, in seconds since 1970."""
+    """Return homebot's current time, in seconds since 1970."""
     return to_seconds(cast("Time", JsonMessage(door.call("/rosapi/get_time")).time))
 
 
 def _add_all(door: DoorClient, convert: Callable[[Device], T], found: dict[str, T]) -> int:
-    """Add all devices to *found*, and return how many there are; the next page comes while one is converted."""
+    """Add all devices to *found*, and return their number; the next page is fetched while one is converted."""
     page = find_devices(door, "", _PAGE)
     total, offset = page.total, 0
     with progress("devices", total if total > _PAGE else 0) as show:
@@ -237,14 +237,14 @@ def _begin_query(door: DoorClient, query: str, limit: int, offset: int) -> Calla
 
 
 def _near(door: DoorClient, name: str) -> list[Device]:
-    """Return the devices that a search for *name* finds, without carrying a whole house; none if they are many."""
+    """Return the devices that a search for *name* finds; none if there are too many to transfer."""
     answer = door.call(QUERY_DEVICES, {"query": quoted(name), "offset": 0, "limit": _NEAR})
     page = cast("QueryDevicesResponse", JsonMessage(answer))
     return [one.device for one in page.results] if page.total <= _NEAR else []
 
 
 def _called(name: str, devices: Sequence[Device]) -> list[Device]:
-    """Return the device with the id *name*, or all that have the name."""
+    """Return the device with the id *name*, or all devices with that name."""
     wanted = fold(name)
     own = [one for one in devices if one.id == name]
     return own or [one for one in devices if wanted in {fold(text) for text in (one.id, one.name, *one.names)}]

@@ -1,7 +1,7 @@
 """The address and the token of the running homebot that a client command connects to.
 
-As `homebot run` listens: `--home` or `--door`, else the table ``[door]`` of the ``homebot.toml`` in the working
-directory, else HOMEBOT_DOOR, else the default. The token of that table is sent to that homebot alone.
+In this order: `--home` or `--door`, the table ``[door]`` of ``homebot.toml`` in the working directory, HOMEBOT_DOOR,
+the default. The token of that table is only sent to that homebot.
 
 ``--home`` names a table of ``homes.toml`` in the user's configuration folder::
 
@@ -24,7 +24,7 @@ from homebot.support.toml_file import TomlTable, read_toml
 __all__ = ["DoorAddress", "door_of"]
 
 _USUAL: Final = frozenset({"host", "port", "token", "token_file", "tokens", "scope"})
-"""Keys of the table; to know the others, its settings are loaded."""
+"""Keys of the table; for the others, its settings would have to be loaded."""
 
 _LOOPBACK: Final = {"0.0.0.0": "127.0.0.1", "::": "::1"}  # noqa: S104 - a wildcard address is reached here
 
@@ -33,12 +33,12 @@ _EXAMPLE: Final = 'write a table [{name}] with door = "HOST:PORT" and, if it nee
 
 
 class DoorAddress(NamedTuple):
-    """The place of a door.
+    """The address of a door, with its token.
 
     Attributes:
-        token: The token to show; empty for none.
-        source: The file that says so; empty for the command line and the environment.
-        home: The name that the home must have, as the configuration beside says; empty for any.
+        token: The token to send; empty for none.
+        source: The file that contains the address; empty for the command line and the environment.
+        home: The name that the home must have, according to the configuration; empty for any.
     """
 
     host: str
@@ -49,7 +49,7 @@ class DoorAddress(NamedTuple):
 
 
 def door_of(options: argparse.Namespace) -> DoorAddress:
-    """Return the door that *options*, a configuration beside or the environment name.
+    """Return the door named by *options*, the configuration or the environment.
 
     Raises:
         ConfigError: The configuration, the variable or a file with a token cannot be used.
@@ -65,9 +65,9 @@ def door_of(options: argparse.Namespace) -> DoorAddress:
 
 
 def _of_home(options: argparse.Namespace) -> DoorAddress:
-    """Return the door of the home that ``--home`` names; no token of the environment is sent there."""
+    """Return the door of the home that ``--home`` names; no token from the environment is sent there."""
     if options.door:
-        raise UsageError("--home and --door both say where homebot is; give one of them")
+        raise UsageError("--home and --door both give the address of homebot; use one of them")
     from platformdirs import user_config_path  # noqa: PLC0415 - only with --home
 
     path = user_config_path("homebot", appauthor=False) / "homes.toml"
@@ -78,18 +78,18 @@ def _of_home(options: argparse.Namespace) -> DoorAddress:
 
 
 def _named_home(name: str, path: Path) -> tuple[tuple[str, int], Path | None]:
-    """Return address and token file of the home *name* of the file *path*, which must not be open to other users."""
+    """Return the address and token file of the home *name* in *path*, which others must not be able to change."""
     source, example = str(path), _EXAMPLE.format(name=name)
     if not path.exists():
         raise ConfigError(source, "", f"does not exist; {example}")
     homes = read_toml(path)
     if problem := why_not_trusted(path):
-        raise ConfigError(source, "", f"says where homes are, so others must not be able to change it: {problem}")
+        raise ConfigError(source, "", f"has addresses of homes, so others must not be able to change it: {problem}")
     if name not in homes:
         raise ConfigError(source, name, f"there is no such home; {did_you_mean(name, homes, example)}")
     table = homes[name]
     if not isinstance(table, dict) or not isinstance(table.get("door"), str):
-        raise ConfigError(source, name, f"names no address; {example}")
+        raise ConfigError(source, name, f"has no address; {example}")
     return _home_in(table, name, path)
 
 
@@ -107,13 +107,13 @@ def _home_in(table: TomlTable, name: str, path: Path) -> tuple[tuple[str, int], 
 
 
 def _table(path: Path) -> tuple[TomlTable, str]:
-    """Return the table ``[door]`` and the name of the home in the file *path*; both empty if there is no such file."""
+    """Return the table ``[door]`` and the home's name in the file *path*; both empty if there is no such file."""
     if not path.exists():
         return {}, ""
     tables = read_toml(path)
     table = tables.get("door", {})
     if problem := why_not_trusted(path):
-        raise ConfigError(str(path), "", f"says where homebot is, so others must not be able to change it: {problem}")
+        raise ConfigError(str(path), "", f"has the address of homebot; others must not be able to change it: {problem}")
     if not isinstance(table, dict):
         raise ConfigError(str(path), "door", "must be a table, [door]")
     if others := table.keys() - _USUAL:
@@ -124,7 +124,7 @@ def _table(path: Path) -> tuple[TomlTable, str]:
 
 
 def _check_keys(path: Path, keys: list[str]) -> None:
-    """Refuse an unknown key: a misspelt ``port`` would name another homebot."""
+    """Refuse an unknown key: a misspelt ``port`` would lead to another homebot."""
     from homebot.bridges.rosbridge.settings import DoorSettings  # noqa: PLC0415 - few tables need it
 
     known = DoorSettings.model_fields

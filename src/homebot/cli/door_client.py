@@ -1,7 +1,7 @@
-"""The command line's end of the rosbridge server: a small rosbridge v2 client, without an event loop.
+"""A small rosbridge v2 client for the command line, without an event loop.
 
-The only file that imports the WebSocket client. Frames are read only while something is awaited here, so one command
-does one thing at a time.
+The only file that imports the WebSocket client. Frames are read only while a method waits, so one command does one
+thing at a time.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ __all__ = ["DoorClient", "ReceivedMessage", "open_door", "set_door_command", "wi
 
 DoorCommand: TypeAlias = "Callable[[DoorClient, argparse.Namespace], int]"
 
-_MAX_WAITING: Final = 10_000  # messages of topics that come while something else is awaited
+_MAX_WAITING: Final = 10_000  # topic messages that arrive while something else is awaited
 _MAX_FRAME: Final = 64 * 1024 * 1024
 _READ: Final = 256 * 1024
 _OPEN_TIMEOUT: Final = 5.0
 _CLOSE_TIMEOUT: Final = 1.0
 _SKIP_AT_MOST: Final = 1.0  # seconds
 _GRACE: Final = 2.0  # seconds by which the server's own time limit may be late
-_NO_RIGHT: Final = "the right "  # the beginning of a refusal for want of a right
+_NO_RIGHT: Final = "the right "  # the beginning of a refusal because of a missing right
 
 
 class ReceivedMessage(NamedTuple):
     """A message of a topic.
 
     Attributes:
-        topic: The topic, as it was subscribed to; of a frame about a goal its ``op``.
+        topic: The subscribed topic; for a frame about a goal, its ``op``.
         lost: Messages that were dropped before this one because the reader was too slow.
     """
 
@@ -62,15 +62,15 @@ class ReceivedMessage(NamedTuple):
 def set_door_command(
     parser: argparse.ArgumentParser, command: DoorCommand, examples: str, *, acts: bool = False
 ) -> None:
-    """Make *parser* the one of *command*, as :func:`set_client_command` does, and connect before it is called."""
+    """Make *parser* run *command*, as :func:`set_client_command` does, and connect before that."""
     set_client_command(parser, lambda options: with_client(options, command), examples, acts=acts)
 
 
 def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
-    """Run *command* with a connection to the homebot that *options* name, and return its exit code.
+    """Run *command* with a connection to the homebot in *options*, and return its exit code.
 
     Raises:
-        HomebotError: No answer came, the server refuses us, or the command failed.
+        HomebotError: There was no answer, the server refused the connection, or the command failed.
     """
     address = door_of(options)
     with open_door(address) as door:
@@ -79,14 +79,14 @@ def with_client(options: argparse.Namespace, command: DoorCommand) -> int:
             print(f"in {door.home} on {door.where}", file=sys.stderr)
         try:
             return command(door, options)
-        except KeyError as exc:  # answers are read as they come, without a model that would check them
+        except KeyError as exc:  # answers are not validated by a model
             raise WireError(f"homebot answered without the field {exc}; is it of another version?") from exc
 
 
 def _check_home(door: DoorClient, address: DoorAddress) -> None:
     if address.home and door.home and door.home != address.home:
         problem = (
-            f"{DEFAULT_CONFIG} is of the home {address.home!r}, but the homebot on {door.where} is of {door.home!r}"
+            f"{DEFAULT_CONFIG} is for the home {address.home!r}, but the homebot on {door.where} serves {door.home!r}"
         )
         raise UsageError(f"{problem}; give the address with --door, or restart homebot if you changed the name")
 
@@ -96,15 +96,15 @@ def open_door(address: DoorAddress) -> Iterator[DoorClient]:
     """Connect to the homebot that listens at *address*.
 
     Raises:
-        LinkError: No answer came from there, or it is no homebot.
-        RefusedError: The server wants another token, or refuses us.
+        LinkError: There was no answer, or it is not a homebot.
+        RefusedError: The server requires another token, or refused the connection.
     """
     host, port = address.host, address.port
     where = f"{f'[{host}]' if ':' in host else host}:{port}"
     try:
         connection = socket.create_connection((host, port), _OPEN_TIMEOUT)
     except OSError as exc:
-        by = f", which {address.source} names" if address.source else ""
+        by = f", the address in {address.source}" if address.source else ""
         if isinstance(exc, socket.gaierror):
             raise LinkError(f"no homebot is running on {where}{by}: {connect_problem(exc)}") from exc
         raise LinkError(f"no homebot is running on {where}{by}; start one with `homebot run`") from exc
@@ -122,7 +122,7 @@ class DoorClient:
     """A connection to a running homebot; see :func:`open_door`.
 
     Attributes:
-        home: The name of the home that the server serves; empty before :meth:`shake_hands`.
+        home: The name of the server's home; empty before :meth:`shake_hands`.
     """
 
     def __init__(self, connection: socket.socket, where: str) -> None:
@@ -149,10 +149,10 @@ class DoorClient:
         return self.begin_call(service, request, timeout)()
 
     def ask(self, service: str, request: Mapping[str, object], timeout: float = 5.0) -> JsonMessage:
-        """Return the response of *service*, which says by ``success`` whether it worked; print a message beside it.
+        """Return the response of *service* if its ``success`` is true, and print its message.
 
         Raises:
-            PeerError: It did not work, the message says why; further errors as those of :meth:`call`.
+            PeerError: It failed; the message says why. Further errors as for :meth:`call`.
         """
         fields = self.call(service, request, timeout)
         answer, message = JsonMessage(fields), str(fields.get("message", ""))
@@ -165,7 +165,7 @@ class DoorClient:
     def begin_call(
         self, service: str, request: Mapping[str, object] | None = None, timeout: float = 5.0
     ) -> Callable[[], dict[str, object]]:
-        """Call *service*, and return a function that waits for the response, with the errors of :meth:`call`."""
+        """Call *service*; return a function that waits for the response, with the errors of :meth:`call`."""
         self._calls += 1
         identifier = f"call:{self._calls}"
         frame = {"op": "call_service", "id": identifier, "service": service, "args": dict(request or {})}
@@ -186,9 +186,9 @@ class DoorClient:
         return response
 
     def perform(self, action: str, ros_type: str, goal: Mapping[str, object]) -> Iterator[dict[str, object]]:
-        """Send *goal*; yield the frames of its feedback, and the one of its result at last.
+        """Send *goal*; yield the frames of its feedback, and finally that of its result.
 
-        The end of the connection cancels it; errors as those of :meth:`next`.
+        The end of the connection cancels it; errors as for :meth:`next`.
         """
         self._calls += 1
         identifier = f"goal:{self._calls}"
@@ -200,11 +200,11 @@ class DoorClient:
             yield received
 
     def subscribe(self, topic: str) -> None:
-        """Ask for the messages of *topic*; one that does not exist yet is fine."""
+        """Subscribe to *topic*, which need not exist yet."""
         self._send({"op": "subscribe", "id": f"subscribing to {topic}", "topic": topic})
 
     def advertise(self, topic: str, ros_type: str) -> None:
-        """Announce that messages of *ros_type* will come for *topic*."""
+        """Announce that messages of *ros_type* will be published on *topic*."""
         self._send({"op": "advertise", "id": f"advertising {topic}", "topic": topic, "type": ros_type})
 
     def publish(self, topic: str, message: Mapping[str, object]) -> None:
@@ -212,24 +212,24 @@ class DoorClient:
         self._send({"op": "publish", "id": f"publishing on {topic}", "topic": topic, "msg": dict(message)})
 
     def settle(self) -> None:
-        """Wait until everything sent before has been dealt with.
+        """Wait until everything sent before has been processed.
 
         Raises:
-            RefusedError: Some of it was refused.
+            RefusedError: Something was refused.
             LinkError: The connection broke.
         """
         self.call("/rosapi/get_time")
 
     def skip_kept(self) -> None:
-        """Pass over the messages kept for late joiners, which come in one go after :meth:`subscribe`.
+        """Skip the messages kept for late joiners, which arrive in one burst after :meth:`subscribe`.
 
-        Live messages that come in between are passed over too.
+        Live messages in between are skipped too.
 
         Raises:
             RefusedError: Something sent before was refused.
             LinkError: The connection broke.
         """
-        ends = time.monotonic() + _SKIP_AT_MOST  # a topic that is busy all the time never pauses
+        ends = time.monotonic() + _SKIP_AT_MOST  # a constantly busy topic never pauses
         self._waiting.clear()
         self.settle()
         while self._waiting and time.monotonic() < ends:
@@ -237,10 +237,10 @@ class DoorClient:
             self.settle()
 
     def next(self, timeout: float | None = None) -> ReceivedMessage:
-        """Return the next message of the subscriptions, waiting for it.
+        """Wait for the next message of the subscriptions and return it.
 
         Raises:
-            TimeoutError: None came within *timeout* seconds.
+            TimeoutError: None arrived within *timeout* seconds.
             RefusedError: Something sent before was refused.
             LinkError: The connection broke.
         """
@@ -250,14 +250,14 @@ class DoorClient:
         return self._waiting.popleft()
 
     def until(self, timeout: float) -> Iterator[ReceivedMessage]:
-        """Yield the messages that come within *timeout* seconds; errors as those of :meth:`next`."""
+        """Yield the messages that arrive within *timeout* seconds; errors as for :meth:`next`."""
         deadline = time.monotonic() + timeout
         with suppress(TimeoutError):
             while True:
                 yield self.next(max(0.0, deadline - time.monotonic()))
 
     def shake_hands(self, token: str) -> None:
-        """Begin to speak WebSocket; errors as those of :func:`open_door`."""
+        """Perform the WebSocket handshake; errors as for :func:`open_door`."""
         request = self._protocol.connect()
         if token:
             request.headers["Authorization"] = f"Bearer {token}"
@@ -278,7 +278,7 @@ class DoorClient:
             ) from error
 
     def close(self) -> None:
-        """Take leave, waiting for the server to do so too, but not for long. Twice is fine."""
+        """Close the connection, waiting briefly for the server to close it too; idempotent."""
         with suppress(OSError):
             if self._is_in(State.OPEN):
                 self._protocol.send_close()
@@ -293,7 +293,7 @@ class DoorClient:
         return self._answers.pop(identifier)
 
     def _read(self, deadline: float | None) -> None:
-        """Read one frame; a message of a topic and an answer are put aside, a refusal is raised."""
+        """Read one frame; topic messages and answers are stored, a refusal is raised."""
         text = self._text(deadline)
         try:
             frame = json.loads(text)
@@ -303,7 +303,7 @@ class DoorClient:
             raise WireError(f"the rosbridge server sent something other than a rosbridge frame: {_begin(text)!r}")
         match frame.get("op"):
             case "status":
-                # Our identifiers name the request in words; the server repeats them.
+                # Our identifiers describe the request in words; the server repeats them.
                 raise RefusedError(str(frame.get("id", "a frame")), _with_hint(str(frame.get("msg"))))
             case "publish":
                 lost = frame.get("lost", 0) + (len(self._waiting) == _MAX_WAITING)
@@ -331,7 +331,7 @@ class DoorClient:
                 return b"".join(parts)
 
     def _receive(self, deadline: float | None) -> None:
-        """Receive data of the server, waiting for it until *deadline*; answer the frames that require an answer."""
+        """Receive data from the server, waiting until *deadline*; answer frames that require it."""
         left = None if deadline is None else deadline - time.monotonic()
         if left is not None and left <= 0:
             raise TimeoutError
@@ -345,7 +345,7 @@ class DoorClient:
                 self._frames.append(event)
             elif isinstance(event, Response):
                 self.home = unquote(event.headers.get(HOME_HEADER, ""))
-        with suppress(OSError):  # it left: its earlier messages count
+        with suppress(OSError):  # it disconnected: its earlier messages count
             self._write()
 
     def _send(self, frame: Mapping[str, object]) -> None:
@@ -382,7 +382,7 @@ def _reason(response: Response) -> str:
 
 
 def _with_hint(problem: str) -> str:
-    """Return the server's *problem*; if a right is missing, with the remedy after a change of the configuration."""
+    """Return the server's *problem*; if a right is missing, add the next step after changing the configuration."""
     if not problem.startswith(_NO_RIGHT):
         return problem
     has_token = "; the token " in problem

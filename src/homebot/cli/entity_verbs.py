@@ -1,4 +1,4 @@
-"""The commands that ``homebot topic``, ``service`` and ``action`` have in common: ``list``, ``type`` and ``find``."""
+"""The commands shared by ``homebot topic``, ``service`` and ``action``: ``list``, ``type`` and ``find``."""
 
 import argparse
 from typing import Final
@@ -21,7 +21,7 @@ _ENDS: Final = {
 
 
 def add_entity_verbs(verbs: Commands, kind: str, name: str, ros_type: str) -> None:
-    """Add the commands for each *kind*, a key of the table above; *name* and *ros_type* are those of the examples."""
+    """Add the commands for *kind*, a key of the table above; *name* and *ros_type* are for the examples."""
     listed = add_verb(verbs, "list", f"list every {kind}")
     listed.add_argument("-t", "--show-types", action="store_true", help=f"show each {kind}'s type")
     set_door_command(listed, _list, f"  homebot {kind} list\n  homebot {kind} list -t\n")
@@ -41,7 +41,7 @@ def add_value_arguments(command: argparse.ArgumentParser, kind: str, value: str)
     """Add the name of a *kind*, and the type and fields of a *value* for it."""
     command.add_argument(kind, metavar=kind.upper(), help=f"name of the {kind}")
     command.add_argument(
-        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="type to expect; any if left out"
+        "type", metavar="TYPE", nargs="?", default="", type=type_or_message, help="expected type (default: any)"
     )
     command.add_argument(
         value, metavar=value.upper(), nargs="?", default="{}", type=message, help="as JSON or as {field: value}"
@@ -62,10 +62,10 @@ def type_of(door: DoorClient, kind: str, name: str) -> str:
 
 
 def check_type(kind: str, name: str, ros_type: str, expected: str) -> None:
-    """Check that *ros_type* is the *expected* one, if any, with its kind or without.
+    """Check that *ros_type* is the *expected* one, if any, with or without its kind.
 
     Raises:
-        PeerError: It is another.
+        PeerError: It is a different type.
     """
     if expected and _short(expected) != _short(ros_type):
         raise PeerError(f"{kind} {name} is a {ros_type}, not a {expected}")

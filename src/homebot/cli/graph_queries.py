@@ -1,4 +1,4 @@
-"""Questions of the command line to ``/rosapi``: the entities of the graph, and the fields of its messages."""
+"""Requests of the command line to ``/rosapi``: the entities of the graph, and the fields of its messages."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def no_such_topic(door: DoorClient, topic: str) -> PeerError:
 
 
 def not_yet(door: DoorClient, topic: str) -> str:
-    """Return the line that says that *topic*, which does not exist, is waited for; it names similar ones."""
+    """Return the line that says that the missing *topic* is awaited, and names similar ones."""
     similar = did_you_mean(topic, _topics(door), "", cutoff=0.7)
     return f"homebot: no topic {topic} yet; waiting, Ctrl-C stops" + (f" ({similar})" if similar else "")
 
@@ -62,7 +62,7 @@ def not_found(kind: str, name: str, known: Iterable[str]) -> PeerError:
 
 
 class MessageTypeRecord(TypedDict):
-    """``rosapi_msgs/msg/TypeDef``, as JSON has it."""
+    """``rosapi_msgs/msg/TypeDef`` in JSON."""
 
     type: str
     fieldnames: list[str]
@@ -71,14 +71,14 @@ class MessageTypeRecord(TypedDict):
 
 
 class Schema:
-    """A message type and the types in it, as rosapi tells them."""
+    """A message type and the types in it, from rosapi."""
 
     def __init__(self, typedefs: list[MessageTypeRecord]) -> None:
         self._types = {one["type"]: _fields(one) for one in typedefs}
         self._root = typedefs[0]["type"] if typedefs else ""
 
     def readable(self, message: dict[str, object]) -> dict[str, object]:
-        """Return *message* with the bytes in it, which come as base64, as text where they are, else as a list."""
+        """Return *message* with its base64-encoded bytes as text if possible, else as a list."""
         return self._message(message, self._root)
 
     def _message(self, message: dict[str, object], ros_type: str) -> dict[str, object]:
@@ -94,12 +94,12 @@ class Schema:
 
 
 def message_schema(door: DoorClient, ros_type: str) -> Schema:
-    """Ask for the schema of the message type *ros_type*."""
+    """Request the schema of the message type *ros_type*."""
     return _schema(door, "/rosapi/message_details", ros_type)
 
 
 def response_schema(door: DoorClient, ros_type: str) -> Schema:
-    """Ask for the schema of the response of the service type *ros_type*."""
+    """Request the schema of the response of the service type *ros_type*."""
     return _schema(door, "/rosapi/service_response_details", ros_type)
 
 
@@ -108,7 +108,7 @@ def _schema(door: DoorClient, service: str, ros_type: str) -> Schema:
 
 
 def _fields(typedef: MessageTypeRecord) -> dict[str, str]:
-    """Return the type of each field by its name, of an array with ``[]`` after it."""
+    """Return the type of each field by name; array types end in ``[]``."""
     kinds = (typedef["fieldnames"], typedef["fieldtypes"], typedef["fieldarraylen"])
     return {name: kind if length < 0 else f"{kind}[]" for name, kind, length in zip(*kinds, strict=True)}
 

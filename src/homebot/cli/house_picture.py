@@ -1,4 +1,4 @@
-"""A house, its plan and its story as lines for a terminal. Pure."""
+"""A house with its plan and story as lines for a terminal. Pure."""
 
 from __future__ import annotations
 
@@ -17,48 +17,48 @@ if TYPE_CHECKING:
 __all__ = ["LEAST_LINES", "HousePicture", "Line", "PlanPicture", "lines_of"]
 
 _WIDE: Final = 70
-"""Columns from which on the rooms stand in two columns."""
+"""Terminal width from which the rooms are in two columns."""
 
 _LEAST_STORY, _MOST_STORY = 4, 10
-"""Lines of the story, as there is room."""
+"""Lines of the story if there is room."""
 
 _STORY_BESIDE_PLAN: Final = 6
-"""Lines of the story that a plan of the house leaves."""
+"""Lines of the story next to a plan of the house."""
 
 _STATE: Final = 9
 _DIALECT: Final = 13
 _TIGHT: Final = 28
-"""Lines below which none stays empty."""
+"""Height below which no line is left empty."""
 
 _GAP: Final = 2
 _LOST: Final = "red"
 _STYLES: Final = (("on", "yellow"), ("off", "dim"), ("clear", "dim"))
-"""How the beginning of a state is shown."""
+"""The style of a state by its beginning."""
 
 _Segment: TypeAlias = tuple[str, str]
-"""Text, and its style of rich's."""
+"""Text, and its rich style."""
 
 Line: TypeAlias = Sequence[_Segment]
-"""One line, in its parts."""
+"""One line, as segments."""
 
 LEAST_LINES: Final = 5
 _MOST_LINES: Final = 9
 _ASPECT: Final = 2.0
-"""The height of a character, in its widths."""
+"""The height of a character in character widths."""
 
 _LEFT, _RIGHT, _UP, _DOWN = 1, 2, 4, 8
 _WALLS: Final = " ╴╶─╵┘└┴╷┐┌┬│┤├┼"
-"""The character for each sum of the directions in which a wall goes on."""
+"""The character for each sum of the directions in which a wall continues."""
 
 _LIT, _DARK = "yellow", "dim"
 _EMPTY: Final = (" ", "")
 
 
 class HousePicture(NamedTuple):
-    """All that is shown of a house at one moment.
+    """The view of a house at one moment.
 
     Attributes:
-        story: What happened, oldest first.
+        story: The events, oldest first.
     """
 
     title: str
@@ -70,7 +70,7 @@ class HousePicture(NamedTuple):
 
 
 def lines_of(picture: HousePicture, width: int, height: int) -> list[Line]:
-    """Return the lines of *picture*, as many as fit in *height*, each to be cut at *width*."""
+    """Return as many lines of *picture* as fit in *height*; each may have to be cut at *width*."""
     is_wide = width >= _WIDE
     column = (width - _GAP) // 2 if is_wide else width
     blocks = [_room(room, devices, picture.beings.get(room, ()), column) for room, devices in _by_room(picture.devices)]
@@ -122,7 +122,7 @@ def _device(device: Device, width: int) -> Line:
 
 
 def _halves(blocks: Sequence[list[Line]]) -> tuple[list[Line], list[Line]]:
-    """Return the rooms as two columns, the first one as long as the second or longer by as little as possible."""
+    """Return the rooms as two columns, the first as long as the second, or as little longer as possible."""
     left: list[Line] = []
     half = sum(map(len, blocks)) / 2
     taken = 0
@@ -143,7 +143,7 @@ def _beside(left: Sequence[Line], right: Sequence[Line], column: int) -> list[Li
 
 
 def _story(story: Sequence[StoryLine], width: int, most: int) -> list[Line]:
-    """Return the newest lines of the story that fit into *most* lines, where a long one goes on below."""
+    """Return the newest lines of the story that fit into *most* lines; long ones are wrapped."""
     lines: list[Line] = []
     for one in reversed(story):
         begin = f"{one.time} "
@@ -159,7 +159,7 @@ def _story(story: Sequence[StoryLine], width: int, most: int) -> list[Line]:
 
 
 class _Box(NamedTuple):
-    """The walls of a room, in columns and lines from the upper left."""
+    """The walls of a room, in columns and lines from the top left."""
 
     left: int
     top: int
@@ -178,11 +178,11 @@ class _Box(NamedTuple):
 
 
 class _Scale(NamedTuple):
-    """The way from metres to characters.
+    """The scale of metres to characters.
 
     Attributes:
-        across: Columns of a metre.
-        down: Lines of a metre.
+        across: Columns per metre.
+        down: Lines per metre.
         lines: Lines of the whole plan.
     """
 
@@ -193,7 +193,7 @@ class _Scale(NamedTuple):
     lines: int
 
     def at(self, x: float, y: float) -> tuple[int, int]:
-        """Return the column and the line of a place."""
+        """Return the column and the line of a point."""
         return round((x - self.west) * self.across), round((self.north - y) * self.down)
 
     def box(self, west: float, south: float, east: float, north: float) -> _Box:
@@ -213,10 +213,10 @@ class PlanPicture(NamedTuple):
     door_width: float
 
     def lines(self, signs: Mapping[str, str], lit: Collection[str], width: int, height: int) -> list[Line]:
-        """Return the lines of the plan; none if a room of it would have no space for its name.
+        """Return the lines of the plan; none if a room has no space for its name.
 
         Args:
-            signs: A character for each being, by room.
+            signs: A character for each person or robot, by room.
         """
         if not self.rooms or height < LEAST_LINES:
             return []
@@ -244,7 +244,7 @@ class PlanPicture(NamedTuple):
 
 
 def _walls(boxes: Collection[_Box]) -> dict[tuple[int, int], int]:
-    """Return, for each place with a wall, the sum of the directions in which it goes on."""
+    """Return the sum of the directions in which the wall continues, for each cell with a wall."""
     walls: dict[tuple[int, int], int] = {}
     for left, top, right, bottom in boxes:
         for column in range(left, right + 1):

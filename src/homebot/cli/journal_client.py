@@ -1,4 +1,4 @@
-"""Reading of the journal of a running homebot, and its entries as JSON for other programs."""
+"""Client of the journal of a running homebot; its entries as JSON for other programs."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class JournalClient:
         return found
 
     def read_name(self, device: str) -> None:
-        """Read the name of a device that an entry is about, unless it is known."""
+        """Read the name of the device of an entry, unless it is known."""
         if device and device not in self.names:
             self.names[device] = device
             self.ask(READ_JOURNAL, {"device": device, "limit": 1})

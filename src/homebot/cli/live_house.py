@@ -1,4 +1,4 @@
-"""The live view of a simulated house in a terminal: messages on the graph, and the people that it alone knows."""
+"""The live view of a simulated house in a terminal: messages on the graph, and the simulated people."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["LiveHouse", "quiet_log", "shown"]
 
 _EVERY: Final = 0.5
-"""Seconds between two pictures: one takes up to 40 ms of a processor."""
+"""Seconds between two frames: each takes up to 40 ms of processor time."""
 
 _LAST_LINES: Final = 8
 _ENTRIES: Final = 1000
@@ -62,7 +62,7 @@ class LiveHouse(HouseWatcher):
         self._view.add(self)
 
     def picture(self) -> HousePicture:
-        """Return the picture of this moment."""
+        """Return the current picture."""
         views = [view for name in self._devices if (view := self._view.get(name)) is not None]
         devices = [view.current() for view in views]
         count = f"{len(devices)} of {len(self._world.devices)} devices found"
@@ -97,7 +97,7 @@ class LiveHouse(HouseWatcher):
         return f"{minutes // 60:02}:{minutes % 60:02}"
 
     def _beings(self, devices: Sequence[Device]) -> dict[str, list[str]]:
-        """Return the people of the house, as the simulated world has them, and its robots, as they report."""
+        """Return the people from the simulated world, and the robots from their reports, by room."""
         found = {room: [f"☺ {name}" for name in self._world.people_in(room)] for room in self._world.rooms.rooms}
         found.pop(OUTSIDE)
         for one in devices:
@@ -109,7 +109,7 @@ class LiveHouse(HouseWatcher):
 
 @asynccontextmanager
 async def shown(graph: Graph, world: World, page: str) -> AsyncIterator[None]:
-    """Show the house on the terminal during the block, with the address of its *page*; its last lines stay after it."""
+    """Show the house on the terminal during the block, with the address of its *page*; the last lines remain."""
     terminal = await to_thread.run_sync(rich_terminal, sys.stdout)  # loading rich takes a while
     async with Node(graph, "live_view", namespace="/homebot") as node, anyio.create_task_group() as tasks:
         house = LiveHouse(node, world, f"homebot · simulated, {world.time.pace:g}x speed · {page}", _hint(world, page))
@@ -147,13 +147,13 @@ def _hint(world: World, page: str) -> str:
 
 @final
 class _LastLines(io.TextIOBase):
-    """The newest lines of the log, which would tear the view."""
+    """The newest lines of the log, which would disrupt the view."""
 
     def __init__(self) -> None:
         self.lines: deque[str] = deque(maxlen=_LOG_LINES)
 
     def write(self, text: str) -> int:
-        """Keep *text*, and drop the oldest."""
+        """Store *text*, and drop the oldest."""
         self.lines.append(text)
         return len(text)
 

@@ -1,7 +1,7 @@
-"""The entry of the command line: reads the arguments, runs the command, turns errors into text and exit codes.
+"""The entry point of the command line: parses the arguments, runs the command, reports errors.
 
-Of the commands only the one that is given is imported, so each answers as soon as it can. Exit codes: 0 done, 1 it did
-not work, 2 the command line is wrong, 130 ended by Ctrl-C.
+Only the given command is imported, so that it starts fast. Exit codes: 0 success, 1 failure, 2 wrong command line, 130
+interrupted by Ctrl-C.
 """
 
 import argparse
@@ -24,22 +24,22 @@ __all__ = ["gc_paused", "main", "make_parser"]
 
 COMMANDS: Final = {
     "run": "run homebot: find the devices of a house and control them",
-    "new": "make a folder with an app, its test, its configuration and its service",
+    "new": "create a folder with an app, its test, configuration and service",
     "app": "list, load, unload and reload apps of a running homebot",
     "config": "check the configuration",
     "devices": "list the devices in the house",
     "find": "find devices by type, capability, state, room or name",
     "do": "command devices, and print the outcomes",
     "show": "show everything known about a device",
-    "doctor": "diagnose problems, also before the start: gateways, silent devices, weak batteries, crashes, files",
+    "doctor": "diagnose problems, even before the start: gateways, silent devices, weak batteries, crashes, files",
     "forget": "remove a device from the index",
     "merge": "join entries that are the same device",
     "split": "separate devices that were joined by mistake",
-    "place": "say which room a device is in",
-    "alias": "give a device a further name",
-    "approve": "allow commands to a device that can hurt, such as a lock",
-    "pair": "pair homebot with a device, by its code or its button",
-    "trust": "believe a device again after a sensor contradicted it",
+    "place": "state the room of a device",
+    "alias": "give a device another name",
+    "approve": "allow commands to a dangerous device, such as a lock",
+    "pair": "pair homebot with a device by code or button",
+    "trust": "trust a device again after a sensor contradicted it",
     "leases": "list the values that programs hold, and until when",
     "release": "end the leases of a device",
     "places": "list, export and import the rooms of the house",
@@ -49,27 +49,27 @@ COMMANDS: Final = {
     "why": "explain why a device is in its state",
     "why-not": "explain why a device is not in a state",
     "journal": "list commands and changes with their causes and outcomes",
-    "history": "show measurements of the past, as a table, a plot, CSV or JSON; energy by day",
+    "history": "show past measurements as a table, a plot, CSV or JSON; energy by day",
     "record": "record the house, for a replay",
     "replay": "replay a recorded day, and show which commands differ",
     "tag": "tag devices with words; read and write NFC tags",
-    "mcp": "serve an agent by the Model Context Protocol",
-    "token": "make a token for a program, with the rights that it needs",
+    "mcp": "serve an agent over the Model Context Protocol",
+    "token": "create a token for a program, with the rights that it needs",
     "topic": "list, inspect, read and publish topics",
-    "service": "list and call services; install homebot as one of systemd",
-    "interface": "list, show and import messages, services and actions of ROS",
+    "service": "list and call services; install homebot as a systemd service",
+    "interface": "list, show and import ROS messages, services and actions",
     "action": "list actions, and send goals to them",
     "param": "list, read, set and save the parameters of nodes",
     "node": "list and inspect nodes",
-    "backup": "write what homebot knows and its configuration into one file",
-    "restore": "put back what a backup holds",
-    "broker": "run an MQTT broker and nothing else",
+    "backup": "write homebot's data and configuration to one file",
+    "restore": "restore the data and configuration from a backup",
+    "broker": "run only an MQTT broker",
 }
-"""The purpose of each in a line."""
+"""The purpose of each command in one line."""
 
 _OWNER: Final = ("alias", "approve", "forget", "merge", "pair", "place", "split", "trust")
 _MODULES: Final = {"import": "import_thing", "release": "leases", "why-not": "why"} | dict.fromkeys(_OWNER, "owner")
-"""The modules of those that are in none of their name."""
+"""The modules of commands whose module has another name."""
 
 _WRONG_COMMAND_LINE: Final = 2
 
@@ -78,17 +78,17 @@ examples:
   homebot run                                    try it: embedded broker, simulated devices, light service
   homebot devices                                the devices in the house
   homebot find 'light and dimmable in kitchen'   the devices that match
-  homebot do 'Kitchen lamp' on                   command a device, and see whether it obeyed
+  homebot do 'Kitchen lamp' on                   command a device, and show whether it obeyed
   homebot why 'Kitchen lamp'                     why it is in its state
   homebot show 'Kitchen lamp'                    everything about one device
-  homebot doctor                                 what is wrong
+  homebot doctor                                 problems and their remedies
   homebot topic list -t                          every topic and its type
   homebot topic echo /rosout                     watch the log live
   homebot topic pub --once /hello std_msgs/String '{data: hi}'
   homebot service call /rosapi/get_time          call a service
-  homebot broker                                 an MQTT broker and nothing else
+  homebot broker                                 only an MQTT broker
 
-All commands but `run`, `replay`, `restore`, `broker`, `config`, `interface`, `new` and `token` connect to a running
+All commands except `run`, `replay`, `restore`, `broker`, `config`, `interface`, `new` and `token` connect to a running
 homebot, by default on 127.0.0.1:9090. See `homebot COMMAND --help` for the options of each.
 """
 
@@ -97,23 +97,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line *argv* (by default the process's own) and return the exit code.
 
     Raises:
-        SystemExit: The command line is wrong (code 2), or asked for ``--help`` or ``--version`` (code 0).
+        SystemExit: The command line is wrong (code 2), or requests ``--help`` or ``--version`` (code 0).
     """
-    for name in ("stdout", "stderr"):  # None where it was closed before the start
+    for name in ("stdout", "stderr"):  # None if it was closed before the start
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(os.open(os.devnull, os.O_WRONLY), "w"))
     if isinstance(sys.stdout, TextIOWrapper):
         sys.stdout.reconfigure(
             errors="backslashreplace"
-        )  # a device name may have characters that a terminal cannot show
+        )  # a device name may contain characters that a terminal cannot show
     with clean_output():
         return _run(sys.argv[1:] if argv is None else argv)
 
 
 def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
-    """Return the parser of the command line *argv*: it knows the arguments of the command in it; by default, of all.
+    """Return the parser of *argv*, with the arguments of the command in it; by default, of all commands.
 
-    Where a command comes first it knows no other: to make the parsers of all takes 3 ms.
+    If a command comes first, it knows no other, because creating all parsers takes 3 ms.
     """
     parser: argparse.ArgumentParser = CommandParser(
         prog="homebot",
@@ -131,7 +131,7 @@ def make_parser(argv: Sequence[str] | None = None) -> argparse.ArgumentParser:
     )
     add_door_options(parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    # Of a command that is known, neither the list of all nor similar ones are needed.
+    # For a known command, neither the list of all commands nor similar ones are needed.
     for name in (argv[0],) if argv and argv[0] in COMMANDS else COMMANDS:
         command = add_verb(commands, name, COMMANDS[name])
         if argv is None or name in argv:
@@ -158,9 +158,9 @@ def _run(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return 130
     except OSError as exc:  # such as a full disk
-        # Python would complain once more when it flushes at exit.
+        # Python would complain again when it flushes at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if isinstance(exc, BrokenPipeError):  # the reader of our output has enough
+        if isinstance(exc, BrokenPipeError):  # the reader of our output closed the pipe
             return 0
         print(f"homebot: {exc.strerror or exc}{f': {exc.filename}' if exc.filename else ''}", file=sys.stderr)
         return 1
@@ -177,7 +177,7 @@ def _add_arguments(command: str, parser: argparse.ArgumentParser) -> None:
 
 @contextmanager
 def gc_paused() -> Iterator[None]:
-    """Look for no garbage during the block, nor ever in modules loaded there: a sixth of the time that modules take."""
+    """Disable garbage collection during the block, and for modules loaded in it: saves a sixth of their import time."""
     gc.disable()
     try:
         yield
@@ -188,7 +188,7 @@ def gc_paused() -> Iterator[None]:
 
 @contextmanager
 def _minimal_structlog_imports() -> Iterator[None]:
-    """Keep structlog from loading its tracebacks and framework support: a tenth of a command."""
+    """Keep structlog from loading tracebacks and framework support, a tenth of a command's time."""
     unused = {"rich", "twisted"} - sys.modules.keys()
     for library in unused:
         sys.modules[library] = None  # type: ignore[assignment]  # Python's own way to say that there is none

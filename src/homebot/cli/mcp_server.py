@@ -1,9 +1,8 @@
-"""The tools of ``homebot mcp``: the HTTP API, as an agent calls it. The one file that imports the MCP SDK.
+"""The tools of ``homebot mcp``: the HTTP API for agents. The only file that imports the MCP SDK.
 
-Each request has a connection of its own, so that homebot may restart in between.
-
-Names of devices come from strangers, so they stand in answers alone and in no description. Annotations are not
-postponed here: the SDK reads those of functions that know the client.
+Each request has its own connection, so that homebot may restart in between. Device names are untrusted, so they are
+only in answers, never in descriptions. Annotations are not postponed here, because the SDK reads those of inner
+functions.
 """
 
 import json
@@ -27,8 +26,8 @@ from homebot.version import __version__
 __all__ = ["ApiClient", "house_server"]
 
 _GUIDE: Final = (
-    "Devices of a house. Find a device first, then use its id. Every command returns its proven outcome: "
-    f"{', '.join(OUTCOMES)}; where refused, with a reason. Do not retry a refusal."
+    "Devices of a house. Find a device first, then use its id. Every command returns its verified outcome: "
+    f"{', '.join(OUTCOMES)}; if refused, with a reason. Do not retry a refusal."
 )
 _READS: Final = ToolAnnotations(read_only_hint=True, open_world_hint=False)
 _ACTS: Final = ToolAnnotations(read_only_hint=False, destructive_hint=True, open_world_hint=False)
@@ -39,37 +38,37 @@ _UNCONFIRMED: Final = {
 
 
 _LONGEST: Final = 900.0
-"""Seconds; homebot answers sooner, when the time is over in which the slowest device usually does."""
+"""Seconds; homebot answers sooner, after the usual response time of the slowest device."""
 
 _MOST: Final = 4 * 1024 * 1024
 
 
 class Sure(BaseModel):
-    """The word of a person."""
+    """Confirmation by a person."""
 
     confirm: bool = Field(description="whether to do it")
 
 
 class _Unsent(Sure):
-    """No person can be asked, or it is not known whether one must be, as the device cannot be looked up."""
+    """No person can be asked, or the device cannot be looked up to tell whether one must be."""
 
     confirm: bool = False
     problem: str
 
 
 class ApiClient:
-    """Asks the homebot at an address."""
+    """Client of the homebot at an address."""
 
     def __init__(self, address: DoorAddress) -> None:
         self._address = address
 
     async def read(self, path: str, last: str = "", **query: object) -> str:
-        """Return the answer of the route *path* and *last*, as JSON; of a problem its ``outcome`` and ``reason``."""
+        """Return the answer of the route *path* and *last* as JSON; for a problem, its ``outcome`` and ``reason``."""
         asked = urlencode({name: value for name, value in query.items() if value != ""})
         return await to_thread.run_sync(self._ask, "GET", f"{path}{quote(last)}?{asked}", None)
 
     async def post(self, path: str, body: Mapping[str, str]) -> str:
-        """Return the answer to *body*, likewise."""
+        """Return the answer to *body* as JSON, like :meth:`read`."""
         return await to_thread.run_sync(self._ask, "POST", path, json.dumps(body).encode())
 
     def _ask(self, method: str, target: str, body: bytes | None) -> str:
@@ -86,27 +85,27 @@ class ApiClient:
             connection.close()
         served = unquote(response.headers.get(HOME_HEADER, ""))
         if home and served and served != home:
-            return _problem("failed", f"the homebot on {host}:{port} is of the home {served!r}, not {home!r}")
+            return _problem("failed", f"the homebot on {host}:{port} serves the home {served!r}, not {home!r}")
         return text.rstrip() if response.status == 200 else _refusal(text)
 
 
 def house_server(api: ApiClient) -> MCPServer:
-    """Return a server whose tools ask *api*."""
+    """Return a server whose tools use *api*."""
 
     async def home() -> str:
         """Return the rooms of the house, with the number of devices by type."""
         return await api.read("/api/home")
 
     async def find_devices(query: str = "", limit: int = 50) -> str:
-        """Return the devices that fit a query such as `light in kitchen`, with room and values; all otherwise."""
+        """Return the devices that fit a query such as `light in kitchen`, or all, with room and values."""
         return await api.read("/api/devices", q=query, limit=limit)
 
     async def why(device: str, state: str = "") -> str:
-        """Return why a device is as it is; with a state such as `on`, why it is not so."""
+        """Return why a device is in its state or, given a state such as `on`, why it is not in that one."""
         return await api.read("/api/why/", device, state=state)
 
     async def history(device: str, capability: str = "", since: str = "24h", points: int = 50) -> str:
-        """Return past values of a device, of one capability such as `temperature`, since `24h` or `7d` ago."""
+        """Return past values of a device, or of one capability such as `temperature`, for the last `24h` or `7d`."""
         return await api.read("/api/history", device=device, capability=capability, since=since, points=points)
 
     async def sure(device: str, do: str, context: Context) -> Sure | Elicit[Sure]:
@@ -128,7 +127,7 @@ def house_server(api: ApiClient) -> MCPServer:
 
 
 def _question(details: str, do: str, context: Context) -> Sure | Elicit[Sure]:
-    """Return the question to a person before *do* reaches the device of *details*, or an answer where none is asked."""
+    """Return the question to a person before *do* is sent to the device of *details*, or an answer without asking."""
     device, can = json.loads(details), context.client_capabilities
     if "id" not in device:
         return _Unsent(problem=details)
@@ -144,7 +143,7 @@ def _refusal(text: str) -> str:
         found = json.loads(text)
         return _problem(found["outcome"], found["detail"])
     except (ValueError, KeyError, TypeError):
-        return _problem("failed", f"the answer is not that of a homebot: {text[:100]!r}")
+        return _problem("failed", f"the answer is not from a homebot: {text[:100]!r}")
 
 
 def _problem(outcome: str, reason: str) -> str:

@@ -1,4 +1,4 @@
-"""Checks of ``homebot doctor --offline``: what a homebot needs before it starts."""
+"""Checks of ``homebot doctor --offline``: the requirements for a start."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping
@@ -26,7 +26,7 @@ _SECRET_FILES = ("token_file", "password_file")
 
 
 def offline_findings(path: Path, *, reaches: bool) -> Iterator[Finding]:
-    """Yield all that would keep homebot from starting with the configuration *path*.
+    """Yield all problems that would prevent homebot from starting with the configuration *path*.
 
     Args:
         reaches: Whether to log in to the servers of gateways.
@@ -82,10 +82,10 @@ def _taken_ports(plan: Plan) -> Iterator[Row]:
 
 
 def _folder_problem(folder: Path) -> Iterator[Row]:
-    """Yield why files cannot be kept in *folder*, which is made at the first start."""
+    """Yield why files cannot be stored in *folder*, which is created at the first start."""
     there = next(one for one in (folder, *folder.parents) if one.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        yield ("", f"{there} cannot be written by this user, and files are to be kept in {folder}")
+        yield ("", f"{there} cannot be written by this user, but files have to be stored in {folder}")
     elif problem := why_not_trusted(there):
         yield ("", problem)
 

@@ -1,4 +1,4 @@
-"""A parser of arguments that suggests an existing option or command for one that does not exist; completion."""
+"""Argument parser that suggests similar options and commands for unknown ones, and shell completion."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SYNONYMS: Final = {
     "search": "find",
     "info": "show",
 }
-"""Words for commands of homebot that other tools use."""
+"""Words of other tools for commands of homebot."""
 
 _COMMANDS: Final = ("on", "off", "open", "close", "stop", "lock", "unlock", "play", "pause", "mute", "unmute", "press")
 """Words that devices take, for completion."""
@@ -44,17 +44,17 @@ _CUTOFF = 0.6
 
 
 class CommandParser(argparse.ArgumentParser):
-    """A parser of ``homebot`` or of a command below it; one that needs a command and gets nothing prints its help."""
+    """Parser of ``homebot`` or one of its commands; prints its help if a required command is missing."""
 
     _given: Sequence[str] = ()
 
-    def parse_known_args(  # type: ignore[override]  # a namespace of another class is never given
+    def parse_known_args(  # type: ignore[override]  # no other class of namespace is passed
         self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None
     ) -> tuple[argparse.Namespace, list[str]]:
-        """Parse *args*, all of which must be known; the command that does not know one reports it.
+        """Parse *args*, all of which must be known; the command with an unknown one reports it.
 
         Raises:
-            SystemExit: *args* are wrong (code 2), or ask for help (code 0).
+            SystemExit: *args* are wrong (code 2), or request help (code 0).
         """
         self._given = sys.argv[1:] if args is None else args
         if not self._given and self._commands() is not None:
@@ -68,7 +68,7 @@ class CommandParser(argparse.ArgumentParser):
         return found, unknown
 
     def error(self, message: str) -> NoReturn:
-        """End the program because of *message*, or of an unknown option, which may be the cause of it."""
+        """End the program with *message*, or with an unknown option that may be its cause."""
         if option := next(self._unknown_options(), ""):
             self._refuse(self._unknown_option(option))
         super().error(message)
@@ -89,7 +89,7 @@ class CommandParser(argparse.ArgumentParser):
         return next((one for one in self._actions if isinstance(one, kind)), None)
 
     def _unknown_options(self) -> Iterator[str]:
-        """Yield the long options that were given here, and not to a command below, and do not exist."""
+        """Yield unknown long options that were given to this command rather than a subcommand."""
         commands = self._commands()
         for one in self._given:
             if one == "--" or (commands is not None and one in commands.choices):
@@ -107,7 +107,7 @@ class CommandParser(argparse.ArgumentParser):
     def _meant(
         self, name: str, known: Iterable[str], prefix: str = "", words: Mapping[str, str] = MappingProxyType({})
     ) -> str:
-        """Return the most likely meaning of the *known* ones, and of those that *words* have, or the place to look."""
+        """Return the most similar of the *known* names and *words*, or a hint to the help."""
         similar = similar_to(name, (*known, *words), _CUTOFF)
         return f"did you mean {prefix}{words.get(similar[0], similar[0])}?" if similar else self._hint
 

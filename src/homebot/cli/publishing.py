@@ -1,4 +1,4 @@
-"""Publishing through a gateway, for the command line."""
+"""Publishing through a gateway for the command line."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ GATEWAY_STATE = "homebot/msg/GatewayState"
 _RAW_COMMAND = "homebot/msg/RawCommand"
 
 _STATE_TIMEOUT = 2.0
-"""Seconds for the state of a gateway that is not published yet."""
+"""Seconds to wait for the state of a gateway that has not been published yet."""
 
 _STATE_WITHIN = 10.0
-"""Seconds for one that is published: it is kept for late joiners, and comes at once unless the computer is busy."""
+"""Seconds to wait for a published state: it is latched, and arrives at once unless the computer is busy."""
 
 _OUTCOME = 10.0
 _POLL = 0.02
 _LOG_WAIT = 0.3
-"""Seconds: for the outcome of a command, between two looks, and for the lines of the log that are kept."""
+"""Seconds: for the outcome of a command, between two checks, and for the latched log lines."""
 
 
 class GatewayPublisher:
@@ -41,11 +41,11 @@ class GatewayPublisher:
         self._checked: set[str] = set()
 
     def check(self, gateway: str) -> None:
-        """Make sure that *gateway* is there and sends its commands.
+        """Check that *gateway* is running and sends commands.
 
         Raises:
-            RefusedError: It only observes.
-            LinkError: It is not there, or does not reach its network.
+            RefusedError: The gateway only observes.
+            LinkError: The gateway is not running, or does not reach its network.
         """
         if gateway in self._checked:
             return
@@ -68,8 +68,8 @@ class GatewayPublisher:
         """Send a command through *gateway*, and wait until it reports the outcome.
 
         Raises:
-            RefusedError: It only observes, or refused the command, or the command is no message of its topic.
-            LinkError: It is not there, did not reach its network, or did not report the outcome.
+            RefusedError: The gateway only observes or refused the command, or it is not a message of its topic.
+            LinkError: The gateway is not running, did not reach its network, or did not report the outcome.
         """
         self.check(gateway)
         before = self._counts(gateway)
@@ -79,7 +79,7 @@ class GatewayPublisher:
             self._wait_for_the_outcome(gateway, command, before)
 
     def _wait_for_the_outcome(self, gateway: str, command: Mapping[str, object], before: Mapping[str, int]) -> None:
-        """Look at the gateway's counts: its topic has no way back."""
+        """Watch the gateway's counters, because its topic has no answers."""
         what = f"the command to {command.get('address')}"
         deadline = time.monotonic() + _OUTCOME
         while time.monotonic() < deadline:
@@ -102,7 +102,7 @@ class GatewayPublisher:
         return counts if "commands" in counts else None
 
     def _reason(self, gateway: str, command: Mapping[str, object]) -> str:
-        """Return the gateway's log lines about *command*; the last lines are kept for late joiners."""
+        """Return the reason in the gateway's log lines about *command*; the last lines are latched."""
         self._door.subscribe("/rosout")
         beginning, reason = f"not sent to {command.get('address')}: ", "see the gateway's log"
         for message in self._door.until(_LOG_WAIT):
@@ -113,7 +113,7 @@ class GatewayPublisher:
 
 
 def gateway_state(door: DoorClient, gateway: str) -> GatewayState | None:
-    """Return the state of *gateway*, as it reports it; None without a report."""
+    """Return the reported state of *gateway*; None without a report."""
     topic = GatewayNames(gateway).state
     door.subscribe(topic)
     is_published = entities(door, kind="publisher", name=topic)

@@ -1,4 +1,4 @@
-"""Output fitted to a terminal by rich. No text from outside is read as markup."""
+"""Output fitted to a terminal by rich. External text is never interpreted as markup."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _STYLES: Final = (
     ("unconfirmed", "dim"),
     ("fresh", "green"),
 )
-"""How a device's availability is shown, by the first of these words that is in it."""
+"""The style of a device's availability, by the first of these words in it."""
 
 
 @final
@@ -40,7 +40,7 @@ class RichTerminal:
     """A terminal; see :mod:`homebot.cli.terminal` for its methods."""
 
     def __init__(self, stream: TextIO) -> None:
-        while isinstance(stream, CleanText):  # the filter would show rich's own escapes as text
+        while isinstance(stream, CleanText):  # the filter would show rich's escapes as text
             stream = stream.raw
         self._console = Console(file=stream, highlight=False, markup=False, emoji=False)
 
@@ -52,9 +52,9 @@ class RichTerminal:
         if_wide: Sequence[str],
         in_colour: str,
     ) -> None:
-        """Print *rows* below *head*, without as many of the columns *if_room* as make the rest fit.
+        """Print *rows* below *head*, leaving out columns *if_room* until the rest fits.
 
-        Where even narrow columns do not fit, it is without as many of *if_wide*, too.
+        If even narrow columns do not fit, columns *if_wide* are left out too.
         """
         shown = [
             [_text(cell, _style(cell) if name == in_colour else "") for name, cell in zip(head, row, strict=True)]
@@ -87,20 +87,20 @@ class RichTerminal:
             for _ in range(length):
                 grid.add_column(overflow="fold")
             for row in some:
-                row[0].pad_right(max(0, first - row[0].cell_len))  # so that columns go on below rows of another length
+                row[0].pad_right(max(0, first - row[0].cell_len))  # aligns rows of different lengths
                 grid.add_row(*row)
             self._console.print(Padding(grid, (0, 0, 0, _GAP), expand=False))
 
     def print_line(self, text: str, style: str) -> None:
-        """Print *text* in a *style* of rich's."""
+        """Print *text* in a rich *style*."""
         self._console.print(_text(text, style), soft_wrap=True)
 
     def show_live(
         self, head: Sequence[str], frames: Iterable[tuple[str, Sequence[Sequence[str]]]], if_wide: Sequence[str]
     ) -> None:
-        """Show each of *frames*, as many rows as fit; without a thread of rich's.
+        """Show each of *frames*, with as many rows as fit, without a rich thread.
 
-        The first column and the last one are cut where the terminal is too narrow; then columns *if_wide* go.
+        If the terminal is too narrow, the first and last columns are cut; then columns *if_wide* are left out.
         """
         with Live(console=self._console, auto_refresh=False, screen=True, vertical_overflow="crop") as live:
             for title, rows in frames:
@@ -119,7 +119,7 @@ class RichTerminal:
 
     @contextmanager
     def screen(self) -> Iterator[Callable[[Callable[[int, int], Sequence[Line]]], None]]:
-        """Show a full screen during the block; yield the function that draws the lines for its width and height."""
+        """Show a full screen during the block; yield a function that draws the lines for its width and height."""
         with Live(console=self._console, auto_refresh=False, screen=True, vertical_overflow="crop") as live:
 
             def draw(lines_for: Callable[[int, int], Sequence[Line]]) -> None:
@@ -132,7 +132,7 @@ class RichTerminal:
 
     @contextmanager
     def progress(self, what: str, total: int) -> Iterator[Callable[[int], None]]:
-        """Show how far a long command is; give the function that updates it."""
+        """Show the progress of a long command; yield the function that updates it."""
         with Progress(console=self._console, transient=True, auto_refresh=False) as bar:
             task = bar.add_task(printable(what), total=total)
             yield lambda done: bar.update(task, completed=done, refresh=True)
@@ -151,7 +151,7 @@ def _widths(head: Sequence[str], rows: Sequence[Sequence[Text]]) -> dict[int, in
 
 
 def _fitting(head: Sequence[str], widths: Mapping[int, int], if_room: Sequence[str], width: int) -> list[int]:
-    """Return the places among *widths* that are shown: all but as many of *if_room* as make the rest fit."""
+    """Return the indices in *widths* that are shown, leaving out columns *if_room* until the rest fits."""
     kept = [*widths]
     for name in if_room:
         if sum(widths[place] + _GAP for place in kept) - _GAP <= width:

@@ -1,6 +1,6 @@
-"""Maps of robots: files of ROS's map_server, and ``nav_msgs/OccupancyGrid`` on the graph; loaded with the first one.
+"""Maps of robots: files of ROS's map_server, and ``nav_msgs/OccupancyGrid`` on the graph. Loaded when used.
 
-A map has free cells and walls, and no rooms: where one ends is known of a point in it, and of the ends of its doors.
+A map has free cells and walls, but no rooms: their extents follow from a point in each, and the ends of their doors.
 
 Source: nav2_map_server 1.5.0, map_io.cpp. Its thresholds are compared as 32-bit floating-point numbers.
 """
@@ -31,34 +31,34 @@ from homebot.places.rigid import MapPose, yaw_of
 __all__ = ["MapSettings", "RobotMap", "cell_table", "read_map"]
 
 UNKNOWN: Final = 255
-"""The byte of a cell that is not known: -1."""
+"""The byte of an unknown cell: -1."""
 
 _OCCUPIED: Final = 100
 _MOST_ROOMS: Final = 150
 _MOST_PIXELS: Final = 16_000_000
 _UNKNOWN_GREY: Final = 205
 _BESIDE: Final = 0.2
-"""Metres by which a stated door may end before the wall of the map."""
+"""Metres by which a stated door may end before the map's wall."""
 
 _LARGEST: Final = 1e6
 _SMALLEST: Final = 1e-6
-"""Metres of a cell, and from the origin."""
+"""Limits of the cell size, and of the distance from the origin, in metres."""
 
 _Number: TypeAlias = Annotated[float, Field(ge=-_LARGEST, le=_LARGEST, allow_inf_nan=False)]
 _Share: TypeAlias = Annotated[float, Field(ge=0, le=1)]
 
 
 class MapSettings(BaseModel):
-    """The YAML file of a map; further keys are passed over.
+    """The YAML file of a map; unknown keys are ignored.
 
     Attributes:
-        image: The file of the image, from the folder of the YAML file.
-        resolution: Metres of a cell.
+        image: The file of the image, relative to the folder of the YAML file.
+        resolution: The cell size in metres.
         origin: x, y and yaw of the lower left corner, in metres and radians.
         occupied_thresh: The occupancy from which a cell is occupied.
-        free_thresh: The one up to which it is free.
+        free_thresh: The occupancy up to which a cell is free.
         negate: Whether black is free.
-        mode: What greys between the two mean.
+        mode: The meaning of greys between the two.
     """
 
     image: str
@@ -71,7 +71,7 @@ class MapSettings(BaseModel):
 
     @property
     def warning(self) -> str:
-        """A mistake that many files have, in words; empty for none."""
+        """A common mistake in the file, in words; empty for none."""
         if self.mode == "trinary" and not self.negate and cell_table(self)[_UNKNOWN_GREY] == 0:
             grey = f"the grey {_UNKNOWN_GREY}, as savers write unknown cells"
             return f"free_thresh {self.free_thresh:g} makes {grey}, free; use 0.196"
@@ -82,8 +82,8 @@ class RobotMap(NamedTuple):
     """A map.
 
     Attributes:
-        cells: 0 free to 100 occupied, 255 unknown; the first row is the uppermost.
-        resolution: Metres of a cell.
+        cells: 0 (free) to 100 (occupied), 255 for unknown; the first row is at the top.
+        resolution: The cell size in metres.
         origin: The lower left corner.
     """
 
@@ -96,8 +96,8 @@ class RobotMap(NamedTuple):
         """Return the map in a message as JSON.
 
         Raises:
-            TypeMismatchError: It is no ``nav_msgs/OccupancyGrid``.
-            WireError: It has another number of cells than it states, or a number that none can be.
+            TypeMismatchError: It is not a ``nav_msgs/OccupancyGrid``.
+            WireError: The number of cells differs from the stated one, or a number is impossible.
         """
         grid = message_from_json(OccupancyGrid, message)
         info, turn = grid.info, grid.info.origin.orientation
@@ -111,10 +111,10 @@ class RobotMap(NamedTuple):
         return cls(upwards.transpose(Image.Transpose.FLIP_TOP_BOTTOM), info.resolution, origin)
 
     def rooms(self, points: Mapping[str, Point], doors: Iterable[Sequence[Point]]) -> Iterator[HouseRoom]:
-        """Yield the room around each point: its free cells up to walls and to the lines between the ends of *doors*.
+        """Yield the room around each point: its free cells up to walls and the lines between the ends of *doors*.
 
         Raises:
-            UsageError: A point is not free, two are in one area, or an area is no room.
+            UsageError: A point is not free, two are in one area, or an area is not a room.
         """
         names = list(points)
         if len(names) > _MOST_ROOMS:
@@ -146,7 +146,7 @@ class RobotMap(NamedTuple):
         return cells
 
     def _outline(self, cells: Image.Image, value: int) -> list[Point]:
-        """Return the corners around the cells of a *value*, in metres of the house."""
+        """Return the corners around the cells with *value*, in metres in the house."""
         rows = (cells.crop((0, row, cells.width, row + 1)).tobytes() for row in range(cells.height))
         same = re.compile(re.escape(bytes([value])) + b"+")
         ends = {number: [end for run in same.finditer(row) for end in run.span()] for number, row in enumerate(rows)}
@@ -161,10 +161,10 @@ class RobotMap(NamedTuple):
 
 
 def read_map(file: str) -> tuple[RobotMap, str]:
-    """Return the map of a YAML file and its image, and a warning that is empty for none.
+    """Return the map of a YAML file and its image, and a warning, empty for none.
 
     Raises:
-        ConfigError, UsageError: One of them cannot be read, or is none; names the file and the value.
+        ConfigError, UsageError: A file cannot be read, or is invalid; names the file and the value.
     """
     table = read_yaml(file)
     settings = parse_settings(MapSettings, table if isinstance(table, dict) else {}, file, "")
@@ -181,15 +181,15 @@ def read_map(file: str) -> tuple[RobotMap, str]:
 
 
 def cell_table(settings: MapSettings) -> bytes:
-    """Return the cell for each grey."""
+    """Return the cell value for each grey."""
     if settings.mode == "raw":
         return bytes(grey if grey <= _OCCUPIED else UNKNOWN for grey in range(256))
     return bytes(_cell(grey, settings) for grey in range(256))
 
 
 def _cells(image: Image.Image, settings: MapSettings) -> Image.Image:
-    """Return the cells of an image: of the mean of its colours; what is not opaque is unknown."""
-    if image.mode.startswith("I"):  # of 16 bits
+    """Return the cells of an image by the mean of its colours; transparent pixels are unknown."""
+    if image.mode.startswith("I"):  # 16 bits
         image = image.convert("I").point(lambda grey: grey * (1 / 257)).convert("L")
     colours = image.convert("RGBA")
     mean = colours.convert("RGB").convert("L", (1 / 3, 1 / 3, 1 / 3, 0))

@@ -1,4 +1,4 @@
-"""A homebot that a Python script starts, by the way that ``homebot run`` goes."""
+"""Start of a homebot from a Python script, in the same way as ``homebot run``."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ def run(
     ephemeral: bool = False,
     seconds: float | None = None,
 ) -> int:
-    """Run a homebot with *apps* until Ctrl-C or SIGTERM, as ``homebot run`` with the options of these names does.
+    """Run a homebot with *apps* until Ctrl-C or SIGTERM, like ``homebot run`` with the options of these names.
 
     Without *config*, a ``homebot.toml`` in the working directory is used; without that and *mqtt*, a simulated house.
-    The log goes to standard error, unless structlog is configured already. At the end everything is stopped in order,
-    in at most 4.8 s; then the process exits even if something hangs.
+    The log goes to standard error, unless structlog is already configured. At the end everything is stopped in order,
+    within 4.8 s; then the process exits even if something hangs.
 
     Args:
         apps: Classes, or names of installed apps such as ``"light_service"``; without any, those of the configuration.
@@ -45,14 +45,14 @@ def run(
         mqtt: URL of a broker, as ``mqtt://[user@]host[:port]``.
         root: First level of the topics of devices that do not announce themselves.
         act: Send commands to devices on a broker other than the embedded one.
-        ephemeral: Do not keep devices over a restart.
+        ephemeral: Do not keep devices across restarts.
 
     Returns:
-        0, or 1 when an app or another part was given up on the way.
+        0, or 1 if an app or another component was given up.
 
     Raises:
-        UsageError: Something cannot be run as it is configured; a class is not at the top level of its module; this is
-            not the main thread, or an event loop runs in it.
+        UsageError: Something cannot be run as configured; a class is not at the top level of its module; this is not
+            the main thread, or an event loop is running in it.
     """
     _check_caller()
     options = make_parser(["run"]).parse_args(["run"])
@@ -73,12 +73,12 @@ def _check_caller() -> None:
             raise UsageError('homebot loads this file itself; put run() below `if __name__ == "__main__":`')
         frame = frame.f_back
     if threading.current_thread() is not threading.main_thread():
-        raise UsageError("run() works in the main thread alone, where Ctrl-C arrives; elsewhere use Runtime")
+        raise UsageError("run() only works in the main thread, where Ctrl-C arrives; elsewhere use Runtime")
     try:
         asyncio.get_running_loop()
     except RuntimeError:
         return
-    raise UsageError("run() starts an event loop of its own; where one runs use `async with Runtime(config)`")
+    raise UsageError("run() starts its own event loop; inside a running one use `async with Runtime(config)`")
 
 
 def _plugin_name(app: type[App]) -> str:

@@ -1,4 +1,4 @@
-"""Serving until Ctrl-C, SIGTERM or the end of the given time, and then stopping in order."""
+"""Runs a service until Ctrl-C, SIGTERM or the end of a given time, and then stops it in order."""
 
 from __future__ import annotations
 
@@ -35,23 +35,23 @@ _log = get_logger(node="/homebot")
 LEFT_BEHIND = "runtime.left_behind"
 WARN_AFTER = 4.5
 EXIT_AFTER = 4.8
-"""Seconds from :meth:`Watchdog.start` to the end of the process: together with a little work, below five.
+"""Seconds from :meth:`Watchdog.start` to the end of the process: below five, with some margin.
 
-Those do not count in which the process got no processor, as the computer slept or was too busy.
+Time does not count in which the process could not run, because the computer slept or was too busy.
 """
 
 _LOOK_EVERY = 0.1
 
 COLLECT_AFTER: Final = (5_000, 0, 1_000)
-"""Thresholds of Python's garbage collector: there is next to no circular garbage here, and it dies young. By its
-defaults, half of the time in which ten thousand devices are taken in goes into that (measured); most of it into looking
-again at permanent objects, and all else waits meanwhile. So it looks at 5,000 new objects, every other time at the
-5,000 before them as well, which takes 4 ms at most; at everything, which holds up all else for seconds, only once ten
-million more have come to stay: four thousand devices, each announced in eight messages, are three."""
+"""Thresholds of Python's garbage collector: there is almost no cyclic garbage here, and it is short-lived. With the
+defaults, half of the time to discover ten thousand devices is spent on it (measured), mostly on permanent objects, and
+everything else waits. So it examines 5,000 new objects, every other time with the previous 5,000, which takes at most 4
+ms. It examines all objects, which blocks for seconds, only after ten million more have survived; four thousand devices,
+each announced in eight messages, are three million."""
 
 
 def on_an_event_loop(main: Coroutine[object, object, Result]) -> Result:
-    """Run *main* on an event loop of its own, which is watched."""
+    """Run *main* on its own event loop, which is watched."""
     gc.set_threshold(*COLLECT_AFTER)
     with asyncio.Runner(loop_factory=ProductionLoop) as runner:
         loop = runner.get_loop()
@@ -69,15 +69,15 @@ async def serve(
 ) -> None:
     """Enter *service*, wait for SIGINT, SIGTERM or the end of *seconds*, and leave it.
 
-    Leaving takes 4.8 s at most: then the process is ended with code 1, in any case. The service manager that started
-    the process, if any, is informed.
+    Leaving takes at most 4.8 s: then the process is ended with code 1 in any case. The service manager that started the
+    process, if any, is notified.
 
     Args:
         service: Entering means ready, leaving means gone.
-        seconds: How long it goes on; None for ever.
+        seconds: How long to run; None for no limit.
         cut_start_short: Called at a signal, so that *service* does not have to finish its start first.
-        until: Runs beside; the service is left when it returns.
-        reload: Called at SIGHUP; without it, and when the terminal of the process is closed, SIGHUP stops as well.
+        until: Runs concurrently; the service is left when it returns.
+        reload: Called at SIGHUP; without it, or when the terminal of the process is closed, SIGHUP stops too.
     """
     requests = _Requests(cut_start_short)
     on_hangup = None if reload is None else requests.reload
@@ -114,7 +114,7 @@ async def _service_manager() -> AsyncIterator[Callable[[], AbstractContextManage
 
 
 class _Requests:
-    """The signals that wait to be handled, in the event loop."""
+    """The pending signals, in the event loop."""
 
     def __init__(self, cut_start_short: Callable[[], None] | None) -> None:
         self._cut_start_short = cut_start_short
@@ -143,12 +143,12 @@ class _Requests:
 def _at_stop_signals(
     at_once: Callable[[], None], in_the_loop: Callable[[], None], on_hangup: Callable[[], None] | None
 ) -> Iterator[None]:
-    """Call both at the stop signals; to be entered in the main thread, within its event loop.
+    """Call both at stop signals; must be entered in the main thread, within its event loop.
 
-    A signal that is ignored stays so: under ``nohup`` a hangup stops nothing.
+    An ignored signal stays ignored: under ``nohup`` a hangup stops nothing.
 
     Args:
-        at_once: Called from any thread, perhaps twice a signal, also while the event loop is blocked.
+        at_once: Called from any thread, perhaps twice per signal, even while the event loop is blocked.
         in_the_loop: Called by the event loop.
         on_hangup: Called by the event loop instead of both at a SIGHUP that does not come from a closed terminal.
     """
@@ -176,13 +176,13 @@ def _at_stop_signals(
 
 @contextmanager
 def _in_a_thread(wanted: Collection[int], at_once: Callable[[], None]) -> Iterator[None]:
-    """Call *at_once* in a thread of its own at each of the *wanted* signals.
+    """Call *at_once* in its own thread at each of the *wanted* signals.
 
-    Python runs handlers in the main thread, between two instructions. A call into C that began just before the signal,
-    or a signal that another thread took, leaves them waiting until that call returns.
+    Python runs handlers in the main thread, between two instructions. A C call that began just before the signal, or a
+    signal delivered to another thread, delays them until that call returns.
     """
     received, written = socket.socketpair()
-    written.settimeout(0)  # as Python asks for: a handler must not wait
+    written.settimeout(0)  # required by Python: a handler must not block
 
     def read() -> None:
         with received:
@@ -212,10 +212,10 @@ def _log_hangup() -> None:
 
 @final
 class Watchdog:
-    """``with Watchdog() as watchdog``: once started, it lets the block take 4.8 s more and then ends the process.
+    """``with Watchdog() as watchdog``: once started, it gives the block 4.8 s more and then ends the process.
 
-    It sits in threads of its own, so that neither an event loop that is blocked nor a terminal that takes no more text
-    keeps the process alive.
+    It runs in its own threads, so that neither a blocked event loop nor a terminal that accepts no more text keeps the
+    process alive.
     """
 
     def __init__(self) -> None:
@@ -223,10 +223,10 @@ class Watchdog:
         actions = ((WARN_AFTER, _warn), (EXIT_AFTER, _exit))
         self._threads = [threading.Thread(target=self._run, args=one, name="watchdog", daemon=True) for one in actions]
         self._is_started = False
-        self._lock = threading.RLock()  # reentrant, as a signal may come in the middle of a start
+        self._lock = threading.RLock()  # reentrant, because a signal may interrupt a start
 
     def start(self) -> None:
-        """Let the time run. Twice is fine, and so are a signal handler and any thread."""
+        """Start the time; idempotent, and safe in signal handlers and any thread."""
         with self._lock:
             if self._is_started:
                 return

@@ -1,4 +1,4 @@
-"""A process that a service manager started: its notifications, as systemd reads them (sd_notify(3)), and its end."""
+"""A process started by a service manager: its notifications for systemd (sd_notify(3)), and its end."""
 
 import os
 import socket
@@ -18,13 +18,13 @@ __all__ = ["CONNECTS_WITHIN", "FirstConnection", "ServiceManager", "service_mana
 
 NEVER_CONNECTED = "runtime.never_connected"
 CONNECTS_WITHIN = 300.0
-"""Seconds in which a gateway must have been active once; a router takes two minutes after a power cut."""
+"""Seconds within which a gateway must become active; after a power cut a router takes two minutes."""
 
 _log = get_logger(node="/homebot")
 
 
 class ServiceManager:
-    """The service manager; without one, notifications go nowhere.
+    """The service manager; without one, notifications are dropped.
 
     Args:
         path: Its socket, as in ``NOTIFY_SOCKET``; one that begins with ``@`` is abstract.
@@ -52,7 +52,7 @@ class ServiceManager:
             self.notify("READY=1")
 
     async def keep_alive(self) -> None:
-        """Report every third of the time limit, from the event loop, that it is not blocked."""
+        """Report from the event loop, every third of the time limit, that it is not blocked."""
         limit = os.environ.get("WATCHDOG_USEC", "")
         while limit.isdigit() and int(limit):
             self.notify("WATCHDOG=1")
@@ -61,7 +61,7 @@ class ServiceManager:
 
 @asynccontextmanager
 async def service_manager() -> AsyncIterator[ServiceManager]:
-    """Report that the process is ready, is alive during the block, and stops after it."""
+    """Report that the process is ready, that it is alive during the block, and that it stops afterwards."""
     manager = ServiceManager(os.environ.get("NOTIFY_SOCKET", ""))
     manager.notify("READY=1")
     async with anyio.create_task_group() as tasks:
@@ -81,14 +81,14 @@ class FirstConnection:
         self._gateways = gateways
 
     async def wait_in_vain(self) -> None:
-        """Return if no gateway became active in time; wait for ever otherwise, also without gateways."""
+        """Return if no gateway became active in time; otherwise, or without gateways, wait forever."""
         if self._gateways and not await self._is_made():
             self.is_missing = True
             minutes = f"{CONNECTS_WITHIN / 60:g} minutes"
             _log.critical(
                 NEVER_CONNECTED,
                 message=f"no gateway was connected within {minutes} ({', '.join(self._gateways)}); "
-                "the service ends, so that it is started anew; homebot doctor --offline --reach looks for the cause",
+                "the service ends, so that it is restarted; homebot doctor --offline --reach looks for the cause",
             )
             return
         await anyio.sleep_forever()

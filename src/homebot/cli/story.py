@@ -1,4 +1,4 @@
-"""The story of a house: what apps did in it and why, what was refused, disproved or lost, a line each. Pure."""
+"""The story of a house: actions of apps with their causes, refusals, contradictions and losses, a line each. Pure."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ DARK: Final = 50.0
 _MOST_LINES: Final = 50
 _MOST_COMMANDS: Final = 500
 _ONE_MOMENT: Final = 1.0
-"""Seconds in which the same, told of two devices, is one line."""
+"""Seconds within which the same event of two devices is one line."""
 
 _TOLD: Final = frozenset({"stale", "returned", "removed"})
 _CHANGED: Final = "·"
 _MOVED: Final = "→"
 _REPLACED: Final = frozenset({_CHANGED, _MOVED})
-"""Signs of lines that a further one about the same device replaces."""
+"""Signs of lines that are replaced by a later one about the same device."""
 
 _OPPOSITE: Final = {"on": "off", "off": "on"}
 
@@ -38,11 +38,11 @@ class StoryLine(NamedTuple):
     """One line.
 
     Attributes:
-        sign: One character for its kind, in the *style* of rich's.
-        words: The rest; the device is the subject of its sentence.
-        at: When, in seconds.
-        time: The same for people.
-        key: Equal for lines that say the same of different devices.
+        sign: One character for its kind, in the rich *style*.
+        words: The rest of a sentence whose subject is the device.
+        at: The time, in seconds.
+        time: The time for people.
+        key: Equal for lines that say the same about different devices.
     """
 
     sign: str
@@ -61,7 +61,7 @@ class StoryLine(NamedTuple):
 
 @final
 class Story:
-    """The newest lines, from messages on the graph alone.
+    """The newest lines, only from messages on the graph.
 
     Args:
         names: The names of devices, by id; may grow.
@@ -89,7 +89,7 @@ class Story:
                 self._add(entry, _CHANGED, f"{settings_text(entry.settings)}, by hand or by itself", "dim")
 
     def add_change(self, change: DeviceChange, at: float) -> None:
-        """Add a line for a device that went or came back."""
+        """Add a line for a device that disappeared or returned."""
         if change.kind in _TOLD:
             device = change.device
             is_back = change.kind == "returned"
@@ -98,7 +98,7 @@ class Story:
             self._append("✓" if is_back else "✗", device.name or device.id, words, style, at)
 
     def add_values(self, change: StateChange, device: Device) -> None:
-        """Add a line for a robot that sets out or arrives, and for a room that gets dark or light."""
+        """Add a line for a robot that departs or arrives, and for a room that gets dark or light."""
         at = to_seconds(change.told_at)
         for one in change.readings:
             value = plain_value(one.value)
@@ -150,7 +150,7 @@ class Story:
         self._append(sign, name_text(entry.device, self._names, entry.part), words, style, to_seconds(entry.at), key)
 
     def _append(self, sign: str, device: str, words: str, style: str, at: float, key: str = "") -> None:
-        """Append a line; it takes the place of one that says the same of another device, or before of this one."""
+        """Append a line; it replaces one that says the same about another device, or earlier about this one."""
         devices: tuple[str, ...] = (device,)
         recent = (one for one in reversed(self.lines) if at - one.at <= _ONE_MOMENT)
         same = next((one for one in recent if (one.sign, one.key) == (sign, key or words)), None)
@@ -158,5 +158,5 @@ class Story:
             devices, words = tuple(dict.fromkeys((*same.devices, device))), same.words
             self.lines.remove(same)
         elif sign in _REPLACED and self.lines and (self.lines[-1].sign, self.lines[-1].devices) == (sign, devices):
-            self.lines.pop()  # a cover, or a robot, on its way
+            self.lines.pop()  # a moving cover or robot
         self.lines.append(StoryLine(sign, devices, words, style, at, self._time(), key or words))

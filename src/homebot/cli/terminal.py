@@ -1,6 +1,6 @@
-"""Output of the commands: fitted to the terminal by rich if there is one, plain text elsewhere, always the same.
+"""Output of the commands: fitted to a terminal by rich, or stable plain text elsewhere.
 
-rich is loaded for a terminal alone: it costs a command that is piped nothing.
+rich is only loaded for a terminal: a piped command does not pay for it.
 """
 
 from __future__ import annotations
@@ -48,13 +48,13 @@ def print_table(
 ) -> None:
     """Print *rows* below *head*, in columns.
 
-    On a terminal a long cell goes on in the line below, and no line is wider than the terminal.
+    On a terminal a long cell is wrapped, and no line is wider than the terminal.
 
     Args:
-        if_any: Columns to leave out where no row has anything in them.
-        if_room: Columns that a terminal goes without where it is too narrow for all; the first goes first.
-        if_wide: Columns that go next, where it is too narrow for columns of ten characters.
-        in_colour: The column that says how fresh devices are and whether they can be reached.
+        if_any: Columns to leave out if they are empty in all rows.
+        if_room: Columns to leave out, in this order, if the terminal is too narrow for all.
+        if_wide: Columns to leave out next, if it is too narrow for columns of ten characters.
+        in_colour: The column with the freshness and reachability of devices.
     """
     head, rows = without_empty(if_any, head, rows)
     if is_terminal():
@@ -76,7 +76,7 @@ def print_rows(rows: Sequence[Sequence[str]], title: str = "") -> None:
 
 
 def print_line(text: str, style: str = "") -> None:
-    """Print *text* as it is, on a terminal in a *style* of rich's."""
+    """Print *text* unchanged, on a terminal in a rich *style*."""
     if style and is_terminal():
         rich_terminal(sys.stdout).print_line(text, style)
     else:
@@ -85,9 +85,9 @@ def print_line(text: str, style: str = "") -> None:
 
 @contextmanager
 def progress(what: str, total: int) -> Iterator[Callable[[int], None]]:
-    """Show on standard error how far a long command is, if that is a terminal; give the function that updates it.
+    """Show the progress of a long command on standard error, if it is a terminal; yield the function that updates it.
 
-    Nothing of it is left at the end, and with a *total* of 0 there is nothing to show.
+    It disappears at the end, and with a *total* of 0 nothing is shown.
     """
     if total and is_terminal(sys.stderr):
         with rich_terminal(sys.stderr).progress(what, total) as update:
@@ -109,7 +109,7 @@ def to_table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def without_empty(
     columns: Collection[str], head: Sequence[str], rows: Sequence[Sequence[str]]
 ) -> tuple[list[str], list[list[str]]]:
-    """Return *head* and *rows* without those of the *columns* in which no row has anything."""
+    """Return *head* and *rows* without those of the *columns* that are empty in all rows."""
     kept = [place for place, name in enumerate(head) if name not in columns or any(row[place] for row in rows)]
     return [head[place] for place in kept], [[row[place] for place in kept] for row in rows]
 
@@ -117,7 +117,7 @@ def without_empty(
 def to_lines(rows: Sequence[Sequence[str]]) -> list[str]:
     """Return *rows*, which may be of different lengths, in columns, two spaces apart.
 
-    The last cell of a row makes no column wider. Control characters are shown as escapes; a cell of more than 200
+    The last cell of a row does not widen its column. Control characters are shown as escapes; a cell of more than 200
     characters is cut.
     """
     shown = [[printable(cell, _WIDEST_ALONE) for cell in row] for row in rows]
@@ -127,7 +127,7 @@ def to_lines(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def rich_terminal(stream: TextIO) -> RichTerminal:
-    """Return the terminal *stream*, as rich draws on it."""
+    """Return the rich terminal for *stream*."""
     from homebot.cli.rich_terminal import RichTerminal  # noqa: PLC0415 - for a terminal alone
 
     return RichTerminal(stream)

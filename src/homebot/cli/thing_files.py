@@ -1,4 +1,4 @@
-"""Devices as files that hold Thing Descriptions."""
+"""Devices as Thing Description files."""
 
 import json
 from collections.abc import Iterable
@@ -17,21 +17,21 @@ _LONGEST = 200
 
 
 def to_device(record: Device) -> Device:
-    """Return the message that *record* is of."""
+    """Return the message that *record* represents."""
     return message_from_json(Device, fields_of(record))
 
 
 def thing_text(device: Device, broker: str) -> str:
-    """Return the Thing Description of *device*; its gateways use the broker at that address."""
+    """Return the Thing Description of *device*; *broker* is the address of its gateways' broker."""
     gateways = {one.gateway for one in device.endpoints}
     gateways |= {route.gateway for part in device.parts for route in part.routes}
     return json.dumps(to_thing(device, MqttForms(dict.fromkeys(gateways, broker))), indent=2)
 
 
 def write_things(devices: Iterable[Device], directory: str, broker: str) -> list[Path]:
-    """Write a file for each device into *directory*, which is made where it is missing; return the files.
+    """Write a file for each device into *directory*, which is created if necessary; return the files.
 
-    A file is named after the device's id, as topics of the graph are: ``lights/lamp`` is ``lights_x2flamp.td.json``.
+    A file is named after the device's id, like a graph topic: ``lights/lamp`` is ``lights_x2flamp.td.json``.
 
     Raises:
         ConfigError: They cannot be written.

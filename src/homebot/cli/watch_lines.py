@@ -1,4 +1,4 @@
-"""Lines about what happens in the house: a line a change and a line a command. Pure."""
+"""Lines about events in the house: one for each change and each command. Pure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 __all__ = ["HouseLines", "WatchLine", "fitted", "line_cells"]
 
 EXPLAINED_WITHIN: Final = 0.8
-"""Seconds in which the journal tells why a value changed: the directory gathers settings for half a second."""
+"""Seconds after which the journal has the cause of a change: the directory gathers settings for half a second."""
 
 _DEVICE: Final = 18
 _VALUE: Final = 16
@@ -29,7 +29,7 @@ _WHY: Final = 32
 """Columns of a line; longer texts push the following ones to the right."""
 
 _MOST: Final = 10_000
-"""Values, and commands, that are known at once; the oldest are dropped."""
+"""The limit of known values, and of commands; the oldest are dropped."""
 
 _CAUSES: Final = {"person": "by hand", "device": "by itself", "unknown": "by hand or by itself", "command": "raw text"}
 _KeyT = TypeVar("_KeyT")
@@ -45,8 +45,8 @@ class WatchLine:
 
     Attributes:
         at: Seconds since 1970.
-        kind: ``change``, ``command``, or ``outcome`` of a command that no change shows.
-        part: The id of the part; empty for a device with one.
+        kind: ``change``, ``command``, or the ``outcome`` of a command without a change.
+        part: The id of the part; empty for a device with one part.
         values: The values as text, by capability.
         why: The cause of a change or command, or the outcome, in words.
         issuer: The issuer of the command, in words; empty for none.
@@ -78,7 +78,7 @@ class _Command:
 
 @final
 class HouseLines:
-    """Lines from changes of values and from entries of the journal, in the order of their coming.
+    """Lines from changed values and journal entries, in order of arrival.
 
     Args:
         names: The names of devices, by id, and of their parts by ``ID#PART``; may grow.
@@ -92,7 +92,7 @@ class HouseLines:
         self._waiting: deque[_WaitingLine] = deque()
 
     def learn(self, device: str, readings: Iterable[Reading | State]) -> None:
-        """Record known values, which are no change."""
+        """Record known values, which are not changes."""
         for one in readings:
             _bounded(self._values)[device, one.part, one.capability] = str(plain_value(one.value))
 
@@ -126,14 +126,14 @@ class HouseLines:
                 self._add(entry, "outcome", {}, "", entry_text(entry, self._names), now)
 
     def pop(self, now: float) -> Iterator[WatchLine]:
-        """Remove and yield the lines that wait for no cause any more."""
+        """Remove and yield the lines that no longer wait for a cause."""
         while self._waiting and self._waiting[0].due <= now:
             yield self._waiting.popleft().line
 
     def _add_command(self, entry: JournalEntry, now: float) -> None:
         if entry.kind == "published" and entry.command in self._commands:
             self._commands[entry.command].is_seen = True
-            return  # a text of an app, which was requested
+            return  # a text of an app, which is already a request
         values = {one.capability: plain_value(one.value) for one in entry.settings}
         words = settings_text(entry.settings) if entry.settings else repr(printable(entry.text, 60))
         _bounded(self._commands)[entry.command] = _Command(values, words)
@@ -180,7 +180,7 @@ def line_cells(line: WatchLine, names: Mapping[str, str], time: str) -> tuple[st
 
 
 def fitted(cells: tuple[str, ...], width: int | None) -> str:
-    """Return *cells* in columns; if *width* is given the line fits it: why is cut first, then the issuer."""
+    """Return *cells* in columns; if *width* is given, the line is cut to fit: first the cause, then the issuer."""
     time, device, value, why, issuer = cells
     begin = f"{time}  {device:<{_DEVICE}}  {value:<{_VALUE}}"
     if width is None:

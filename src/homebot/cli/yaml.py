@@ -1,4 +1,4 @@
-"""YAML: values as people type them, messages as ``ros2 topic echo`` prints them, and files that a command is given."""
+"""YAML: values typed by people, messages in the style of ``ros2 topic echo``, and files given to a command."""
 
 import argparse
 import json
@@ -30,10 +30,10 @@ _CONSTANTS = {"true": True, "false": False, "null": None, "~": None, ".nan": flo
 
 
 def read_yaml(file: str) -> object:
-    """Return the content of *file*, ``-`` for the standard input.
+    """Return the content of *file*, or of standard input for ``-``.
 
     Raises:
-        UsageError: It cannot be read, is no YAML, or has aliases, by which a short file may be of any size.
+        UsageError: It cannot be read, is not YAML, or has aliases, which can expand a short file to any size.
     """
     import yaml  # noqa: PLC0415 - few commands read a file
 
@@ -95,10 +95,10 @@ def _scalar(value: object) -> str:
 
 
 def parse_flow(text: str) -> FlowValue:
-    """Return the value that *text* spells; words that are no number, ``true``, ``false`` or ``null`` are texts.
+    """Parse *text* as a value; words other than numbers, ``true``, ``false`` and ``null`` are texts.
 
     Raises:
-        WireError: It is no value; the message says where it went wrong.
+        WireError: It is not a value; the message contains the position of the error.
     """
     try:
         value = cast("FlowValue", parse_strict(text))
@@ -108,7 +108,7 @@ def parse_flow(text: str) -> FlowValue:
 
 
 def message(text: str) -> dict[str, object]:
-    """Return the fields that *text* spells, in JSON or in YAML's flow style; the outer braces may be left out."""
+    """Parse *text* as fields in JSON or YAML flow style; the outer braces may be omitted."""
     try:
         value = parse_flow(f"{{{text}}}" if _FIELD.match(text) else text)
     except WireError as exc:
@@ -119,12 +119,12 @@ def message(text: str) -> dict[str, object]:
 
 
 def type_or_message(text: str) -> str | dict[str, object]:
-    """Return *text* as it is, or the fields that it spells where it begins with a brace or a field."""
+    """Return *text* unchanged, or parsed as fields if it begins with a brace or a field."""
     return message(text) if text.lstrip().startswith("{") or _FIELD.match(text) else text
 
 
 class _Flow:
-    """A reader that goes through the text once, from left to right."""
+    """A reader that scans the text once, from left to right."""
 
     def __init__(self, text: str) -> None:
         self._text = text

@@ -62,7 +62,7 @@ class Sending:
     """Sends commands, and waits until the outcome of each is known.
 
     A command is sent again only if the last sending can have no effect any more: the network has dropped the copy that
-        it stored for an unreachable device, and after a lost connection the device has to report another value first.
+    it stored for an unreachable device, and after a lost connection the device has to report another value first.
     """
 
     def __init__(

@@ -165,8 +165,8 @@ def changes(held: str, value: PlainValue, capability: str, wanted: PlainValue) -
     """Return whether setting *capability* to *wanted* would change the capability *held* from *value*.
 
     Several capabilities can set the same thing: openness by word or position; power by on, off, level, speed, the
-        colour of a lamp or the mode of a fan or thermostat; a lamp's light by colour or white temperature. The effect
-        of a press is unknown.
+    colour of a lamp or the mode of a fan or thermostat; a lamp's light by colour or white temperature. The effect
+    of a press is unknown.
     """
     if capability == held:
         return not _is_same_setting(held, value, wanted)

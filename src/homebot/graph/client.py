@@ -79,7 +79,7 @@ class Client(GraphEntity, Generic[RequestT, ResponseT]):
         """Return the server's response to *request*.
 
         The time limit, or a cancellation of the caller, ends the call but not the work: the handler continues, and its
-            late answer is dropped and counted.
+        late answer is dropped and counted.
 
         Args:
             timeout: Seconds that the server may take, including the time in its queue.

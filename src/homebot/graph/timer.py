@@ -1,7 +1,7 @@
 """A callback at a steady rate.
 
 As in ROS: each call is due one period after the last *due* time, so that the rate does not drift; periods that pass
-    while the callback still runs are skipped.
+while the callback still runs are skipped.
 """
 
 import asyncio

@@ -33,7 +33,7 @@ class RecordingFile:
         path: The file; compressed if the name ends in ``.gz``.
 
     Raises:
-        UsageError: It cannot be written, or is there already.
+        UsageError: It cannot be written, or exists already.
     """
 
     def __init__(self, path: Path, megabytes: float = DEFAULT_MEGABYTES, *, force: bool = False) -> None:
@@ -124,7 +124,7 @@ def _created(path: Path, *, force: bool) -> IO[bytes]:
             path.unlink(missing_ok=True)  # a file of its own: the old one may be read by others, or be a link
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, _FOR_ITS_OWNER)
     except FileExistsError:
-        raise UsageError(f"{path} is there already; --force replaces it") from None
+        raise UsageError(f"{path} exists already; --force replaces it") from None
     except OSError as exc:
         raise UsageError(f"{path} cannot be written: {exc.strerror}") from exc
     file = os.fdopen(descriptor, "wb")

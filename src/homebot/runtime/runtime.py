@@ -210,7 +210,7 @@ class Runtime:
         """Stop all started components. An error is raised without exception groups.
 
         A cancellation is passed to the task groups, which know whether it is their own: otherwise it is raised again in
-            each, and if two are each other's cause, anyio 4.16 searches for the first one forever.
+        each, and if two are each other's cause, anyio 4.16 searches for the first one forever.
         """
         if isinstance(error, anyio.get_cancelled_exc_class()):
             await self._stack.__aexit__(type(error), error, error.__traceback__)

@@ -190,7 +190,7 @@ def test_a_command_to_an_address_that_no_device_has_is_sent_with_a_warning(
     line = "topic", "pub", "--once", "/gateway/mqtt/out"
     assert run(*line, "{address: nobody/reads/this, payload: on}") == 0
     out, err = capsys.readouterr()
-    assert err == "homebot: no known device takes commands on nobody/reads/this; it is published all the same\n"
+    assert err == "homebot: no known device takes commands on nobody/reads/this; it is published anyway\n"
     assert out.startswith("publishing #1 on /gateway/mqtt/out")
     assert run(*line, "{address: zigbee2mqtt/Kitchen lamp/set, payload: on}") == 0
     assert capsys.readouterr().err == ""
@@ -201,7 +201,7 @@ def test_a_history_of_a_misspelt_value_names_the_right_one(run: Run, capsys: Tex
     assert run("history", "Kitchen lamp", "--capability", "powr") == 1
     assert "homebot: nothing has a value 'powr'; did you mean power" in capsys.readouterr().err
     assert run("history", "Kitchen lamp", "--capability", "power") == 1
-    assert "nothing is known of that time" in capsys.readouterr().out
+    assert "nothing is known about that time" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("command", "code"), [("find", 0), ("history", 1)])

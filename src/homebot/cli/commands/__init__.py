@@ -1,1 +1,1 @@
-"""The commands, one module each; only that of the command that is given is imported."""
+"""The commands, one module each; only the module of the given command is imported."""

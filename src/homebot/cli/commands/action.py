@@ -53,7 +53,7 @@ def _send_goal(door: DoorClient, options: argparse.Namespace) -> int:
     """Send a goal and print its result; return 1 unless it succeeded."""
     name = absolute_name(options.action)
     ros_type = type_of(door, "action", name)
-    if isinstance(options.type, dict):  # the type was left out
+    if isinstance(options.type, dict):  # the type was omitted
         options.type, options.goal = "", options.type
     check_type("action", name, ros_type, options.type)
     _show("Sending goal", options.goal)

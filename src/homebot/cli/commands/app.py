@@ -27,25 +27,25 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments"]
 
 _EXAMPLES = """\
-  homebot app list                the apps, and when their jobs are called next
-  homebot app load hall.py        start an app in a file, in the homebot that runs
-  homebot app reload hall         load its file and its settings anew; if that fails the old one runs on
-  homebot app unload hall         stop it, until homebot is restarted or it is loaded again
+  homebot app list                the apps, with the next calls of their jobs
+  homebot app load hall.py        start an app from a file in the running homebot
+  homebot app reload hall         reload its file and settings; if that fails, the old one keeps running
+  homebot app unload hall         stop it until homebot restarts or it is loaded again
 
-But for `list`, it takes the right `manage`. What an app keeps in its store stays.
+All but `list` need the right `manage`. An app's store is kept.
 """
 
 _LONGEST = 60.0
-"""Seconds: an app may take ten to stop and ten to start, twice where it is rolled back."""
+"""Seconds: an app may take ten to stop and ten to start, twice if it is rolled back."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
-    command = add_verb(verbs, "list", "list the apps with their jobs, and when these are called next")
+    command = add_verb(verbs, "list", "list the apps with their jobs and the times of the next calls")
     set_door_command(command, _list, "  homebot app list --json\n")
     command.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
-    _add(verbs, "load", LOAD_APP, "start an app of the configuration, an installed one, or one in a file")
-    _add(verbs, "reload", RELOAD_APP, "replace an app by its code and settings as they are now")
+    _add(verbs, "load", LOAD_APP, "start an app from the configuration, an installed package or a file")
+    _add(verbs, "reload", RELOAD_APP, "restart an app with its current code and settings")
     _add(verbs, "unload", UNLOAD_APP, "stop an app")
 
 
@@ -66,7 +66,7 @@ def _change(service: str, door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _absolute(app: str) -> str:
-    """Return *app* with the path of its file as the other program needs it."""
+    """Return *app* with the absolute path of its file, for the other program."""
     file, colon, kind = app.partition(":")
     return f"{Path(file).resolve()}{colon}{kind}" if file.endswith(".py") else app
 
@@ -80,12 +80,12 @@ def _list(door: DoorClient, options: argparse.Namespace) -> int:
         now, zone = house_time(door), _zone(answer.zone)
         print_table(("APP", "STATE", "JOB", "NEXT", ""), [row for app in apps for row in _rows(app, now, zone)])
     else:
-        print("no app runs")
+        print("no app is running")
     return 0
 
 
 def _zone(name: str) -> tzinfo:
-    """Return the zone of the home; the computer's where that is not known here."""
+    """Return the zone of the home; the computer's if it is unknown here."""
     try:
         return read_zone(name)
     except UsageError:

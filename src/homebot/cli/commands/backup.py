@@ -24,11 +24,11 @@ __all__ = ["add_arguments", "copies_in"]
 
 _EXAMPLES = """\
   homebot backup villa.tar
-  homebot backup villa.tar --with-tokens      with passwords and tokens; keep it where you keep those
+  homebot backup villa.tar --with-tokens      with passwords and tokens; store it as safely as those
   homebot restore villa.tar
 
-It holds what homebot knows and keeps (devices, journal, history, values of apps), homebot.toml and the files beside it
-that that names. homebot may run meanwhile, and writes what it has yet to write.
+It contains all data of homebot (devices, journal, history, values of apps), homebot.toml and the files that this names
+in its folder. homebot may be running, and writes its pending data first.
 """
 
 _LONGEST: Final = 120.0
@@ -68,12 +68,12 @@ def _back_up(options: argparse.Namespace) -> int:
         shutil.rmtree(copies, ignore_errors=True)
     print(f"{options.file}: {', '.join(name.partition('/')[2] for name in archived)}")
     if secrets:
-        print(f"left out, as they hold secrets: {', '.join(secrets)}; --with-tokens takes them")
+        print(f"left out, because they contain secrets: {', '.join(secrets)}; --with-tokens includes them")
     return 0
 
 
 def _copies(folder: Path, options: argparse.Namespace) -> Path:
-    """Return where the copies of the files are, made by the running homebot or, if there is none, here."""
+    """Return the folder of the copies, made by the running homebot or, without one, by this process."""
     try:
         return copy_kept_files(folder)
     except LinkError as exc:
@@ -92,10 +92,10 @@ def _copies(folder: Path, options: argparse.Namespace) -> Path:
 
 
 def copies_in(folder: Path, answer: str) -> Path:
-    """Return the folder of copies that a homebot named, which is removed in the end.
+    """Return the folder of copies that a homebot named, which the caller removes.
 
     Raises:
-        LinkError: It is not one in *folder*.
+        LinkError: It is not in *folder*.
     """
     copies = Path(answer).resolve()
     if copies.parent != folder.resolve():
@@ -109,7 +109,7 @@ def _version(name: str) -> int | None:
 
 
 def _config_files(path: Path, tables: Mapping[str, object], *, with_secrets: bool) -> tuple[dict[str, Path], list[str]]:
-    """Return the files of the configuration, by their names in the archive, and those that are left out."""
+    """Return the files of the configuration by name in the archive, and the omitted ones."""
     has_secret = any(key in _SECRETS or _URL_WITH_PASSWORD.match(value) for key, value in _values(tables))
     found = {path.name: has_secret, **dict(_named_files(path.parent, tables))}
     taken = {f"config/{name}": path.parent / name for name, is_secret in found.items() if with_secrets or not is_secret}
@@ -128,7 +128,7 @@ def _values(tables: object, key: str = "") -> Iterator[tuple[str, str]]:
 
 
 def _named_files(folder: Path, tables: Mapping[str, object]) -> Iterator[tuple[str, bool]]:
-    """Yield each file in *folder* that *tables* name, such as an app's, and whether it holds a secret."""
+    """Yield each file in *folder* that *tables* name, such as an app, and whether it contains a secret."""
     for key, value in _values(tables):
         name = value.partition(".py:")[0] + ".py" if ".py:" in value else value
         if name and len(name) < 200 and "\0" not in name and (folder / name).is_file():

@@ -32,7 +32,7 @@ _EXAMPLES = """\
   homebot broker                                  on 127.0.0.1:1883, for programs on this computer
   homebot broker --listen 127.0.0.1:0             on a free port, which the first line shows
   homebot broker --listen 0.0.0.0:1883 --user home --password-file broker.password
-                                                  for other devices of the home as well
+                                                  for other devices of the home too
   homebot broker --listen 0.0.0.0:8883 --user home --password-file broker.password \\
                  --tls-cert broker.pem --tls-key broker.key
                                                   the same, with TLS
@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--keep-alive",
         metavar="TIME",
         type=seconds,
-        help="longest keep-alive allowed to an MQTT 5 client; a longer one is shortened",
+        help="longest keep-alive allowed for an MQTT 5 client; a longer one is shortened",
     )
     parser.add_argument(
         "--refuse-filter",
@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="log lines for people (console) or programs (json)",
     )
     parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
     )
 
 
@@ -91,7 +91,7 @@ def broker(options: argparse.Namespace) -> int:
 
 
 def make_broker(options: argparse.Namespace) -> Broker:
-    """Return the broker that *options* ask for, not listening yet.
+    """Return the broker with these *options*, not listening yet.
 
     Raises:
         UsageError: Options contradict each other, a value is wrong, or a file cannot be used.

@@ -49,7 +49,7 @@ def plan_of(path: Path) -> Plan:
     """Return the plan of a run with the configuration *path*.
 
     Raises:
-        ConfigError: Something in it is wrong.
+        ConfigError: The configuration is invalid.
     """
     return make_plan(with_environment(load_config(path)))
 

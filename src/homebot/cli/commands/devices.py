@@ -36,12 +36,12 @@ _EXAMPLES = """\
   homebot devices --json
   homebot devices --td things/
 
-NAME is left out where it is the same as DEVICE. STATE is what the device last reported. COMMAND TOPIC is where it takes
-commands, empty if it takes none; send one with
+NAME is left out if it is the same as DEVICE. STATE is the last reported state. COMMAND TOPIC is the topic for commands,
+empty if it takes none; send one with
 `homebot topic pub --once /gateway/mqtt/out '{address: home/lights/lamp/in, payload: off}'`. AVAILABILITY is `fresh`
 if the device reported recently, `unconfirmed` if it is known only from a retained message or the index file, `stale`
-if it has been silent for too long, `unreachable` if it or its last will says offline or its gateway has lost its link,
-and `partly unreachable` if only some of its parts are. An `unapproved` device can hurt, and is not driven before
+if it has been silent for too long, `unreachable` if it or its last will is offline or its gateway lost its connection,
+and `partly unreachable` if only some of its parts are. An `unapproved` device is dangerous, and gets no commands before
 `homebot approve DEVICE`.
 """
 
@@ -65,7 +65,7 @@ def _devices(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 class _UnknownTypeError(UsageError):
-    """No device can be of the type that was asked for."""
+    """No device can have the requested type."""
 
 
 def _print_table(door: DoorClient, options: argparse.Namespace) -> None:

@@ -30,24 +30,21 @@ _EXAMPLES = """\
   homebot do Heating heating_setpoint 21
   homebot do 'Front door' unlock --ask-code
 
-Of what is near a robot, the nearest is commanded that may be; with `within 5 m of robot`, all of them.
-
-Exit code 0 means that every device did as it was told, or was so already; 1 that one did not. Of several devices the
-last line has the worst outcome. The name of the home is that of the homebot that was asked.
+`near robot` commands the nearest device that may be commanded; `within 5 m of robot` commands all of them. Exit code 0
+means that every device obeyed, or was already as commanded; 1 that one was not. For several devices the last line has
+the worst outcome. The home in the answer is that of the homebot that carried out the command.
 """
 
 _WIDEST: Final = 1000
-"""Characters of an outcome: a refusal ends with its remedy."""
+"""The limit of characters of an outcome: a refusal ends with its remedy."""
 
 _LONGEST: Final = 900.0
-"""Seconds; homebot answers sooner, when the time is over in which the slowest device usually does."""
+"""Seconds; homebot answers sooner, after the usual response time of the slowest device."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _do, _EXAMPLES, acts=True)
-    parser.add_argument(
-        "target", metavar="QUERY", help="the id or the name of a device, or a query as of `homebot find`"
-    )
+    parser.add_argument("target", metavar="QUERY", help="the id or name of a device, or a query as for `homebot find`")
     parser.add_argument(
         "word", metavar="COMMAND", help="a word such as on, off, open, close, lock, or a capability such as level"
     )

@@ -23,33 +23,34 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments", "print_finding"]
 
 _LONGEST = 60.0
-"""Seconds for the answer, which is as slow as the slowest part."""
+"""Seconds to wait for the answer, which is as slow as the slowest component."""
 
 _LONGEST_REASON = 1000
-"""Characters of a reason, which may be a remedy of several sentences."""
+"""The limit of characters of a reason, which may contain a remedy of several sentences."""
 
 _EXAMPLES = """\
   homebot doctor
   homebot doctor --json
-  homebot doctor --offline --reach     before the start: configuration, files, ports, and whether servers accept it
+  homebot doctor --offline --reach     before the start: configuration, files, ports, logins
 
 The exit status is 1 if there are problems, or no homebot. Each line begins with a code; docs/operate.md lists them.
-Some of the counts: `strays` are reports that came before the announcement
-of their device; `holds`, how often a publisher waited for a slow client of the embedded broker; `unread given up`,
-connections that it closed because a packet stayed incomplete; `answers late`, answers of services whose callers had
-given up; `asks dropped`, requests for a device's state and
-`expiries dropped`, values that expire (such as motion), that were too many to keep track of.
+Some of the counters: `strays` are reports that came before the announcement of their device; `holds`, waits of
+publishers for a slow client of the embedded broker; `unread given up`, connections that it closed because a packet
+stayed incomplete; `answers late`, answers of services whose callers had given up; `asks dropped`, requests for a
+device's state, and `expiries dropped`, values that expire (such as motion), beyond the limit that can be tracked.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _doctor, _EXAMPLES)
-    parser.add_argument("--gateways", action="store_true", help="ask only whether it runs and its gateways work")
+    parser.add_argument("--gateways", action="store_true", help="only check that it runs and its gateways work")
     parser.add_argument("--counts", action="store_true", help="show all counters, not only those of problems")
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument("--offline", action="store_true", help="check what homebot needs to start; it need not run")
+    parser.add_argument(
+        "--offline", action="store_true", help="check what a start needs; no running homebot is required"
+    )
     parser.add_argument("--config", metavar="FILE", help="with --offline: the configuration (default: homebot.toml)")
-    parser.add_argument("--reach", action="store_true", help="with --offline: log in to broker or hub as well")
+    parser.add_argument("--reach", action="store_true", help="with --offline: also log in to brokers and hubs")
 
 
 def _doctor(options: argparse.Namespace) -> int:
@@ -76,7 +77,7 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
     fields = door.call("/rosapi/doctor", asked, timeout=_LONGEST)
     found = cast("ExamineResponse", JsonMessage(fields))
     texts = [f"home {printable(door.home)} on {door.where}"]
-    texts += [] if found.gateways else ["no gateway runs: no device is found without a table such as [gateways.mqtt]"]
+    texts += [] if found.gateways else ["no gateway runs: add a table such as [gateways.mqtt] to find devices"]
     texts += [one.text for one in found.gateways if one.state == "active"]
     texts.append(f"devices: {found.devices}, unconfirmed: {found.unconfirmed}")
     states = {one.name: one.state for one in found.gateways}
@@ -88,7 +89,7 @@ def _ask(door: DoorClient, options: argparse.Namespace) -> int:
 def _show(
     title: str, facts: Mapping[str, object], findings: Sequence[Mapping[str, object]], options: argparse.Namespace
 ) -> int:
-    findings = sorted(findings, key=itemgetter("is_problem"))  # what matters is above the prompt
+    findings = sorted(findings, key=itemgetter("is_problem"))  # the important ones are just above the prompt
     is_well = not any(one["is_problem"] for one in findings)
     if options.json:
         print(json.dumps({**facts, "is_well": is_well, "findings": findings}, indent=2))

@@ -35,8 +35,8 @@ _EXAMPLES = """\
   homebot find 'sensor with temperature not stale'
 
 A query combines types (light, lamp, window, …), capabilities (dimmable, temperature > 21), states (on, open, locked),
-rooms and floors (`in AREA`, `without area`), robots (`near ROBOT`: the best first, by the way there), tags (tag=night),
-problems (stale, unreachable, disputed), what waits for approval (unapproved), settings (category=config) and words from
+rooms and floors (`in AREA`, `without area`), robots (`near ROBOT`: shortest way first), tags (tag=night),
+problems (stale, unreachable, disputed), missing approvals (unapproved), settings (category=config) and words from
 names and models, with `and`, `or`, `not` and parentheses.
 """
 
@@ -44,7 +44,7 @@ names and models, with `and`, `or`, `not` and parentheses.
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _find, _EXAMPLES)
     parser.add_argument("query", metavar="QUERY", nargs="+", help="search terms, see below")
-    parser.add_argument("--why", action="store_true", help="show why each device matches and ranks where it does")
+    parser.add_argument("--why", action="store_true", help="show the reasons for each match and its rank")
     parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the N best matches (default: 50)")
     parser.add_argument("--json", action="store_true", help="print a JSON list, times in ISO 8601 UTC")
 
@@ -69,7 +69,7 @@ def _find(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _found(door: DoorClient, query: str, limit: int) -> QueryDevicesResponse:
-    """Return the matches of *query*, or else the devices with that name, which may have words with other meanings."""
+    """Return the matches of *query*, or else the devices with that name: words of a name may be query words."""
     try:
         found = find_devices(door, query, limit)
     except PeerError:

@@ -40,7 +40,7 @@ _BLOCKS = " ▁▂▃▄▅▆▇█"
 _PLOT_LINES = 8
 _LABEL = 9
 _BEGINS_WITHIN = 5.0
-"""Seconds after its start in which homebot begins a history."""
+"""Seconds after the start of homebot until it begins a history."""
 
 _PAUSE = 0.3
 _SEE_VALUES = "`homebot show DEVICE` lists those of a device"
@@ -50,20 +50,18 @@ _EXAMPLES = """\
   homebot history Washer --capability power --since 2h --csv
   homebot history --energy --since 30d
 
-Values are kept for 2 days, summaries of five minutes for 30 days, and those of hours for ever. --points says how many
-rows to show at most: more of them are joined. A pause is a time in which the value was unknown.
+Values are kept for 2 days, five-minute summaries for 30 days, and hourly summaries forever. If there are more rows than
+--points, adjacent rows are combined. A pause is a time in which the value was unknown.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _history, _EXAMPLES)
-    parser.add_argument("query", metavar="QUERY", nargs="*", help="a device, by id or name, or a query as of `find`")
+    parser.add_argument("query", metavar="QUERY", nargs="*", help="a device by id or name, or a query as for `find`")
     parser.add_argument("--capability", metavar="NAME", default="", help="only this value, such as power")
     parser.add_argument("--since", metavar="SPAN", type=duration, help="the last SPAN, such as 2h or 7d (default: 24h)")
     parser.add_argument("--until", metavar="SPAN", type=duration, default=0.0, help="without the last SPAN")
-    parser.add_argument(
-        "--points", metavar="N", type=whole, help="rows of each value at most (default: 24, files 5000)"
-    )
+    parser.add_argument("--points", metavar="N", type=whole, help="most rows for each value (default: 24, files 5000)")
     parser.add_argument("--energy", action="store_true", help="energy by device and day, in kWh (default: 7 days)")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--plot", action="store_true", help="draw numbers")
@@ -100,7 +98,7 @@ def _print_history(found: ReadHistoryResponse, options: argparse.Namespace, sinc
 
 
 def _time_asked(door: DoorClient, options: argparse.Namespace) -> tuple[float, float]:
-    """Return begin and end, in seconds since the Unix epoch by the clock of the house."""
+    """Return the start and the end, in seconds since the Unix epoch by homebot's clock."""
     now = house_time(door)
     length = options.since or (6 * _DAY if options.energy else _DAY)
     since, until = max(0.0, now - length), max(0.0, now - options.until)
@@ -110,7 +108,7 @@ def _time_asked(door: DoorClient, options: argparse.Namespace) -> tuple[float, f
 
 
 def _devices(door: DoorClient, text: str) -> dict[str, object]:
-    """Return the fields that ask for the device called *text*, or else for those that match it as a query."""
+    """Return the request fields for the device called *text*, or else for the devices that match it as a query."""
     if not text:
         return {}
     device = device_or_similar(door, text)
@@ -128,7 +126,7 @@ def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonM
     while not entities(door, kind="service", name=service):
         if time.monotonic() - begins > _BEGINS_WITHIN:
             raise PeerError(
-                "this homebot keeps no history; `enabled = true` in [history] of its configuration begins one"
+                "this homebot keeps no history; set `enabled = true` in [history] of its configuration to start one"
             )
         time.sleep(_PAUSE)
     return door.ask(service, request, 30.0)
@@ -136,7 +134,7 @@ def _ask(door: DoorClient, service: str, request: Mapping[str, object]) -> JsonM
 
 def _print_series(found: ReadHistoryResponse, since: float, until: float, *, is_plot: bool) -> None:
     if not found.series:
-        print("nothing is known of that time; a history begins a few seconds after homebot, and when a value changes")
+        print("nothing is known about that time; a history begins shortly after homebot, and when a value changes")
     for number, one in enumerate(found.series):
         if number:
             print()

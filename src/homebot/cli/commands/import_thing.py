@@ -31,8 +31,8 @@ _EXAMPLES = """\
   homebot import desk_lamp.td.json
   homebot import desk_lamp.td.json --name desk-lamp
 
-The description is published as a retained message on homebot/things/NAME/td, and the gateway makes a device of it,
-which stays until `homebot forget DEVICE --purge`. Its MQTT forms with JSON or plain text can be read and written.
+The description is published as a retained message on homebot/things/NAME/td; the gateway turns it into a device, which
+stays until `homebot forget DEVICE --purge`. MQTT forms with JSON or plain text can be read and written.
 """
 
 
@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _import, _EXAMPLES, acts=True)
     parser.add_argument("file", metavar="FILE", help="Thing Description 1.1, as JSON")
     parser.add_argument(
-        "--name", metavar="NAME", default="", help="NAME in its topic (default: made from its id or title)"
+        "--name", metavar="NAME", default="", help="NAME in its topic (default: derived from its id or title)"
     )
     parser.add_argument(
         "--prefix", metavar="P", default="homebot/things", help="first levels of its topic (default: homebot/things)"
@@ -80,7 +80,7 @@ def topic_level(text: str) -> str:
     """Return *text* as one level of a topic: letters, digits, ``_``, ``.`` and ``-``, at most 100 characters.
 
     Raises:
-        UsageError: Nothing of it is left.
+        UsageError: Nothing is left of *text*.
     """
     level = re.sub(r"[^A-Za-z0-9_.-]+", "-", text).strip("-")[:100]
     if not level:
@@ -107,7 +107,7 @@ def _read(file: str) -> tuple[str, Thing]:
 
 
 def _check_is_json(file: str, payload: bytes) -> None:
-    """Raise an error at the place of invalid JSON in *payload*; too deep nesting is left to the topic's readers."""
+    """Raise an error with the position of invalid JSON in *payload*; the topic's readers check the nesting depth."""
     with suppress(RecursionError):
         try:
             json.loads(payload)
@@ -118,7 +118,7 @@ def _check_is_json(file: str, payload: bytes) -> None:
 
 
 def _wait_for_device(door: DoorClient, gateway: str, key: str, timeout: float) -> str:
-    """Return the id of the device that *gateway* calls *key*; empty if none appears in time."""
+    """Return the id of the device with the *key* of *gateway*; empty if none appears in time."""
     known = all_devices(door, lambda device: device.id if _is_of(device, gateway, key) else "")
     if any(known):
         return next(filter(None, known))

@@ -29,13 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listed = add_verb(verbs, "list", "list messages, services and actions")
     listed.add_argument("package", metavar="PACKAGE", nargs="?", default="", help="only those of this package")
     show = add_verb(verbs, "show", "print the definition of a type, and its hash in ROS 2")
-    show.add_argument("type", metavar="TYPE", help="PACKAGE/msg/NAME, with srv or action for those")
-    find = add_verb(verbs, "find", "list the types with a word in their name, or with a field of that name or type")
+    show.add_argument("type", metavar="TYPE", help="PACKAGE/msg/NAME, or with srv or action instead of msg")
+    find = add_verb(verbs, "find", "list types with a word in their name, or with a field of that name or type")
     find.add_argument("word", metavar="WORD", help="part of the type's name, or a whole field")
     imported = add_verb(verbs, "import", "check and copy the definitions of a workspace, for the table [ros]")
     imported.add_argument("folder", metavar="DIR", type=Path, help="folder with packages in it, at any depth")
     imported.add_argument(
-        "--into", metavar="DIR", type=Path, default=Path("interfaces"), help="where they go (default: interfaces)"
+        "--into", metavar="DIR", type=Path, default=Path("interfaces"), help="target folder (default: interfaces)"
     )
     for verb, command in ((listed, _list), (show, _show), (find, _find), (imported, _import)):
         set_command(verb, command, _EXAMPLES)
@@ -66,10 +66,10 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _resolve(known: Interfaces, ros_type: str) -> Interface:
-    """Return the interface called *ros_type*, of the first kind that has the name.
+    """Return the interface called *ros_type*, of the first kind with such a name.
 
     Raises:
-        UnknownTypeError: No kind has it; the error is that of the kind with similar names, if there is one.
+        UnknownTypeError: No kind has it; the error is that of a kind with similar names, if there is one.
     """
     unknown: list[UnknownTypeError] = []
     finders: tuple[Callable[[str], Interface], ...] = (known.find_message, known.find_service, known.find_action)
@@ -90,7 +90,7 @@ def _find(options: argparse.Namespace) -> int:
 
     names = [name for name in known.names() if word in name.lower() or has_field(name)]
     if not names:
-        raise UsageError(f"no type has {options.word!r} in its name, and none a field of that name or type")
+        raise UsageError(f"no type has {options.word!r} in its name, or a field of that name or type")
     print("\n".join(names))
     return 0
 

@@ -27,8 +27,8 @@ _EXAMPLES = """\
   homebot journal --follow
   homebot journal 'Kitchen lamp' --since 2h
 
-Each step of each command and lease, each change of a device that no command explains (somebody did it by hand, or the
-device did it by itself), and what the door refused. `homebot why DEVICE` tells one of them as a story.
+Each step of each command and lease, each change of a device that no command explains (made by hand, or by the device
+itself), and each request that the door refused. `homebot why DEVICE` explains the last change of a device.
 """
 
 
@@ -41,8 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--since", metavar="SPAN", type=duration, help="only entries of the last SPAN, such as 30m or 2d"
     )
-    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="the N newest entries (default: 50)")
-    parser.add_argument("--follow", action="store_true", help="then print each new entry, until Ctrl-C")
+    parser.add_argument("--limit", metavar="N", type=whole, default=50, help="show the N newest entries (default: 50)")
+    parser.add_argument("--follow", action="store_true", help="then print new entries until Ctrl-C")
     parser.add_argument("--json", action="store_true", help="print each entry as one line of JSON")
 
 
@@ -83,7 +83,7 @@ def _follow(door: DoorClient, client: JournalClient, printer: _EntryPrinter, dev
 
 
 class _EntryPrinter:
-    """Prints entries in their order; in words without those that repeat the one before."""
+    """Prints entries in order; as text it leaves out those that repeat the previous one."""
 
     def __init__(self, client: JournalClient, now: float, *, as_json: bool) -> None:
         self._client = client

@@ -31,8 +31,8 @@ _EXAMPLES = """\
   homebot leases
   homebot leases 'Front door' --json
 
-FOR is how much longer it is held, unless the holder renews its lease. BECAUSE is the cause, such as a call of a client.
-OUTRANKED is for how long a person's hand counts more. `homebot release DEVICE` ends the leases of a device.
+FOR is the time left, unless the holder renews its lease. BECAUSE is the cause, such as a call of a client. OUTRANKED is
+the time for which a person's hand outranks the lease. `homebot release DEVICE` ends the leases of a device.
 """
 
 
@@ -46,8 +46,8 @@ def add_release_arguments(parser: argparse.ArgumentParser) -> None:
     examples = """\
   homebot release 'Front door'
 
-Ends all leases of a device, whoever holds it; `homebot leases` shows them. It takes the right `manage`. The device
-stays as it is. A program whose lease was ended does not get the same one again: its block goes on without it.
+Ends all leases of a device, of any holder; `homebot leases` shows them. It needs the right `manage`. The device stays
+as it is. A program whose lease was ended cannot renew it: its block continues without it.
 """
     set_door_command(parser, _release, examples, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
@@ -80,7 +80,7 @@ def _release(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _labels(door: DoorClient, parts: Iterable[HeldPart]) -> dict[tuple[str, str], str]:
-    """Return the ids of the held devices, each with its part where several take commands."""
+    """Return the ids of the held devices, each with its part if several take commands."""
     places = [(one.device, one.part) for one in parts]
     answer = JsonMessage(door.call(FIND_DEVICES, {"ids": sorted({device for device, _ in places})}))
     simple = {

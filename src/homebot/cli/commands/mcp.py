@@ -13,8 +13,8 @@ __all__ = ["add_arguments"]
 _EXAMPLES = """\
   homebot mcp --token-file agent.token
 
-An agent's program starts this command and speaks the Model Context Protocol with it by standard input and output. The
-agent has the rights of the token; without one, those of a client without a token.
+An agent's program starts this command and communicates with it in the Model Context Protocol over standard input and
+output. The agent has the rights of the token; without one, those of a client without a token.
 """
 
 
@@ -27,6 +27,6 @@ def _serve(options: argparse.Namespace) -> int:
     address = door_of(options)
     from homebot.cli.mcp_server import ApiClient, house_server  # noqa: PLC0415 - not before the extra is known to be there
 
-    with redirect_stdout(sys.__stdout__):  # the protocol needs its bytes
+    with redirect_stdout(sys.__stdout__):  # the protocol writes bytes to it
         house_server(ApiClient(address)).run("stdio")
     return 0

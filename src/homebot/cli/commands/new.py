@@ -32,7 +32,7 @@ _FILES: Final = {
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_command(parser, _new, _EXAMPLES)
-    parser.add_argument("folder", metavar="FOLDER", help="folder to make; the app is named after it")
+    parser.add_argument("folder", metavar="FOLDER", help="folder to create; the app is named after it")
 
 
 def _new(options: argparse.Namespace) -> int:
@@ -49,7 +49,7 @@ def _new(options: argparse.Namespace) -> int:
             path.write_text(text, encoding="utf-8")
     except OSError as exc:
         raise UsageError(f"{folder} cannot be written: {exc.strerror}") from exc
-    print(f"made {options.folder} with {', '.join(path.name for path in texts)}")
+    print(f"created {options.folder} with {', '.join(path.name for path in texts)}")
     there = shlex.quote(str(options.folder))
     print(f"try it: cd {there} && pytest && homebot config check && homebot run --house house.toml")
     return 0

@@ -1,6 +1,6 @@
 """Statements of the owner: ``alias``, ``approve``, ``forget``, ``merge``, ``pair``, ``place``, ``split``, ``trust``.
 
-The directory remembers it over a restart.
+The directory remembers them across restarts.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ __all__ = [
 _Statement: TypeAlias = "Callable[[DoorClient, Device, argparse.Namespace], None]"
 
 _PAIRED_WITHIN: Final = 90.0
-"""Seconds; a sleeping device has to wake up, and some wait for a button."""
+"""Seconds; a sleeping device has to wake up, and some wait for a button press."""
 
 
 def add_alias_arguments(parser: argparse.ArgumentParser) -> None:
@@ -58,12 +58,12 @@ def add_alias_arguments(parser: argparse.ArgumentParser) -> None:
   homebot alias lights/roomlights405 'Ceiling lamp'
   homebot alias 'Ceiling lamp' 'Ceiling lamp' --undo
 
-The newest alias is the name that is shown; the device is still found by its other names. The directory remembers it
-over a restart.
+The newest alias is shown as its name; the device is still found by its other names. The directory remembers it across
+restarts.
 """,
     )
-    parser.add_argument("name", metavar="NAME", help="the further name")
-    parser.add_argument("--undo", action="store_true", help="take the name back")
+    parser.add_argument("name", metavar="NAME", help="the additional name")
+    parser.add_argument("--undo", action="store_true", help="remove the name")
 
 
 def add_approve_arguments(parser: argparse.ArgumentParser) -> None:
@@ -71,18 +71,18 @@ def add_approve_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         _approve,
         """\
-  homebot approve 'Front door' --show      what would be approved, and nothing else
+  homebot approve 'Front door' --show      only show what would be approved
   homebot approve 'Front door'
   homebot approve 'Front door' --undo
 
 Locks, garage doors, ovens, boilers, valves and alarm panels wait for this: until then nothing is sent to them.
-`homebot devices` shows which ones wait. What is approved is printed: each setting, the topic and the payload. If the
-device announces another type, topic, payload or identifier, it waits again. An approval outlasts a restart.
+`homebot devices` shows which ones wait. It prints what is approved: each setting with its topic and payload. If the
+device announces another type, topic, payload or identifier, it waits again. Approvals survive restarts.
 """,
     )
     action = parser.add_mutually_exclusive_group()
-    action.add_argument("--show", action="store_true", help="show what would be approved, and change nothing")
-    action.add_argument("--undo", action="store_true", help="take the approval back")
+    action.add_argument("--show", action="store_true", help="show what would be approved, without changing anything")
+    action.add_argument("--undo", action="store_true", help="withdraw the approval")
 
 
 def add_forget_arguments(parser: argparse.ArgumentParser) -> None:
@@ -106,16 +106,16 @@ A forgotten device comes back when it sends a message or is announced again.
 def add_merge_arguments(parser: argparse.ArgumentParser) -> None:
     examples = """\
   homebot merge 'Kitchen lamp' 'Kitchen lamp 2'
-  homebot merge 'Kitchen lamp'                    # let all its endpoints have its commands (homebot show)
+  homebot merge 'Kitchen lamp'                    # send commands to all its endpoints (homebot show)
 
-The directory remembers it over a restart; `homebot split` undoes it.
+The directory remembers it across restarts; `homebot split` undoes it.
 """
     set_door_command(parser, _merge, examples, acts=True)
     parser.add_argument(
         "devices",
         nargs="+",
         metavar="DEVICE",
-        help="ids or names of two or more devices, or of one whose endpoints are all its own",
+        help="ids or names of two or more devices, or of one whose endpoints all belong to it",
     )
 
 
@@ -125,8 +125,8 @@ def add_pair_arguments(parser: argparse.ArgumentParser) -> None:
   homebot pair 'Hue bridge'               after pressing the button on the device
   homebot pair --remove 'Hall lamp'
 
-Some devices serve only programs that they are paired with. homebot keeps the key that this yields, in a file that only
-its own user can read; the code is not kept. It takes the right `manage`. `homebot doctor` names devices that wait.
+Some devices serve only paired programs. homebot stores the resulting key in a file that only its own user can read; the
+code is not stored. It needs the right `manage`. `homebot doctor` names devices that wait for pairing.
 """
     _set_command(parser, _pair, examples)
     parser.add_argument("code", metavar="CODE", nargs="?", default="", help="the code on the device, if it has one")
@@ -139,19 +139,18 @@ def add_place_arguments(parser: argparse.ArgumentParser) -> None:
   homebot place 'Kitchen lamp' --at 3.2,1.0
   homebot place 'Kitchen lamp' --undo
 
-A position is in metres, as in the polygons of rooms; without a ROOM the device is in the room that is there.
-
-A device that is not there yet, by its name, id or hardware address (mac:a4cf12f04ab1), is placed when it appears. The
-directory remembers it over a restart. It outranks the room that the device announces, and the one in the
-configuration; `homebot show` tells who said what. `homebot places list` lists the rooms.
+A position is in metres, as in the polygons of rooms; without a ROOM the device is in the room at that position. An
+absent device, by its name, id or hardware address (mac:a4cf12f04ab1), is placed when it appears. The directory
+remembers it across restarts. It takes precedence over the room that the device announces, and the one in the
+configuration; `homebot show` lists all sources. `homebot places list` lists the rooms.
 """
     set_client_command(parser, _place, examples, acts=True)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
-    parser.add_argument("room", nargs="?", default="", metavar="ROOM", help="the room or floor that it is in")
+    parser.add_argument("room", nargs="?", default="", metavar="ROOM", help="its room or floor")
     parser.add_argument("--at", default="", metavar="X,Y[,FLOOR]", help="its position, in metres")
-    parser.add_argument("--undo", action="store_true", help="take back what was said by this command or an import")
+    parser.add_argument("--undo", action="store_true", help="withdraw the statement of this command or of an import")
     parser.add_argument(
-        "--new", action="store_true", help="ROOM, or a DEVICE not there yet, is not the one with a similar name"
+        "--new", action="store_true", help="ROOM, or an absent DEVICE, is not the one with a similar name"
     )
 
 
@@ -160,15 +159,15 @@ def add_split_arguments(parser: argparse.ArgumentParser) -> None:
         parser,
         _split,
         """\
-  homebot show 'Kitchen lamp'                     # lists its announcements, and why they are one device
-  homebot split 'Kitchen lamp'                    # each of them is a device of its own
-  homebot split 'Kitchen lamp' mdns Lamp._wled._tcp.local.    # only this one is another device
+  homebot show 'Kitchen lamp'                     # lists its announcements, and the reasons why they are one device
+  homebot split 'Kitchen lamp'                    # each of them becomes a device of its own
+  homebot split 'Kitchen lamp' mdns Lamp._wled._tcp.local.    # only this one becomes another device
 
-The directory remembers it over a restart; `homebot merge` undoes it.
+The directory remembers it across restarts; `homebot merge` undoes it.
 """,
     )
     parser.add_argument("gateway", nargs="?", default="", metavar="GATEWAY", help="the gateway of one announcement")
-    parser.add_argument("key", nargs="?", default="", metavar="KEY", help="what that gateway calls it")
+    parser.add_argument("key", nargs="?", default="", metavar="KEY", help="its key there")
 
 
 def add_trust_arguments(parser: argparse.ArgumentParser) -> None:
@@ -178,14 +177,14 @@ def add_trust_arguments(parser: argparse.ArgumentParser) -> None:
         """\
   homebot trust 'Hall lamp'
 
-For a device that is contradicted by a sensor although it obeys, for example since it was repaired. It is trusted again
-by itself once the sensor sees it obey. It takes the right `manage`. `homebot doctor` names such devices.
+For a device that a sensor contradicted although it obeys, for example because it was repaired. It is trusted
+automatically once the sensor sees it obey. It needs the right `manage`. `homebot doctor` names such devices.
 """,
     )
 
 
 def _set_command(parser: argparse.ArgumentParser, statement: _Statement, examples: str) -> None:
-    """Make *parser* the one of a command that states something of its first argument, a device."""
+    """Make *parser* run *statement* about its first argument, a device."""
 
     def state(door: DoorClient, options: argparse.Namespace) -> int:
         statement(door, named_device(door, options.device), options)
@@ -211,7 +210,7 @@ def _approve(door: DoorClient, device: Device, options: argparse.Namespace) -> N
         state = f"{'waits' if waited else 'does not wait'} for approval; its commands:"
     elif options.undo:
         state = "is not approved any more"
-    else:  # what is printed is what is approved, also of a device that keeps changing
+    else:  # approves exactly what is printed, even if the device keeps changing
         answer = ask(digest=shown.digest)
         state = "is approved" if waited else "is approved; it was not waiting for that"
     print(f"{printable(device.id)} {state}")
@@ -223,7 +222,7 @@ def _approve(door: DoorClient, device: Device, options: argparse.Namespace) -> N
 
 def _forget(door: DoorClient, device: Device, options: argparse.Namespace) -> None:
     publisher = GatewayPublisher(door)
-    if options.purge:  # before anything is done, so that nothing is done by halves
+    if options.purge:  # before anything is changed, so that nothing is half done
         for gateway in sorted({one.gateway for one in device.endpoints}):
             publisher.check(gateway)
     answer = cast("ForgetDeviceResponse", door.ask(FORGET_DEVICE, {"device": device.id}))
@@ -242,7 +241,7 @@ def _merge(door: DoorClient, options: argparse.Namespace) -> int:
     ids = [named_device(door, one).id for one in options.devices]
     answer = cast("MergeDevicesResponse", door.ask(MERGE_DEVICES, {"devices": ids}))
     if len(ids) == 1:
-        print(f"all endpoints of {printable(answer.device)} may have its commands now")
+        print(f"all endpoints of {printable(answer.device)} get its commands now")
     else:
         print(f"{', '.join(map(printable, ids))} are one device now: {printable(answer.device)}")
     return 0
@@ -273,7 +272,7 @@ def _place_at(door: DoorClient, options: argparse.Namespace) -> int:
     known = device_or_similar(door, options.device)
     is_absent = isinstance(known, list)
     if isinstance(known, list) and known and not options.undo and not options.new:
-        hint = "For another one, which is not there yet, add --new"
+        hint = "For another device, which is absent now, add --new"
         raise PeerError(f"there is no device {options.device}; did you mean {' or '.join(known)}? {hint}")
     device = options.device if isinstance(known, list) else known.id
     request = {"device": device, "room": options.room, "is_new": options.new, "may_be_absent": is_absent}

@@ -31,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     helps = {
         "name": "name of the parameter",
         "value": "new value, as YAML: 5, 0.5, true, hall, [1, 2]",
-        "file": "YAML as `dump` prints it; - reads standard input",
+        "file": "YAML in the form of `dump`; - reads standard input",
     }
     for verb, summary, run, example, arguments in (
         ("list", "list the parameters of all nodes, or of one", _list, "/gateway/mqtt", ()),
@@ -88,7 +88,7 @@ def _describe(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _dump(door: DoorClient, options: argparse.Namespace) -> int:
-    """Print the parameters of a node as YAML, in tables by the dots of their names, as the tool of ROS does."""
+    """Print the parameters of a node as YAML, nested by the dots in their names, like the ROS tool."""
     nodes = _names(door)
     node = _node(options.node, nodes)
     found: dict[str, object] = {}
@@ -103,7 +103,7 @@ def _insert(table: dict[str, Any], name: str, value: object) -> None:
     inner = table.setdefault(first, {}) if dot else None
     if isinstance(inner, dict):
         _insert(inner, rest, value)
-    else:  # also below a parameter that has a value of its own
+    else:  # even below a parameter that has its own value
         table[name] = value
 
 
@@ -113,7 +113,7 @@ def _load(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _read_params(file: str, node: str) -> dict[str, object]:
-    """Return the parameters for *node*, a full name, in *file*: those for all nodes (``/**``), then its own."""
+    """Return the parameters in *file* for the full name *node*: those for all nodes (``/**``), then its own."""
     check_extra("`homebot param load`", "maps", "yaml")
     found: dict[str, dict[str, object]] = {}
     for keys, value in _leaves(read_yaml(file)):
@@ -121,7 +121,7 @@ def _read_params(file: str, node: str) -> dict[str, object]:
         if marker:
             found.setdefault(f"/{node_name.lstrip('/').replace('.', '/')}", {})[name] = value
     if not (wanted := found.get("/**", {}) | found.get(node, {})):
-        raise UsageError(f"{file} has no ros__parameters for {node}, but for {', '.join(found) or 'no node'}")
+        raise UsageError(f"{file} has no ros__parameters for {node}, only for {', '.join(found) or 'no node'}")
     return wanted
 
 
@@ -144,7 +144,7 @@ def _names(door: DoorClient) -> dict[str, list[str]]:
 def _node(name: str, nodes: dict[str, list[str]]) -> str:
     full_name = absolute_name(name)
     if full_name not in nodes:
-        hint = did_you_mean(full_name, nodes, "`homebot param list` lists all that have")
+        hint = did_you_mean(full_name, nodes, "`homebot param list` lists nodes that have some")
         raise PeerError(f"{full_name} has no parameters; {hint}")
     return full_name
 

@@ -41,27 +41,27 @@ _MAX_BYTES = 800_000
 _MOST_NAMED = 5
 _MAP = "/map"
 _WAIT = 10.0
-"""Seconds for a robot's map to come."""
+"""Seconds to wait for a robot's map."""
 
 _LIST = """\
   homebot places list
   homebot places list --json
 
-Rooms are those of the configuration and of imported files, and those that devices are in. `homebot find 'in ROOM'`
-lists the devices of a room or a floor.
+Rooms come from the configuration, imported files and devices. `homebot find 'in ROOM'` lists the devices of a room or a
+floor.
 """
 _EDIT = """\
   homebot places rename Attic 'Guest room'
   homebot places remove Attic
 
-Devices that you placed in a room stay in it when it is renamed; a room that devices announce keeps its name. Rooms of
-the configuration are changed there.
+Devices that you placed in a room stay in it when it is renamed; a room that devices announce keeps its name. Change
+rooms of the configuration in that file.
 """
 _EXPORT = """\
   homebot places export house.toml
 
-The file has the rooms, and the rooms, aliases and tags of devices that you stated, with the hardware addresses of the
-devices. Another homebot imports it; its content may also stand in a homebot.toml.
+The file contains the rooms, and the rooms, aliases and tags that you gave devices, with their hardware addresses.
+Another homebot can import it; its content may also be part of a homebot.toml.
 """
 _IMPORT = """\
   homebot places import house.toml
@@ -70,9 +70,10 @@ _IMPORT = """\
   homebot places import house.geojson
   homebot places import map.yaml --room Hall=1,2 --room Kitchen=6,2.5
 
-An import adds; what was stated here stays. With a mistake in the file nothing is imported. In GeoJSON polygons with a
-`name` are rooms, lines doors, and points with a `device` positions. A robot's map, of map_server (YAML) or on a topic
-/map, has walls and no rooms: each is the free area around a point in it, up to the doors with both ends in [places].
+An import only adds facts; existing ones are kept. If the file has a mistake, nothing is imported. In GeoJSON, polygons
+with a `name` are rooms, lines are doors, and points with a `device` are positions. A robot's map, from map_server
+(YAML) or on a topic /map, has walls but no rooms: a room is the free area around a point, up to the doors with both
+ends in [places].
 """
 
 
@@ -83,7 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     listed.add_argument(
         "--json", action="store_true", help="print a JSON object: home, rooms, doors, positions, absent devices"
     )
-    rename = add_verb(verbs, "rename", "give an imported room, or one that devices were placed in, another name")
+    rename = add_verb(verbs, "rename", "rename an imported room, or one in which devices were placed")
     set_door_command(rename, _edit, _EDIT, acts=True)
     rename.add_argument("room", metavar="ROOM", help="the room")
     rename.add_argument("name", metavar="NAME", help="its new name")
@@ -91,21 +92,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(remove, _edit, _EDIT, acts=True)
     remove.add_argument("room", metavar="ROOM", help="the room; no device may be placed in it")
     remove.set_defaults(name="")
-    export = add_verb(verbs, "export", "write the rooms, and what you stated of devices, to a file")
+    export = add_verb(verbs, "export", "write the rooms, and your facts about devices, to a file")
     set_door_command(export, _export, _EXPORT)
     export.add_argument(
-        "file", nargs="?", default="-", metavar="FILE", help="the file; - for standard output, as without"
+        "file", nargs="?", default="-", metavar="FILE", help="the file; - for standard output (default)"
     )
-    imported = add_verb(verbs, "import", "take over the rooms, and what is stated of devices, from a file")
+    imported = add_verb(verbs, "import", "import the rooms, and facts about devices, from a file")
     set_client_command(imported, _import, _IMPORT, acts=True)
     imported.add_argument(
         "file", metavar="FILE", help="the file; - for standard input, /map or /NAME/map for a robot's map"
     )
     imported.add_argument(
-        "--room", action="append", default=[], metavar="ROOM=X,Y", help="a point in a room of a map; several times"
+        "--room", action="append", default=[], metavar="ROOM=X,Y", help="a point in a room of a map; repeatable"
     )
     imported.add_argument(
-        "--replace", action="store_true", help="where a device is in another room in the file, take that of the file"
+        "--replace", action="store_true", help="if the file has another room for a device, use that of the file"
     )
 
 
@@ -133,7 +134,7 @@ def _print(rooms: Sequence[_Room], devices: Iterable[KeyValue]) -> None:
         print_table(_HEAD, rows, if_any=("FLOOR", "DOORS"))
     elif not absent:
         print("no room is known; state some with `homebot place DEVICE ROOM` or [places] in the configuration")
-    print_rows(absent, "placed, and not there yet:")
+    print_rows(absent, "placed, but absent:")
 
 
 def _position(device: Device) -> str:
@@ -149,10 +150,10 @@ class _Room(TypedDict):
 
 
 def _rooms(places: GetPlacesResponse, areas: Iterable[str]) -> list[_Room]:
-    """Return the stated rooms, and after them those that only devices announce."""
+    """Return the stated rooms, followed by those that only devices announce."""
     named = [area for area in areas if area]
     counts = Counter(map(fold, named))
-    announced = {fold(area): area for area in reversed(named)}  # as the first device spells it
+    announced = {fold(area): area for area in reversed(named)}  # in the spelling of the first device
     rooms: list[_Room] = []
     for room in places.rooms:
         announced.pop(fold(room.name), None)
@@ -171,7 +172,7 @@ def _edit(door: DoorClient, options: argparse.Namespace) -> int:
     print(f"{printable(options.room)} is {became}")
     if answer.name and fold(answer.name) != fold(options.room) and (left := _devices_in(door, options.room)):
         named = ", ".join(map(printable, left[:_MOST_NAMED])) + (", …" if len(left) > _MOST_NAMED else "")
-        print(f"these announce {printable(options.room)} and stay there, until `homebot place` moves them: {named}")
+        print(f"devices that announce {printable(options.room)} stay there until `homebot place` moves them: {named}")
     return 0
 
 
@@ -213,9 +214,9 @@ def _import(options: argparse.Namespace) -> int:
         for one in answer.kept:
             print(f"kept: {printable(one)}")
         if answer.kept:
-            print("use --replace to take the rooms of the file")
+            print("use --replace to use the rooms of the file")
         if not answer.added and not answer.kept:
-            print("everything in the file is known already")
+            print("everything in the file is already known")
         return 0
 
     return with_client(options, run)
@@ -224,7 +225,7 @@ def _import(options: argparse.Namespace) -> int:
 def _room_point(text: str) -> tuple[str, tuple[float, float]]:
     name, is_given, at = text.rpartition("=")
     if not is_given or not name:
-        raise UsageError(f"{text!r} is no point in a room; write ROOM=X,Y in metres, such as Hall=1,2")
+        raise UsageError(f"{text!r} is not a point in a room; write ROOM=X,Y in metres, such as Hall=1,2")
     position = read_position(at)
     return name, (position.x, position.y)
 
@@ -245,7 +246,7 @@ def _map(door: DoorClient, file: str) -> RobotMap:
         door.subscribe(file)
         found = next((one for one in door.until(_WAIT) if one.topic == file), None)
         if found is None:
-            raise LinkError(f"no map was published on {file}; start the robot's map_server, or state a FILE")
+            raise LinkError(f"no map was published on {file}; start the robot's map_server, or give a FILE")
         robot_map = RobotMap.of(found.message)
     else:
         robot_map, warning = read_map(file)

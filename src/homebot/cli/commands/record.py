@@ -21,8 +21,8 @@ _EXAMPLES = """\
   homebot record day.jsonl.gz --for 86400
   homebot replay day.jsonl.gz --diff
 
-It records until Ctrl-C: what devices report, and what is commanded. Passwords and codes are left out. The file tells
-who was at home when, so only you can read it. To record a run from its beginning: homebot run --record FILE.
+It records reports of devices and commands until Ctrl-C. Passwords and codes are left out. The file shows when people
+were at home, so only you can read it. To record a run from its beginning: homebot run --record FILE.
 """
 
 _LONGEST: Final = 30.0
@@ -30,24 +30,24 @@ _LONGEST: Final = 30.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_client_command(parser, _record, _EXAMPLES)
-    parser.add_argument("file", metavar="FILE", help="file to write; compressed where its name ends in .gz")
+    parser.add_argument("file", metavar="FILE", help="file to write; compressed if its name ends in .gz")
     parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
     )
     parser.add_argument(
         "--max-mb",
         metavar="MB",
         type=positive,
         default=DEFAULT_MEGABYTES,
-        help=f"stop after so much text, before compression (default: {DEFAULT_MEGABYTES:g})",
+        help=f"stop after this much text, before compression (default: {DEFAULT_MEGABYTES:g})",
     )
-    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+    parser.add_argument("--force", action="store_true", help="replace an existing file")
 
 
 def _record(options: argparse.Namespace) -> int:
     path = Path(options.file)
     if path.exists() and not options.force:
-        raise UsageError(f"{path} is there already; --force replaces it")
+        raise UsageError(f"{path} exists already; --force replaces it")
     return with_client(options, _record_into)
 
 
@@ -64,7 +64,7 @@ def _record_into(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
-    """Return the new file; where that is none, end the recorder, which would wait for this client."""
+    """Return the new file; if it cannot be created, end the recorder, which would wait for this client."""
     try:
         return RecordingFile(Path(options.file), options.max_mb, force=options.force)
     except UsageError:
@@ -74,7 +74,7 @@ def _created(door: DoorClient, options: argparse.Namespace) -> RecordingFile:
 
 
 def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> LinkError | OSError | None:
-    """Write lines until interrupted, the time is over or the file is full; return the error that ended it before."""
+    """Write lines until interrupted, the time is up or the file is full; return the error that ended it earlier."""
     ends = None if seconds is None else time.monotonic() + seconds
     is_over = False
     with _stop_signals() as stopped:
@@ -91,7 +91,7 @@ def _fetch(door: DoorClient, file: RecordingFile, seconds: float | None) -> Link
 
 @contextmanager
 def _stop_signals() -> Iterator[list[int]]:
-    """Yield the list of the signals to stop that came: an answer that is under way is written first."""
+    """Yield the list of received stop signals: a pending answer is written first."""
     received: list[int] = []
     before = {
         number: signal.signal(number, lambda number, _: received.append(number))

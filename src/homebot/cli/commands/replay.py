@@ -39,8 +39,8 @@ _EXAMPLES = """\
   homebot replay day.jsonl.gz --config homebot.toml --diff
   homebot replay day.jsonl.gz
 
-The recorded day happens again, in virtual time: devices report what they reported then, and nothing is sent to any.
-With --diff, the exit code is 0 where the apps gave the same commands, 1 where others, and 2 where it did not work.
+The recorded day is repeated in virtual time: devices report what they reported then, and nothing is sent to any device.
+    With --diff, the exit code is 0 if the apps gave the same commands, 1 if they differ, and 2 after an error.
 """
 
 
@@ -58,9 +58,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--config",
         metavar="FILE",
-        help="configuration whose policies and settings of apps take the place of the recorded",
+        help="configuration whose policies and app settings replace the recorded ones",
     )
-    parser.add_argument("--diff", action="store_true", help="print the commands that would be added (+) or gone (-)")
+    parser.add_argument("--diff", action="store_true", help="print added (+) and missing (-) commands")
     parser.add_argument("--json", action="store_true", help="print each command as one line of JSON")
     parser.add_argument("--log", action="store_true", help="show the log of the apps")
 
@@ -104,7 +104,7 @@ def _warn(recording: Recording, replayed: Replayed, *, has_log: bool) -> None:
         why = "did not fit" if recording.end else "came too fast"
         print(f"homebot: the recording lacks {recording.lost:,} lines, which {why}", file=sys.stderr)
     if recording.end or not recording.is_whole:
-        why = recording.end or "homebot or the recorder stopped before it was over"
+        why = recording.end or "homebot or the recorder stopped before its end"
         print(f"homebot: the recording ends early: {why}", file=sys.stderr)
 
 
@@ -120,7 +120,7 @@ def _command_text(given: TimedCommand, start: float, names: Mapping[str, str]) -
 
     Args:
         start: When the recording began, in seconds since the Unix epoch.
-        names: As :func:`homebot.devices.device.part_names` gives them.
+        names: As returned by :func:`homebot.devices.device.part_names`.
     """
     command = cast("RecordedCommand", JsonMessage(message_to_json(given.command)))
     local = datetime.fromtimestamp(start + given.at, UTC).astimezone()

@@ -19,30 +19,30 @@ from homebot.support.sqlite_file import why_not_readable
 __all__ = ["add_arguments"]
 
 _MODE = 0o755
-"""The permissions that a restored file may have: none for others to write."""
+"""The permissions of a restored file: not writable by others."""
 
 _EXAMPLES = """\
   homebot restore villa.tar
   homebot restore villa.tar --into /etc/homebot
 
-homebot must not run. The files that were there are moved aside, and named.
+homebot must not be running. Existing files are moved aside, and named.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_command(parser, _restore, _EXAMPLES)
-    parser.add_argument("file", metavar="FILE", help="what `homebot backup` wrote")
+    parser.add_argument("file", metavar="FILE", help="a file from `homebot backup`")
     parser.add_argument(
         "--into",
         metavar="FOLDER",
         type=Path,
         default=Path(),
-        help="where homebot.toml goes (default: here)",
+        help="target folder of homebot.toml (default: here)",
     )
 
 
 def _restore(options: argparse.Namespace) -> int:
-    """Check the archive as a whole, then move the old files aside and the new ones in."""
+    """Check the whole archive, then move the old files aside and the new ones in."""
     root = data_directory()
     root.mkdir(parents=True, exist_ok=True, mode=0o700)
     staged = Path(mkdtemp(prefix="restore-", dir=root))
@@ -58,14 +58,14 @@ def _restore(options: argparse.Namespace) -> int:
     for one in aside:
         print(f"moved aside: {one}")
     if missing := [name for name in manifest.left_out if not (options.into / name).exists()]:
-        print(f"missing, as they hold secrets: {', '.join(missing)}; put them there before the start")
+        print(f"missing, because they contain secrets: {', '.join(missing)}; put them there before the start")
     return 0
 
 
 def _check_files(data: Path) -> None:
     for path in sorted(data.glob("*.sqlite")):
         schema = KEPT_FILES.get(path.name)
-        problem = "is no file of homebot's" if schema is None else why_not_readable(path, schema) or _damage(path)
+        problem = "is not a file of homebot" if schema is None else why_not_readable(path, schema) or _damage(path)
         if problem:
             raise UsageError(f"{path.name} {problem}; nothing was restored")
 
@@ -92,7 +92,7 @@ def _check_stopped(folder: Path) -> None:
             if "locked" in str(exc):
                 raise UsageError(f"{path} is in use by a running homebot; stop it first") from exc
         except sqlite3.DatabaseError:
-            pass  # a damaged one is what a backup is for
+            pass  # a damaged file is why a backup is restored
         finally:
             connection.close()
 
@@ -114,7 +114,7 @@ def _move_in(staged: Path, folder: Path, into: Path, manifest: Manifest) -> list
     (staged / "data").mkdir(exist_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
     (staged / "data").rename(folder)
-    if os.name == "posix" and os.geteuid() == 0:  # the user of a service must be able to write them
+    if os.name == "posix" and os.geteuid() == 0:  # the service's user must be able to write them
         owner = data_directory().stat()
         for path in (folder.parent, folder, *folder.iterdir()):
             os.chown(path, owner.st_uid, owner.st_gid)

@@ -33,21 +33,21 @@ if TYPE_CHECKING:
     from homebot.runtime import Runtime
 
 _View: TypeAlias = "Callable[[Runtime], AbstractAsyncContextManager[None]]"
-"""Enters a runtime, and shows it or not."""
+"""Enters a runtime, perhaps with a live view."""
 
 __all__ = ["add_arguments", "config_errors", "configuration", "run", "run_configured", "with_environment"]
 
 _WRONG_CONFIGURATION = 2
-"""Exit code of a service whose configuration is wrong: to start it again does not help."""
+"""Exit code of a service whose configuration is wrong: restarting it does not help."""
 
 COMMAND_LINE = "command line"
 THESIS_ROOT = "home425"
 THESIS, FAMILY = "thesis", "family"
-"""The names of the simulated houses that come along."""
+"""The names of the built-in simulated houses."""
 
 _FAMILY_FOLDER: Final = Path(__file__).parents[2] / "house" / "family"
 APPS_OF_THE_SIMULATED_HOUSE = ("light_service",)
-"""The apps of a simulated house. In a real house no app runs unasked: the light service switches off every lamp."""
+"""The apps of a simulated house. In a real house no app runs by default: the light service turns off every lamp."""
 
 ROBOT_OF_THE_SIMULATED_HOUSE = "robot"
 
@@ -55,21 +55,21 @@ _TOKENS = {"door": "HOMEBOT_DOOR_TOKEN", "thing_directory": "HOMEBOT_THINGS_TOKE
 
 _EXAMPLES = """\
   homebot run                                     embedded broker, a simulated family's house, live in the terminal
-  homebot run --plain                             the same, with the log in place of the live view
+  homebot run --plain                             the same, with the log instead of the live view
   homebot run --for 15                            the same, for 15 seconds
   homebot run --house thesis                      a small house of two lamps, in real time, with the light service
   homebot run --house villa.toml                  a house that you describe, with the light service
-  homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observe only
-  homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    act, with an app that you name
+  homebot run --mqtt mqtt://192.168.1.10 --root home425      your own broker, observing only
+  homebot run --mqtt mqtt://192.168.1.10 --root home425 --act --app light_service    sending commands, with an app
   homebot run --app my_app.py                     an app of your own in the small house
-  homebot run --app my_app.py --reload            the same, reloaded each time that you save it
-  homebot run --config homebot.toml --dry-run     what apps would command, with nothing sent to any device
+  homebot run --app my_app.py --reload            the same, reloaded whenever you save it
+  homebot run --config homebot.toml --dry-run     show commands of apps without sending any
   homebot run --config homebot.toml               all settings in a file
 
 Without --config, homebot.toml in the working directory is used if it exists. Ctrl-C shuts down cleanly.
-A service (NOTIFY_SOCKET or HOMEBOT_SERVICE is set) needs a configuration, ends with 2 if that is wrong, and with 1 if
-no gateway was connected within five minutes.
-Devices are remembered in HOMEBOT_DATA (default: the user's data directory), but not those of a simulated house.
+A service (NOTIFY_SOCKET or HOMEBOT_SERVICE is set) needs a configuration; it exits with 2 if that is wrong, and with 1
+if no gateway was connected within five minutes.
+Devices are remembered in HOMEBOT_DATA (default: the user's data directory), except those of a simulated house.
 """
 
 
@@ -80,11 +80,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--door",
         metavar="HOST:PORT",
         type=door_address,
-        default=argparse.SUPPRESS,  # one that stands before the command counts as well
+        default=argparse.SUPPRESS,  # the option may also come before the command
         help="address to listen on for rosbridge clients (default: [door], else HOMEBOT_DOOR, else 127.0.0.1:9090)",
     )
     parser.add_argument(
-        "--plain", action="store_true", help="print the log instead of a live view, as where there is no terminal"
+        "--plain", action="store_true", help="print the log instead of a live view, as without a terminal"
     )
     parser.add_argument(
         "--log-format",
@@ -95,13 +95,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--dry-run",
         action="store_true",
-        help="send nothing to any device: show in the log and the journal what apps would command",
+        help="send nothing to any device: only log and journal the commands of apps",
     )
     parser.add_argument("--reload", action="store_true", help="reload an app when its file changes")
     parser.add_argument("--record", metavar="FILE", help="record the whole run into a new file, for `homebot replay`")
     parser.add_argument("--ephemeral", action="store_true", help="do not remember devices across restarts")
     parser.add_argument(
-        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after so many seconds, or a time such as 2m"
+        "--for", dest="seconds", metavar="TIME", type=seconds, help="stop after TIME: seconds, or a text such as 2m"
     )
 
 
@@ -112,7 +112,7 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--house",
         metavar="NAME|FILE",
-        help="simulated house on the embedded broker: family, thesis, or a file in TOML (default, where neither "
+        help="simulated house on the embedded broker: family, thesis, or a file in TOML (default, if neither "
         "--config nor --mqtt is given: family; with --app or --root thesis)",
     )
     parser.add_argument("--mqtt", metavar="URL", help="broker of the gateway `mqtt`, as mqtt://[user@]host[:port]")
@@ -128,10 +128,10 @@ def _add_sources(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         help="app to run: a plug-in's name, module:Class or a Python file; may be given more than once (default: the "
-        "light service in the simulated house, none on a broker of your own)",
+        "light service in the simulated house, none with your own broker)",
     )
     parser.add_argument(
-        "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an outside broker"
+        "--act", action="store_true", help="allow the gateway `mqtt` to send commands to an external broker"
     )
 
 
@@ -153,7 +153,7 @@ def _app(text: str) -> str:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run until told to stop; return 0, or 1 if a part was given up on the way, or a service never connected."""
+    """Run until told to stop; return 0, or 1 if a component was given up, or a service never connected."""
     try:
         return run_configured(options)
     except UsageError as exc:
@@ -163,7 +163,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
-    """Return *first*, and all else that is wrong in the configuration, as ``homebot config check`` names it."""
+    """Return *first* and all other mistakes in the configuration, as in ``homebot config check``."""
     if not isinstance(first, ConfigError):
         return (first,)
     found = [first, *first.others]
@@ -173,7 +173,7 @@ def _problems(first: UsageError, path: str | None) -> Iterable[UsageError]:
 
 
 def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError, ...]:
-    """Return all that is wrong in *tables*; a table that makes no sense at all is not looked into."""
+    """Return all mistakes in *tables*; the content of a malformed table is not checked."""
     from homebot.runtime.plan import plan_errors  # noqa: PLC0415 - after a mistake alone
 
     try:
@@ -186,14 +186,14 @@ def config_errors(tables: Mapping[str, object], path: Path) -> tuple[ConfigError
 
 
 def run_configured(options: argparse.Namespace) -> int:
-    """Run as *options* say, and raise the first UsageError; return as :func:`run` does."""
+    """Run with *options*, and raise the first UsageError; return the same as :func:`run`."""
     if not options.config and DEFAULT_CONFIG.exists():
-        options.config = str(DEFAULT_CONFIG)  # if it is gone at a reload, that is a mistake and no simulated house
+        options.config = str(DEFAULT_CONFIG)  # if it is missing at a reload, that is a mistake, not a simulated house
     if options.reload:
         check_extra("--reload", "watchfiles", "watchfiles")
     is_watched = _is_watched(options)
     if is_watched and _is_simulated(options) and house_name(options) != THESIS:
-        print("homebot · a simulated house is starting …", flush=True)  # before all that takes time
+        print("homebot · a simulated house is starting …", flush=True)  # before anything slow
     with gc_paused():
         config, house = configuration(options)
     view = None
@@ -204,11 +204,11 @@ def run_configured(options: argparse.Namespace) -> int:
         _recording(options.record) as record_into,
         _log(options.log_format, is_quiet=view is not None),
     ):
-        atexit.register(gc.freeze)  # else the interpreter looks for garbage in all that is known as it ends: seconds
+        atexit.register(gc.freeze)  # else the final garbage collection takes seconds
         with gc_paused():
             from homebot.runtime import Runtime, index_place  # noqa: PLC0415 - most of the start, after the first line
 
-        # A simulated house begins each time as it is described, so there is nothing to remember.
+        # A simulated house always starts as described, so there is nothing to remember.
         is_kept = house is None and not options.ephemeral
 
         def read() -> Config:
@@ -231,7 +231,7 @@ def run_configured(options: argparse.Namespace) -> int:
 
 @contextmanager
 def _log(log_format: LogFormat | None, *, is_quiet: bool) -> Iterator[None]:
-    """Configure the log; a quiet one shows its lines after the view of the house is closed."""
+    """Configure the log; if quiet, its lines are shown after the live view is closed."""
     if is_quiet:
         from homebot.cli.live_house import quiet_log  # noqa: PLC0415 - for a terminal alone
 
@@ -255,7 +255,7 @@ def _recording(path: str | None) -> Iterator[LineSink | None]:
 
 
 def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
-    """Return the configuration for *options*, and the simulated house that belongs to it, if any.
+    """Return the configuration for *options*, and its simulated house, if any.
 
     Raises:
         ConfigError: The file cannot be used, or a value is wrong.
@@ -278,7 +278,7 @@ def configuration(options: argparse.Namespace) -> tuple[Config, World | None]:
 
 
 def with_environment(config: Config) -> Config:
-    """Return *config* with the door's address and the tokens of its servers from the environment, if it has none."""
+    """Return *config*, with the door's address and the tokens of servers from the environment if it has none."""
     tables = {"door": config.door}
     if not config.door.keys() & {"host", "port"} and (address := door_of_environment()):
         tables["door"] = {**config.door, "host": address[0], "port": address[1]}
@@ -322,7 +322,7 @@ def _is_simulated(options: argparse.Namespace) -> bool:
 
 
 def house_name(options: argparse.Namespace) -> str:
-    """Return the house that runs without a configuration: a name, or a file; an app of your own gets the small one."""
+    """Return the name or file of the house that runs without a configuration; a custom app gets the small house."""
     return cast("str", options.house) or (THESIS if options.app or options.root else FAMILY)
 
 
@@ -347,7 +347,7 @@ async def _run(
 ) -> int:
     loop = asyncio.get_running_loop()
     watch = loop.watch if isinstance(loop, ProductionLoop) else None
-    with gc_paused():  # the plug-ins of the plan are loaded
+    with gc_paused():  # loads the plug-ins of the plan
         runtime = make_runtime(loop_watch=watch)
     reload, first = partial(runtime.reload, read), _first_connection(runtime)
     await serve((view or _settled)(runtime), seconds, runtime.cut_start_short, reload, first and first.wait_in_vain)
@@ -373,7 +373,7 @@ async def _watched(world: World, runtime: Runtime) -> AsyncIterator[None]:
 
 @asynccontextmanager
 async def _settled(runtime: Runtime) -> AsyncIterator[None]:
-    """Enter *runtime*; the objects that exist then, modules and classes above all, stay, and are never garbage."""
+    """Enter *runtime*; objects that exist then, mostly modules and classes, are exempt from garbage collection."""
     async with AsyncExitStack() as stack:
         with gc_paused():
             await stack.enter_async_context(runtime)

@@ -23,7 +23,7 @@ _REQUEST = "/rosapi/service_request_details"
 _EXAMPLES = """\
   homebot service list -t
   homebot service call /rosapi/get_time
-  homebot service install --user    run homebot from the start of the computer
+  homebot service install --user    run homebot when the computer starts
 """
 _CALL_EXAMPLES = """\
   homebot service call /rosapi/get_time
@@ -34,7 +34,7 @@ _CALL_EXAMPLES = """\
 _INSTALL_EXAMPLES: Final = """\
   homebot service install --user          for you, with the homebot.toml of this folder
   sudo homebot service install --config /etc/homebot/homebot.toml
-  homebot service install --user --print  show the unit, and write nothing
+  homebot service install --user --print  show the unit without writing it
 """
 _UNIT: Final = """\
 [Unit]
@@ -100,14 +100,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(command, _call, _CALL_EXAMPLES, acts=True)
     command = add_verb(verbs, "install", "install a systemd unit that runs homebot")
     set_command(command, _install, _INSTALL_EXAMPLES)
-    command.add_argument("--user", action="store_true", help="a service of yours, not of the computer")
+    command.add_argument("--user", action="store_true", help="a service of your user, not of the system")
     command.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")
-    command.add_argument("--print", action="store_true", dest="only_print", help="print the unit, and write nothing")
+    command.add_argument("--print", action="store_true", dest="only_print", help="print the unit without writing it")
 
 
 def _call(door: DoorClient, options: argparse.Namespace) -> int:
     expected, request = options.type, options.request
-    if isinstance(expected, dict):  # the type was left out
+    if isinstance(expected, dict):  # the type was omitted
         expected, request = "", expected
     ros_type = type_of(door, "service", options.service)
     if expected and "/" not in expected and not request:
@@ -126,7 +126,7 @@ def _call(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _exit_code(service: str, response: Mapping[str, object]) -> int:
-    """Print the failure that *response* reports, if any, and return the exit code; fields as in ROS's services."""
+    """Print the failure that *response* reports, if any, in the fields of ROS services; return the exit code."""
     for name in ("success", "successful"):
         if response.get(name) is False:
             reason = next(
@@ -168,7 +168,7 @@ def _install(options: argparse.Namespace) -> int:
     systemctl = "systemctl --user" if options.user else "systemctl"
     print(f"wrote {file}; now:\n  {systemctl} daemon-reload\n  {systemctl} enable --now homebot")
     if options.user:
-        print("  loginctl enable-linger       so that it runs while you are not logged in")
+        print("  loginctl enable-linger       to keep it running while you are not logged in")
     return 0
 
 

@@ -32,7 +32,7 @@ __all__ = ["add_arguments"]
 
 _USES = {(True, True): "read and set", (True, False): "read", (False, True): "set", (False, False): ""}
 _STATED_BY = {"configuration": ", in the configuration", "import": ", in an imported file"}
-_WAITS = ("approval", "waits for it: it can hurt, and is not driven before `homebot approve DEVICE`")
+_WAITS = ("approval", "missing: it is dangerous, and gets no commands before `homebot approve DEVICE`")
 
 _EXAMPLES = """\
   homebot show lights/roomlights405
@@ -78,7 +78,7 @@ def _describe(
 
     Args:
         reasons: Why a search for its name finds it.
-        asks: Rows on why it always asks, and on the approval that it waits for.
+        asks: Rows about why it always asks, and its pending approval.
         ineffective: The routes that are tried last, by part and name.
     """
     print_line(f"{printable(device.id)}  {printable(device.name)}".rstrip(), "bold")
@@ -186,7 +186,7 @@ def _section(title: str, rows: Iterable[tuple[str, ...]]) -> None:
 
 
 def _by(source: Route | Fact) -> str:
-    """Return ``mqtt, homeassistant:light/0x17``; a key that begins with its convention names it once."""
+    """Return ``mqtt, homeassistant:light/0x17``; a convention at the beginning of the key is not repeated."""
     gateway, convention, key = source.gateway, source.convention, source.key
     if not gateway and convention == OWNER:
         return f"by the owner{_STATED_BY.get(key, '')}"

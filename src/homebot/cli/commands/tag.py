@@ -32,15 +32,15 @@ _TAG_TEXT = """\
   homebot tag add 'Kitchen lamp' night
   homebot tag remove 'Kitchen lamp' night
 
-The directory remembers it over a restart. Nothing is written to an NFC tag: that is `homebot tag write`.
+The directory remembers it across restarts. It writes nothing to an NFC tag; use `homebot tag write` for that.
 """
 _SCAN_TEXT = """\
   homebot tag scan homebot:device/kitchen_lamp
   homebot tag scan --teach "$(printf 'Kitchen lamp\\narea: Kitchen')"
 """
 _CODES_TEXT = """
-Exit codes beside the usual ones: 3 there is no such reader; 4 no tag came in time; 5 the tag is not fit for it: too
-small, protected, of another kind, or taken away too early.
+Additional exit codes: 3 there is no such reader; 4 no tag appeared in time; 5 the tag cannot be used: too small,
+    protected, of another kind, or removed too early.
 """
 
 _NO_READER: Final = 3
@@ -51,28 +51,28 @@ _CODES: Final = {"no_reader": _NO_READER, "no_tag": _NO_TAG} | dict.fromkeys(
 )
 _LONGEST_WAIT: Final = 600.0
 _GRACE: Final = 10.0
-"""Seconds that the gateway may take beside waiting for the tag."""
+"""Seconds that the gateway may take, besides waiting for the tag."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
     add = add_verb(verbs, "add", "tag a device with a word, by which `homebot find tag=WORD` finds it")
     set_door_command(add, partial(_tag, remove=False), _TAG_TEXT, acts=True)
-    remove = add_verb(verbs, "remove", "take a tag of a device back")
+    remove = add_verb(verbs, "remove", "remove a tag from a device")
     set_door_command(remove, partial(_tag, remove=True), _TAG_TEXT, acts=True)
     for one in (add, remove):
         one.add_argument("device", metavar="DEVICE", help="its id or its name")
         one.add_argument("tag", metavar="TAG", help="the tag, one word or several")
-    read = add_verb(verbs, "read", "say which device the tag at the reader, or the next one, points to")
+    read = add_verb(verbs, "read", "show the device that the tag at the reader, or the next one, points to")
     set_door_command(read, _read, f"  homebot tag read\n{_CODES_TEXT}")
-    write = add_verb(verbs, "write", "let the tag at the reader, or the next one, point to a device; it is overwritten")
+    write = add_verb(verbs, "write", "overwrite the tag at the reader, or the next one, with a pointer to a device")
     set_door_command(write, _write, f"  homebot tag write 'Kitchen lamp' --area Kitchen\n{_CODES_TEXT}", acts=True)
     write.add_argument("device", metavar="DEVICE", help="its id or its name")
-    write.add_argument("--area", default="", metavar="ROOM", help="the room that the tag is in, which is written too")
-    scan = add_verb(verbs, "scan", "say which device a QR code or another text points to")
+    write.add_argument("--area", default="", metavar="ROOM", help="the room of the tag, which is written too")
+    scan = add_verb(verbs, "scan", "show the device that a QR code or another text points to")
     set_door_command(scan, _scan, _SCAN_TEXT)
     scan.add_argument("code", metavar="CODE", help="the text of the code")
-    scan.add_argument("--teach", action="store_true", help="remember the room in it, where nobody else says one")
+    scan.add_argument("--teach", action="store_true", help="remember the room in it, if no other source states one")
     scan.add_argument("--gateway", default="nfc", metavar="NAME", help="the gateway of tags (default: nfc)")
     for one in (read, write):
         one.add_argument("--reader", default="", metavar="NAME", help="a part of the reader's name (default: any)")
@@ -122,7 +122,7 @@ def _scan(door: DoorClient, options: argparse.Namespace) -> int:
 
 def _teach(door: DoorClient, found: ScanCodeResponse, gateway: str) -> None:
     if not (found.device and found.area):
-        raise PeerError("the code does not say which device is in which room")
+        raise PeerError("the code does not name both a device and its room")
     request = {"device": found.device, "gateway": gateway, "room": found.area}
     answer = cast("TeachPlaceResponse", door.ask(TEACH_PLACE, request))
     print(f"{printable(found.device)} is in {printable(answer.room)} now")
@@ -155,7 +155,7 @@ def _call(door: DoorClient, gateway: str, service: str, request: Mapping[str, ob
 
 
 def _failed(problem: str, message: str) -> int:
-    """Return the exit code of a *problem* that has one, its *message* printed."""
+    """Print *message* and return the exit code of a *problem* that has one."""
     code = _CODES.get(problem)
     if code is None:
         raise PeerError(message)

@@ -19,19 +19,19 @@ _EXAMPLES = """\
   homebot token new rosie --scope read --scope 'act: harmless' --scope 'robot: rosie'
   homebot token new wall_panel --scope read
 
-The token goes into the file NAME.token beside the configuration, which only you can read, and the table
-[door.tokens.NAME] to the end of the configuration; without a configuration, the table is printed. A running homebot
+The token is written to the file NAME.token next to the configuration, which only you can read, and the table
+[door.tokens.NAME] is appended to the configuration; without a configuration, the table is printed. A running homebot
 reads it at SIGHUP (`systemctl reload homebot`), without a restart.
 """
 _SENDING = """\
-A client sends the token, the one line of that file, in one of two ways:
+A client sends the token, the only line of that file, in one of two ways:
   the header   Authorization: Bearer TOKEN
-  the address  ws://HOST:PORT/?token=TOKEN    where a client can set no header, as browsers and Foxglove"""
+  the address  ws://HOST:PORT/?token=TOKEN    for clients that cannot set headers, such as browsers and Foxglove"""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     verbs = add_verbs(parser, _EXAMPLES)
-    new = add_verb(verbs, "new", "make a token for one program, with the rights that it needs")
+    new = add_verb(verbs, "new", "create a token for one program, with the rights that it needs")
     set_command(new, _new, _EXAMPLES)
     new.add_argument("name", metavar="NAME", help="the program: letters, digits, - and _")
     new.add_argument(
@@ -39,8 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RIGHT",
         action="append",
         required=True,
-        help="one right: read, 'act: QUERY', 'act: harmless', 'act: all', manage, raw or 'robot: NAME'; "
-        "may be given more than once",
+        help="one right: read, 'act: QUERY', 'act: harmless', 'act: all', manage, raw or 'robot: NAME'; repeatable",
     )
     new.add_argument("--config", metavar="FILE", default=DEFAULT_CONFIG, help="the file (default: homebot.toml)")
 
@@ -71,10 +70,10 @@ def _new(options: argparse.Namespace) -> int:
                 file.write(f"\n{table}")
     except (ConfigError, OSError) as exc:
         token_file.unlink()
-        raise UsageError(f"{exc}; no token was made") from exc
+        raise UsageError(f"{exc}; no token was created") from exc
     print(f"the token is in {token_file}, which only you can read")
     print(
-        f"{config} has its table now; `systemctl reload homebot`, or `kill -HUP`, has a running homebot read it"
+        f"{config} has its table now; `systemctl reload homebot`, or `kill -HUP`, makes a running homebot read it"
         if config.exists()
         else f"add to homebot.toml:\n\n{table}"
     )

@@ -19,24 +19,24 @@ _MILLI: Final = 1000.0
 _FRAME: Final = 0.5
 _SAMPLE: Final = 1.0
 _SORTED_EVERY: Final = 10
-"""Frames after which topics are sorted anew, so that lines do not jump."""
+"""Frames after which topics are sorted again, so that lines do not jump."""
 
 _EXAMPLES = """\
   homebot top
   homebot top --json | jq .lag
 
-For each topic: messages in a second, how many wait in its fullest queue, how many were lost since the start, and how
-long its slowest handler took since the frame before. Until Ctrl-C on a terminal; elsewhere one table.
+For each topic: messages per second, the number waiting in its fullest queue, the number lost since the start, and the
+    time of its slowest handler since the last frame. On a terminal it runs until Ctrl-C; elsewhere it prints one table.
 """
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     set_door_command(parser, _top, _EXAMPLES)
-    parser.add_argument("--json", action="store_true", help="print a JSON object a second, until Ctrl-C")
+    parser.add_argument("--json", action="store_true", help="print a JSON object every second until Ctrl-C")
 
 
 def samples(ask: Callable[[], dict[str, object]], wait: Callable[[], None]) -> Iterator[Load]:
-    """Yield the load since the sample before, for ever."""
+    """Yield the load since the previous sample, forever."""
     before = ask()
     while True:
         wait()
@@ -79,11 +79,11 @@ class TopicRow:
     """One topic.
 
     Attributes:
-        rate: Messages in a second.
-        waiting: Messages that wait in the fullest queue.
-        lost: Messages that were lost since the start.
-        slowest: Seconds that a handler needed at most since the sample before.
-        by: The node of that handler; of the fullest queue if none was called.
+        rate: Messages per second.
+        waiting: Messages in the fullest queue.
+        lost: Messages lost since the start.
+        slowest: The longest run of a handler since the previous sample, in seconds.
+        by: The node of that handler, or of the fullest queue if none was called.
     """
 
     topic: str
@@ -94,7 +94,7 @@ class TopicRow:
     by: str
 
     def cells(self) -> tuple[str, ...]:
-        """Return the columns as text, numbers of a constant width."""
+        """Return the columns as text, with numbers of constant width."""
         slowest = f"{self.slowest * _MILLI:8.1f} ms" if self.slowest else f"{'':11}"
         return self.topic, f"{self.rate:8.1f}", f"{self.waiting:7}", f"{self.lost:8}", slowest, self.by.lstrip("/")
 
@@ -104,8 +104,8 @@ class Load:
     """The load between two answers of ``/rosapi/load``.
 
     Attributes:
-        lag: Seconds by which the event loop was late at most.
-        rows: The topics, the busiest first.
+        lag: The longest delay of the event loop, in seconds.
+        rows: The topics, busiest first.
     """
 
     lag: float
@@ -129,18 +129,18 @@ class Load:
 
     @property
     def title(self) -> str:
-        """The load of everything in a line."""
+        """The total load in one line."""
         rate, lost = sum(one.rate for one in self.rows), sum(one.lost for one in self.rows)
         waiting = sum(one.waiting for one in self.rows)
         return f"{rate:.1f} messages/s, {waiting} waiting, {lost} lost; loop lag {self.lag * _MILLI:.1f} ms"
 
     def in_order_of(self, topics: Sequence[str]) -> tuple[TopicRow, ...]:
-        """Return the rows in the order of *topics*, then those of others."""
+        """Return the rows in the order of *topics*, followed by all others."""
         places = {topic: place for place, topic in enumerate(topics)}
         return tuple(sorted(self.rows, key=lambda one: places.get(one.topic, len(places))))
 
     def as_json(self) -> dict[str, object]:
-        """Return a JSON object; seconds for times."""
+        """Return a JSON object, with times in seconds."""
         return {"lag": self.lag, "topics": [asdict(one) for one in self.rows]}
 
 

@@ -149,7 +149,7 @@ def _echo(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _schema(door: DoorClient, topic: str) -> Schema | None:
-    """Return the message type of the topic; if it does not exist yet, print that and return None."""
+    """Return the message type of the topic; if it does not exist yet, say so and return None."""
     ros_type = topic_type(door, topic)
     if ros_type:
         return message_schema(door, ros_type)
@@ -159,7 +159,7 @@ def _schema(door: DoorClient, topic: str) -> Schema | None:
 
 def _show(received: ReceivedMessage, schema: Schema | None, options: argparse.Namespace) -> None:
     if received.lost:
-        print(f"homebot: {received.lost} messages were lost before this one, as they came too fast", file=sys.stderr)
+        print(f"homebot: {received.lost} messages before this one were lost: they came too fast", file=sys.stderr)
     fields = received.message if options.json or schema is None else schema.readable(received.message)
     value = _field(fields, options.field) if options.field else fields
     text = f"{json.dumps(value)}\n" if options.json else f"{to_yaml(value)}---\n"
@@ -180,7 +180,7 @@ def _field(fields: dict[str, object], path: str) -> object:
 
 
 def _pub(door: DoorClient, options: argparse.Namespace) -> int:
-    """Publish a message as often as the options say; by default once a second until Ctrl-C."""
+    """Publish a message repeatedly; by default once a second until Ctrl-C."""
     ros_type = options.type or topic_type(door, options.topic)
     if not ros_type:
         raise no_such_topic(door, options.topic)
@@ -210,14 +210,14 @@ def _pub(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _warn_of_unknown_address(door: DoorClient, command: dict[str, object]) -> None:
-    """Warn where no device takes commands on the address of *command*; a large house is not looked through."""
+    """Warn if no device takes commands on the address of *command*; a large house is not searched."""
     page = find_devices(door, "", _SMALL_HOUSE)
     address = command.get("address")
     if not isinstance(address, str) or not page.results or page.total > _SMALL_HOUSE:
         return
     known = _command_addresses([result.device for result in page.results])
     if address not in known:
-        hint = did_you_mean(address, known - {""}, "it is published all the same", cutoff=0.8)
+        hint = did_you_mean(address, known - {""}, "it is published anyway", cutoff=0.8)
         print(f"homebot: no known device takes commands on {printable(address)}; {hint}", file=sys.stderr)
 
 
@@ -230,7 +230,7 @@ def _hz(door: DoorClient, options: argparse.Namespace) -> int:
     door.subscribe(options.topic)
     if not topic_type(door, options.topic):
         print(not_yet(door, options.topic), file=sys.stderr)
-    door.skip_kept()  # it says nothing about the rate
+    door.skip_kept()  # irrelevant for the rate
     times: deque[float] = deque(maxlen=options.window + 1)
     while True:
         before = len(times), times[-1] if times else 0.0

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["add_arguments"]
 
 MOST_LINES: Final = 50
-"""Lines in a second that are printed; the others are counted."""
+"""The limit of lines per second; the others are counted."""
 
 _TICK: Final = 0.25
 _COLOURS: Final = {"change": "", "command": "36", "outcome": "33"}
@@ -39,8 +39,8 @@ _EXAMPLES = """\
   homebot watch 'light in kitchen'
   homebot watch --json | jq .device
 
-A line for each change of a value and for each command, until Ctrl-C: time, device, value (→ is a command), why, and
-which program commanded it. QUERY is as in `homebot find`. Above 50 lines in a second the others are counted.
+One line for each changed value and each command, until Ctrl-C: time, device, value (→ is a command), cause, and the
+program that commanded it. QUERY is as in `homebot find`. Lines beyond 50 a second are counted.
 """
 
 
@@ -99,7 +99,7 @@ class _WatchedHouse:
                 self._learn(device)
 
     def shows(self, line: WatchLine) -> bool:
-        """Return whether *line* is about a device that matches, and no setting or self-observation of it."""
+        """Return whether *line* is about a matching device, but not about its settings or diagnostics."""
         is_minor = line.kind == "change" and (line.device, line.part) in self._minor
         return not is_minor and (not self._query or line.device in self._ids)
 
@@ -118,7 +118,7 @@ class _WatchedHouse:
 
 
 class _LinePrinter:
-    """Prints lines, at most so many in a second; the number of others at its end."""
+    """Prints lines up to the limit per second, and the number of others at its end."""
 
     def __init__(self, names: Mapping[str, str], *, as_json: bool) -> None:
         self._names = names
@@ -139,7 +139,7 @@ class _LinePrinter:
         self._write(self._json(line) if self._as_json else self._text(line), _COLOURS[line.kind])
 
     def end_second(self, now: float) -> None:
-        """Print the number of lines that were left out in a second that is over."""
+        """Print the number of lines left out in the second that has ended."""
         if now - self._second < 1.0:
             return
         if self._more:

@@ -42,8 +42,8 @@ _EXAMPLES = """\
   homebot why 'Hall lamp'
   homebot why lights/roomlights405 --json
 
-Tells why a device is as it is: its last change, who asked for it, what led to that, and what the device did. Where no
-command explains the change, somebody did it by hand, or the device did it by itself.
+Explains the state of a device: its last change, the program that asked for it, the cause, and the device's answer. If
+    no command explains the change, it was made by hand, or by the device itself.
 """
 
 
@@ -59,8 +59,8 @@ def add_why_not_arguments(parser: argparse.ArgumentParser) -> None:
   homebot why-not 'Hall lamp' on
   homebot why-not 'Front door' locked --json
 
-Tells which commands asked a device for a state, and what became of each; or that nobody asked for it, that the device
-is in that state already, or that it has no such state.
+Lists the commands that asked a device for a state, with their outcomes; or says that nobody asked for it, that the
+device is already in that state, or that it has no such state.
 """
     set_door_command(parser, _why_not, examples)
     parser.add_argument("device", metavar="DEVICE", help="its id or its name")
@@ -92,7 +92,7 @@ def _print(device: Device, found: ExplainDeviceResponse, client: JournalClient, 
     for fight in found.fights:
         print_line(f"{printable(fight.text)}, the last {ago_text(to_seconds(fight.newest), now)}.", "yellow")
     for route in dict.fromkeys(one.value for one in found.ineffective):
-        print_line(f"The last commands via {printable(route)} had no effect: another way is tried first.", "yellow")
+        print_line(f"The last commands via {printable(route)} had no effect: another route is tried first.", "yellow")
 
 
 def _json(device: Device, found: ExplainDeviceResponse, client: JournalClient) -> dict[str, object]:
@@ -146,7 +146,7 @@ def _print_asked(
 
 
 def _unasked(device: Device, options: argparse.Namespace, found: ExplainMissingStateResponse, now: float) -> str:
-    """Return why *device* is not as wanted if the journal has no command for that."""
+    """Return why *device* is not in the wanted state if the journal has no command for it."""
     if found.problem:
         return printable(found.problem)
     begins = found.begins

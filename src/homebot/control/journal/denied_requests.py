@@ -46,7 +46,7 @@ class DeniedRequests:
     """Records requests that the door refused.
 
     A flood takes little room: each distinct request of a client is one entry an hour, at most 20 in all. One entry at
-        the end of the hour, or when homebot stops, counts the others.
+    the end of the hour, or when homebot stops, counts the others.
     """
 
     def __init__(self, node: Node, lookup: DeviceLookup, journal: CommandJournal) -> None:

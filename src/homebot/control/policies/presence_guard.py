@@ -87,8 +87,8 @@ def presence_in(room: str, facts: Facts, absent_after: float) -> tuple[Presence,
     """Return whether *room* is occupied, and the readings behind it.
 
     Present: a sensor detects motion, or did within *absent_after* seconds. Unknown: there is no sensor, or one is
-        silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
-        otherwise.
+    silent, has never detected motion, or was heard for the first time, or again, within these seconds. Absent
+    otherwise.
     """
     found: dict[Presence, list[FactUsed]] = {"present": [], "unknown": [], "absent": []}
     for one in facts.house.readings(room, OCCUPANCY):
@@ -116,7 +116,7 @@ def remaining_person(room: str, settings: PresenceGuardSettings, facts: Facts) -
     """Return the detection of a person who has not left *room* since its doors were closed; None if there is none.
 
     The person was detected after all doors were closed: a sensor began to detect motion then, or still did so
-        ``absent_after`` seconds later, which is longer than it reports the motion of a person who left.
+    ``absent_after`` seconds later, which is longer than it reports the motion of a person who left.
     """
     closed_for = _closed_for(settings.contacts_of(room), facts)
     if closed_for is None:

@@ -1,7 +1,7 @@
 """Progress of one command: the role of each report since, updated with each fact. Pure.
 
 It is a function of the facts of its part: replaying them gives the same progress. The cost of a report does not depend
-    on the number of earlier ones.
+on the number of earlier ones.
 """
 
 import math
@@ -114,7 +114,7 @@ class CommandProgress:
         """The time from which no report can improve the outcome; inf if one still can.
 
         Matter nodes and Hue bridges report only changes: a lamp that had the wanted level when it went off reports only
-            "on". Values that were certain before are awaited for as long as a level may follow.
+        "on". Values that were certain before are awaited for as long as a level may follow.
         """
         if self.superseded_by or self.refusal:
             return -math.inf
