@@ -171,6 +171,7 @@ async def test_the_system_view_shows_what_the_doctor_finds_and_when_jobs_are_due
         await own.open("#/system", shows="Nothing is wrong. To note:")
         await own.shows("HB405 without room:\nphilips165")
         await own.shows("→ homebot place DEVICE ROOM")
+        await own.shows("run daily at 22:00, next ")
         await own.shows("22:00 GMT+14")
         await own.shows("gateway mqtt is active and sends commands")
         await own.click(".entries a")
@@ -360,6 +361,21 @@ async def test_axe_finds_nothing_serious(page: OpenPage, axe: str, scheme: str, 
             found += await to_thread.run_sync(partial(serious, own.browser, view))
         own.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
         assert found == []
+
+
+async def test_a_field_has_the_value_with_two_decimal_places(page: OpenPage, tmp_path: Path) -> None:
+    """A lamp at 102 of 254 had 40.15748031496063, of which the field showed the half."""
+    house = '[house]\ndialect = "zigbee2mqtt"\n[rooms.hall]\n[devices.lamp]\nkind = "lamp"\nroom = "hall"\n'
+    (tmp_path / "house.toml").write_text(house)
+    world = await to_thread.run_sync(load_world, tmp_path / "house.toml")
+    async with page(world) as own:
+        await own.open("#/device/lamp", shows="Commands")
+        assert await to_thread.run_sync(own.browser.execute_async_script, COMMAND, "lamp", "40 %") == "confirmed"
+        await own.shows("40.2")
+        await own.open("#/house", shows="lamp")
+        await own.open("#/device/lamp", shows="Commands")
+        field = own.browser.find_element("css selector", "form input[type=number]")
+        assert field.get_attribute("value") == "40.16"
 
 
 async def test_a_way_to_a_device_is_none_of_homebots_own_addresses(page: OpenPage, tmp_path: Path) -> None:

@@ -101,7 +101,7 @@ var ae,hr,bs,ln,ws,io,mr,oo,dr,Ss,$s,Bu,kl=Symbol.for("pv"),ro={},ao=[],qu=/^m(i
       ${r.map(_=>b`<button key=${_} type="button" onClick=${()=>Mo(s,_)}>${_}</button>`)}
     </div>`;let a=_=>{_.preventDefault(),Mo(s,"set",[{key:l.name,value:new FormData(_.target).get("value")}])},u=ko(l),[m,h]=l.bounds.length||u!=="%"?l.bounds:[0,100],g=l.options.length?b`<select name="value">
         ${l.options.map(_=>b`<option key=${_} selected=${_===o}>${_}</option>`)}
-      </select>`:typeof o=="number"||h!==void 0?b`<input name="value" type="number" required step="any" min=${m} max=${h} defaultValue=${o} />`:b`<input name="value" required />`;return b`<form onSubmit=${a}>
+      </select>`:typeof o=="number"||h!==void 0?b`<input name="value" type="number" required step="any" min=${m} max=${h} defaultValue=${typeof o=="number"?Number(o.toFixed(2)):""} />`:b`<input name="value" required />`;return b`<form onSubmit=${a}>
     <label><span>${t}</span> ${g}</label>
     <button>set</button>
     <small>${h===void 0?u:`${m} to ${h} ${u}`}</small>
@@ -177,8 +177,8 @@ var ae,hr,bs,ln,ws,io,mr,oo,dr,Ss,$s,Bu,kl=Symbol.for("pv"),ro={},ao=[],qu=/^m(i
           </tr>`)}
         </tbody>
       </table></div>
-    </section>`}function om(e,t){let n=Math.max(t.at-e.at,.001),l=new Map(e.topics.map(s=>[s.topic,s.published])),o=t.topics.map(({topic:s,published:r})=>{let a=t.queues.filter(m=>m.topic===s),u=a.reduce((m,h)=>h.slowest>m.slowest?h:m,{slowest:0,node:""});return{topic:s,rate:Math.max(0,r-(l.get(s)??r))/n,waiting:Math.max(0,...a.map(m=>m.waiting)),lost:Jo(a,"lost"),slowest:u.slowest,by:u.node}});return o.sort((s,r)=>r.rate-s.rate||r.waiting-s.waiting||s.topic.localeCompare(r.topic)),{at:Date.now()/1e3,rate:Jo(o,"rate"),waiting:Jo(o,"waiting"),lost:Jo(o,"lost"),lag:t.lag*1e3,topics:o}}var Jo=(e,t)=>e.reduce((n,l)=>n+l[t],0);var sm=5e3,im=50,rm=30;function pu(){let[e,t]=pe(null),[n,l]=pe(0),o=Te.value.state==="open";return Ce(()=>{if(!o)return;let s=0,r=!0,a=async()=>{let u=await fm();r&&(t(u),s=setTimeout(a,sm))};return a(),()=>{r=!1,clearTimeout(s)}},[o,n]),e?b`
-    <${pm} devices=${e.waiting} onApproved=${()=>l(n+1)} />
+    </section>`}function om(e,t){let n=Math.max(t.at-e.at,.001),l=new Map(e.topics.map(s=>[s.topic,s.published])),o=t.topics.map(({topic:s,published:r})=>{let a=t.queues.filter(m=>m.topic===s),u=a.reduce((m,h)=>h.slowest>m.slowest?h:m,{slowest:0,node:""});return{topic:s,rate:Math.max(0,r-(l.get(s)??r))/n,waiting:Math.max(0,...a.map(m=>m.waiting)),lost:Jo(a,"lost"),slowest:u.slowest,by:u.node}});return o.sort((s,r)=>r.rate-s.rate||r.waiting-s.waiting||s.topic.localeCompare(r.topic)),{at:Date.now()/1e3,rate:Jo(o,"rate"),waiting:Jo(o,"waiting"),lost:Jo(o,"lost"),lag:t.lag*1e3,topics:o}}var Jo=(e,t)=>e.reduce((n,l)=>n+l[t],0);var sm=5e3,im=50,rm=30;function pu(){let[e,t]=pe(null),[n,l]=pe(0),o=Te.value.state==="open";return Ce(()=>{if(!o)return;let s=0,r=!0,a=async()=>{let u=await pm();r&&(t(u),s=setTimeout(a,sm))};return a(),()=>{r=!1,clearTimeout(s)}},[o,n]),e?b`
+    <${hm} devices=${e.waiting} onApproved=${()=>l(n+1)} />
     <section>
       <h2>Doctor</h2>
       ${e.findings.every(s=>!s.is_problem)&&b`<p>Nothing is wrong${e.findings.length?". To note:":"."}</p>`}
@@ -189,7 +189,7 @@ var ae,hr,bs,ln,ws,io,mr,oo,dr,Ss,$s,Bu,kl=Symbol.for("pv"),ro={},ao=[],qu=/^m(i
         <h2>Apps</h2>
         ${!e.apps.length&&b`<p class="empty">No app runs.</p>`}
         <table class="facts"><tbody>
-          ${e.apps.map(s=>b`<tr key=${s.name}><th scope="row">${s.name}</th><td class=${s.state==="running"?"":"bad"}>${s.state}${s.jobs.map(r=>b`<br /><small>${um(r,e.zone)}</small>`)}</td></tr>`)}
+          ${e.apps.map(s=>b`<tr key=${s.name}><th scope="row">${s.name}</th><td class=${s.state==="running"?"":"bad"}>${s.state}${s.jobs.map(r=>b`<br /><small>${fm(r,e.zone)}</small>`)}</td></tr>`)}
         </tbody></table>
       </section>`}
       ${e.gateways.map(s=>b`<section key=${s.name}>
@@ -211,7 +211,7 @@ var ae,hr,bs,ln,ws,io,mr,oo,dr,Ss,$s,Bu,kl=Symbol.for("pv"),ro={},ao=[],qu=/^m(i
     ${e.rows.map((l,o)=>b` ${(l.what||o>0)&&b`<br />`}${n(l)} ${l.why!==Vt(l.what)&&l.why}`)}
     ${t>0&&b`<br />… and ${t} more${e.hint}`}
     ${e.next&&b`<br /><small>→ ${e.next}</small>`}
-  </li>`}var um=(e,t)=>[e.text,e.note||ol(e.next)>0&&`next ${ra(t,e.next)}`].filter(Boolean).join(", ");async function fm(){let e={gateways:[],findings:[]},t=u=>({...e,findings:[{code:"",where:"",title:u.message,is_problem:!0,rows:[],total:0,next:""}]}),n=await _e("/rosapi/doctor").catch(t),l=u=>_e(`/gateway/${u}/health`).catch(()=>({counts:[]})),o=await Promise.all(n.gateways.map(async u=>({...u,...await l(u.name)}))),s=await _e("/control/unapproved").catch(()=>({devices:[],reasons:[]})),{apps:r,zone:a}=await _e("/apps/list").catch(()=>({}));return{gateways:o,findings:n.findings.sort((u,m)=>m.is_problem-u.is_problem),waiting:s,apps:r,zone:a}}function pm({devices:e,onApproved:t}){let[n,l]=pe(null);if(!e.devices.length)return null;let o=new Map(e.reasons.map(a=>[a.key,a.value])),s=async a=>{let u=await _e("/discovery/approve",{device:a,is_preview:!0}).catch(m=>({success:!1,message:m.message}));l({device:a,...u})},r=async()=>{let a=await _e("/discovery/approve",{device:n.device,digest:n.digest}).catch(u=>({success:!1,message:u.message}));l(a.success?null:{device:n.device,...a}),a.success&&t()};return b`<section>
+  </li>`}var um=({name:e,text:t})=>e.includes(t)?e:`${e} (${t})`,fm=(e,t)=>[um(e),e.note||ol(e.next)>0&&`next ${ra(t,e.next)}`].filter(Boolean).join(", ");async function pm(){let e={gateways:[],findings:[]},t=u=>({...e,findings:[{code:"",where:"",title:u.message,is_problem:!0,rows:[],total:0,next:""}]}),n=await _e("/rosapi/doctor").catch(t),l=u=>_e(`/gateway/${u}/health`).catch(()=>({counts:[]})),o=await Promise.all(n.gateways.map(async u=>({...u,...await l(u.name)}))),s=await _e("/control/unapproved").catch(()=>({devices:[],reasons:[]})),{apps:r,zone:a}=await _e("/apps/list").catch(()=>({}));return{gateways:o,findings:n.findings.sort((u,m)=>m.is_problem-u.is_problem),waiting:s,apps:r,zone:a}}function hm({devices:e,onApproved:t}){let[n,l]=pe(null);if(!e.devices.length)return null;let o=new Map(e.reasons.map(a=>[a.key,a.value])),s=async a=>{let u=await _e("/discovery/approve",{device:a,is_preview:!0}).catch(m=>({success:!1,message:m.message}));l({device:a,...u})},r=async()=>{let a=await _e("/discovery/approve",{device:n.device,digest:n.digest}).catch(u=>({success:!1,message:u.message}));l(a.success?null:{device:n.device,...a}),a.success&&t()};return b`<section>
     <h2>Waiting for your approval</h2>
     ${!Wt.value&&b`<p>To approve a device, log in with a token that has the right <code>manage</code>.</p>`}
     <ul class="entries">
@@ -230,7 +230,7 @@ var ae,hr,bs,ln,ws,io,mr,oo,dr,Ss,$s,Bu,kl=Symbol.for("pv"),ro={},ao=[],qu=/^m(i
         </div>`}
       </li>`)}
     </ul>
-  </section>`}var hu={house:["House",Yc],plan:["Plan",uu],journal:["Journal",Zc],system:["System",pu],graph:["Graph",iu],rates:["Rates",fu]},mu=xe(du()),Bl=xe(!1);function du(){let[,e="house",t=""]=location.hash.split("/");try{return{view:e||"house",id:decodeURIComponent(t)}}catch{return{view:e,id:t}}}function hm(){let{view:e,id:t}=mu.value,{state:n,reason:l,home:o}=Te.value,s=n==="refused",r=hu[e]?.[1];return b`
+  </section>`}var hu={house:["House",Yc],plan:["Plan",uu],journal:["Journal",Zc],system:["System",pu],graph:["Graph",iu],rates:["Rates",fu]},mu=xe(du()),Bl=xe(!1);function du(){let[,e="house",t=""]=location.hash.split("/");try{return{view:e||"house",id:decodeURIComponent(t)}}catch{return{view:e,id:t}}}function mm(){let{view:e,id:t}=mu.value,{state:n,reason:l,home:o}=Te.value,s=n==="refused",r=hu[e]?.[1];return b`
     <header>
       <h1>${o||"homebot"}</h1>
       <nav aria-label="views">
@@ -241,14 +241,14 @@ var ae,hr,bs,ln,ws,io,mr,oo,dr,Ss,$s,Bu,kl=Symbol.for("pv"),ro={},ao=[],qu=/^m(i
       </p>
       ${Wt.value&&!s?b`<button type="button" onClick=${Ws}>log out</button>`:b`<button type="button" aria-expanded=${Bl.value} onClick=${()=>Bl.value=!Bl.value}>log in</button>`}
     </header>
-    ${(s||Bl.value)&&b`<${mm} reason=${s?l:""} />`}
+    ${(s||Bl.value)&&b`<${dm} reason=${s?l:""} />`}
     <main class=${n==="open"?"":"old"}>${e==="device"?b`<${eu} key=${t} id=${t} />`:r?b`<${r} />`:b`<p class="empty">There is no such view.</p>`}</main>
     <p role="alert" class=${qt.value?`outcome ${qt.value.isGood?"good":"bad"}`:"hidden"}>
       ${qt.value?.text} ${qt.value&&!qt.value.isGood&&b`<button type="button" onClick=${()=>qt.value=null}>close</button>`}
-    </p>`}function mm({reason:e}){return b`<form class="box" onSubmit=${n=>{n.preventDefault();let l=new FormData(n.target);Bl.value=!1,Gr(l.get("token").trim(),l.get("remember")==="on")}}>
+    </p>`}function dm({reason:e}){return b`<form class="box" onSubmit=${n=>{n.preventDefault();let l=new FormData(n.target);Bl.value=!1,Gr(l.get("token").trim(),l.get("remember")==="on")}}>
     ${e&&b`<p class="bad">${e}</p>`}
     <p>A token gives this page its rights. Make one with <code>homebot token new page --scope read --scope 'act: all' --scope manage</code>.</p>
     <label>Token <input type="password" name="token" autocomplete="off" required /></label>
     <label><input type="checkbox" name="remember" /> keep it in this browser</label>
     <p class="buttons"><button>log in</button> ${e&&Wt.value&&b`<button type="button" onClick=${Ws}>go on without a token</button>`}</p>
-  </form>`}addEventListener("hashchange",()=>{mu.value=du(),document.querySelector("main")?.scrollTo?.(0,0),scrollTo(0,0)});Bt(()=>document.title=Te.value.home||"homebot");oa();ha();qr();br(b`<${hm} />`,document.getElementById("page"));
+  </form>`}addEventListener("hashchange",()=>{mu.value=du(),document.querySelector("main")?.scrollTo?.(0,0),scrollTo(0,0)});Bt(()=>document.title=Te.value.home||"homebot");oa();ha();qr();br(b`<${mm} />`,document.getElementById("page"));

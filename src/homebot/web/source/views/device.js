@@ -125,7 +125,7 @@ function Command({ target, name, of, capability, now }) {
         ${capability.options.map((one) => html`<option key=${one} selected=${one === now}>${one}</option>`)}
       </select>`
     : typeof now === "number" || most !== undefined
-      ? html`<input name="value" type="number" required step="any" min=${least} max=${most} defaultValue=${now} />`
+      ? html`<input name="value" type="number" required step="any" min=${least} max=${most} defaultValue=${typeof now === "number" ? Number(now.toFixed(2)) : ""} />`
       : html`<input name="value" required />`;
   return html`<form onSubmit=${submit}>
     <label><span>${name}</span> ${field}</label>

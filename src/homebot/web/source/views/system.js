@@ -81,7 +81,9 @@ function Finding({ finding }) {
   </li>`;
 }
 
-const jobText = (job, zone) => [job.text, job.note || (seconds(job.next) > 0 && `next ${timeIn(zone, job.next)}`)].filter(Boolean).join(", ");
+const jobName = ({ name, text }) => (name.includes(text) ? name : `${name} (${text})`);
+
+const jobText = (job, zone) => [jobName(job), job.note || (seconds(job.next) > 0 && `next ${timeIn(zone, job.next)}`)].filter(Boolean).join(", ");
 
 async function ask() {
   const nothing = { gateways: [], findings: [] };
