@@ -232,9 +232,8 @@ class SimulatedThermostat(SimulatedDevice):
     """A thermostat in a room that cools towards the weather and, while heated, warms towards ``weather + gain``.
 
     First-order: the difference to the final temperature shrinks to 1/e within ``inertia`` seconds. It takes a target
-    from
-    ``5`` to ``30``, reports that target, and later the room's temperature whenever it has changed by 0.1 K. Degrees
-    Celsius. It senses the temperature outside.
+    from ``5`` to ``30``, reports that target, and later the room's temperature whenever it has changed by 0.1 K. All
+    temperatures are in degrees Celsius. It senses the temperature outside.
 
     Attributes:
         celsius: Temperature of the room.

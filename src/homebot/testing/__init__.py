@@ -1,6 +1,6 @@
 """Houses, virtual time and event logs for tests of programs that use homebot.
 
-Each name is imported when it is first asked for: pytest loads the plug-in of this package for everybody.
+Each name is imported on first use, because pytest loads the plug-in of this package for every user.
 """
 
 from typing import TYPE_CHECKING
@@ -40,7 +40,7 @@ _NAMES = {
     "homebot.testing.virtual_house": "VirtualHouse virtual_house_of",
     "homebot.support.virtual_time": "VirtualTimeLoop",
 }
-if not TYPE_CHECKING:  # else a type checker would accept any name
+if not TYPE_CHECKING:  # otherwise a type checker would accept any name
 
     def __getattr__(name: str) -> object:
         if name not in __all__:  # a module of the package, which pytest's plug-in asks for in every program

@@ -18,10 +18,10 @@ __all__ = ["hold_open", "in_background", "plain_logs"]
 
 @asynccontextmanager
 async def in_background(*works: Callable[[], Coroutine[object, object, None]]) -> AsyncIterator[None]:
-    """Run *works* during the block and end them with it.
+    """Run *works* during the block, and end them with it.
 
-    An error of the block passes as it is, not in a group: a failed assertion is the subject of a test. Errors of
-    *works* come in a group, and end the block.
+    Errors of the block are raised unchanged, as failed assertions are the subject of a test. Errors of *works* are
+    raised in a group, and end the block.
     """
     failure: Exception | None = None
     async with anyio.create_task_group() as tasks:
@@ -43,11 +43,11 @@ ValueT = TypeVar("ValueT")
 def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextManager[ValueT]) -> Iterator[ValueT]:
     """Enter *context* on *loop*, and leave it at the end of the block.
 
-    It is entered and left in one task, as cancel scopes demand; the block's own errors do not reach it. When it ends by
-    itself, because something in it broke, its error is raised at the end of the block.
+    It is entered and left in one task, as cancel scopes require; errors of the block do not reach it. If it fails in
+    the meantime, its error is raised at the end of the block.
 
     Args:
-        loop: It does not run when the block begins, nor when it ends; in between it may run elsewhere.
+        loop: Must not be running at the beginning and end of the block; in between it may run elsewhere.
     """
     value: asyncio.Future[ValueT] = loop.create_future()
     leave = asyncio.Event()
@@ -75,11 +75,11 @@ def hold_open(loop: asyncio.AbstractEventLoop, context: AbstractAsyncContextMana
 def plain_logs(clock: Clock | None = None) -> Iterator[None]:
     """Write the log during the block as ``homebot run`` does, unless the program has set up structlog itself.
 
-    structlog's default has lines of the computer's time, debugging included, and where ``rich`` is installed draws
-    tracebacks with the values of all variables: hundreds of lines for a crashed app, and any secret among the values.
+    structlog's default writes the computer's time, includes debugging, and with ``rich`` installed draws tracebacks
+    with the values of all variables: hundreds of lines for a crashed app, secrets included.
 
     Args:
-        clock: The clock of the house, of which the lines have the time in UTC; by default the computer's time.
+        clock: The clock of the house, whose time in UTC the lines have; by default the computer's time.
     """
     if structlog.is_configured():
         yield
@@ -98,5 +98,5 @@ def plain_logs(clock: Clock | None = None) -> Iterator[None]:
     try:
         yield
     finally:
-        if structlog.get_config()["processors"][-1] is write:  # else the program has set it up meanwhile
+        if structlog.get_config()["processors"][-1] is write:  # otherwise the program has set it up in the meantime
             structlog.reset_defaults()

@@ -1,4 +1,4 @@
-"""A day in a house as plain data: the house and its events; saved as one TOML file and lived again.
+"""A day in a house as plain data, the house and its events, which can be saved as TOML and replayed.
 
 ::
 
@@ -54,14 +54,13 @@ class Day:
     """A house and its events on one day.
 
     Attributes:
-        house: The tables that describe it, as :func:`homebot.house.description.parse_world` takes them; not to
-            be changed.
-        happenings: The events, in time order; of two at one time the first given comes first.
-        start: Start in seconds after midnight, below 24 hours. Earlier events of the house itself happen too.
-        length: Seconds until it ends; at most a week after the midnight.
+        house: The tables that describe it, for :func:`homebot.house.description.parse_world`; not to be modified.
+        happenings: The events in order of time; simultaneous ones in the given order.
+        start: Start in seconds after midnight, below 24 hours. Earlier events of the house itself also happen.
+        length: Duration in seconds; it ends within a week after the midnight.
 
     Raises:
-        ConfigError: The house cannot be built, or something happens outside the day or to a device that is not there.
+        ConfigError: The house is invalid, or an event is outside the day or of an unknown device.
     """
 
     house: Mapping[str, object]
@@ -79,12 +78,12 @@ class Day:
 
     @property
     def end(self) -> float:
-        """Seconds after midnight when it ends."""
+        """Its end, in seconds after midnight."""
         return round(self.start + self.length, 3)
 
     @classmethod
     def load(cls, path: str | Path) -> Day:
-        """Return the day that was saved in *path*; where the file describes a house alone, nothing happens in it.
+        """Return the day saved in *path*; without events if the file only describes a house.
 
         Raises:
             ConfigError: The file cannot be read or is no TOML, or a key or value is wrong; names file, key and reason.
@@ -93,7 +92,7 @@ class Day:
 
     @classmethod
     def parse(cls, text: str, source: str = "day") -> Day:
-        """Return the day that *text* spells; errors name *source*.
+        """Parse a day from *text*; errors name *source*.
 
         Raises:
             ConfigError: As :meth:`load`.
@@ -101,7 +100,7 @@ class Day:
         return cls._from_tables(parse_toml(text, source, any_text=True), source)
 
     def save(self, path: str | Path) -> None:
-        """Write it to *path*; :meth:`load` returns the same day. Directories on the way are made.
+        """Save it to *path* for :meth:`load`, creating directories as needed.
 
         Raises:
             UsageError: The file cannot be written.
@@ -114,35 +113,35 @@ class Day:
             raise UsageError(f"{path} cannot be written: {exc.strerror or exc}") from exc
 
     def __str__(self) -> str:
-        """Return its file, letter for letter."""
+        """Return the text of its file."""
         head = {"start": write_time(self.start), "length": write_duration(self.length)}
         happenings = [happening.table() for happening in self.happenings]
         return write_tables({HEAD: head, **self.house} | ({HAPPENINGS: happenings} if happenings else {}))
 
     def __repr__(self) -> str:
-        """Return Python that makes it again, which can be copied into ``@example``."""
+        """Return a Python expression that creates it, for ``@example``."""
         text = str(self)
         return f"Day.parse({text!r})" if "\\" in text or '"""' in text else f'Day.parse("""\n{text}""")'
 
     def _repr_pretty_(self, printer: _Printer, cycle: bool) -> None:  # noqa: FBT001 - IPython's protocol
-        """Show it like that in a failing example of Hypothesis too."""
+        """Show that expression in failing examples of Hypothesis too."""
         del cycle
         printer.text(repr(self))
 
     def world(self, *, seed: int | None = None) -> World:
-        """Return its house, fresh, at midnight; *seed* is in place of the house's own."""
+        """Return its house at midnight; *seed* overrides the house's own."""
         return parse_world(self.house, self.source, seed=seed)
 
     def play(self, world: World | None = None) -> WorldLog:
-        """Play the day without a wire, in a few milliseconds.
+        """Play the day without a network, in a few milliseconds.
 
-        Events on the wire (``cut``, ``pull``, ``restart``) change nothing here.
+        Events on the network (``cut``, ``pull``, ``restart``) have no effect.
 
         Args:
-            world: The house to live it in; without it a fresh one of its own.
+            world: The house to use; by default a new one.
 
         Returns:
-            All that happened in the house since midnight; byte for byte the same each time.
+            All events in the house since midnight; identical each time.
 
         Raises:
             UsageError: A device is not in *world*.
@@ -157,16 +156,16 @@ class Day:
         return world.event_log
 
     async def live(self, house: VirtualHouse, *, root: str = "home425") -> tuple[DayEvent, ...]:
-        """Play the day on the wire, in virtual time.
+        """Play the day on the network, in virtual time.
 
         Args:
-            house: A house with this day's :meth:`world`, on its first day and not later than the start.
+            house: A house with this day's :meth:`world`, on its first day and not after the start.
 
         Returns:
             Events without effect: a command while the broker was away, a cut of a link that was down.
 
         Raises:
-            UsageError: It is too late in the house for this day, or a device is not in it.
+            UsageError: The house is past the start of this day, or lacks a device.
         """
         from homebot.testing.day_live import live  # noqa: PLC0415 - a day that is played needs no wire
 

@@ -1,4 +1,4 @@
-"""One thing that happens in a day, and the text form of a day: its tables as TOML, its times as in a timetable."""
+"""The event of a day, and the text form of a day: tables as TOML, times as in a timetable."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ except ModuleNotFoundError as exc:
 __all__ = ["HAPPENINGS", "LONGEST", "DayEvent", "What", "read_time", "write_duration", "write_tables", "write_time"]
 
 LONGEST: Final = 7 * 86_400.0
-"""Seconds: no time in a day is later than a week after its midnight."""
+"""Latest time in a day, in seconds: a week after its midnight."""
 
 _TIME: Final = re.compile(r"(\d{1,3}):([0-5]\d)(?::([0-5]\d)(?:\.(\d{1,6}))?)?", re.ASCII)
 
 
 def write_time(seconds: float) -> str:
-    """Return the time so many seconds after midnight: ``08:00``, ``08:00:05.250``, and ``25:30`` on the next day."""
+    """Return the time so many seconds after midnight: ``08:00``, ``08:00:05.250``, or ``25:30`` on the next day."""
     minutes, milliseconds = divmod(round(seconds * 1000), 60_000)
     text = f"{minutes // 60:02}:{minutes % 60:02}"
     if milliseconds:
@@ -36,10 +36,10 @@ def write_time(seconds: float) -> str:
 
 
 def read_time(text: str) -> float:
-    """Return the seconds after midnight that :func:`write_time` wrote; rounded to milliseconds.
+    """Parse a time of :func:`write_time`; return seconds after midnight, rounded to milliseconds.
 
     Raises:
-        UsageError: It is no such time.
+        UsageError: It is invalid.
     """
     parts = _TIME.fullmatch(text)
     if parts is None:
@@ -50,14 +50,14 @@ def read_time(text: str) -> float:
 
 
 def write_duration(seconds: float) -> str:
-    """Return so many seconds as :func:`homebot.units.parse_duration` reads them: ``8h``, ``1h30m``, ``0s``."""
+    """Return so many seconds in the form of :func:`homebot.units.parse_duration`: ``8h``, ``1h30m``, ``0s``."""
     minutes, milliseconds = divmod(round(seconds * 1000), 60_000)
     parts = {"h": minutes // 60, "m": minutes % 60, "s": milliseconds // 1000, "ms": milliseconds % 1000}
     return "".join(f"{number}{unit}" for unit, number in parts.items() if number) or "0s"
 
 
 def write_tables(tables: Mapping[str, object]) -> str:
-    """Return *tables* as TOML; a list of tables becomes ``[[name]]``, behind the others."""
+    """Return *tables* as TOML; lists of tables, ``[[name]]``, come last."""
     lists = {name: value for name, value in tables.items() if _is_list_of_tables(value)}
     blocks = [tomli_w.dumps({name: value for name, value in tables.items() if name not in lists})]
     for name, value in lists.items():
@@ -78,7 +78,7 @@ ValueT = TypeVar("ValueT")
 What = Literal["press", "tell", "cut", "pull", "restart"]
 
 HAPPENINGS: Final[tuple[What, ...]] = get_args(What)
-"""All that can happen, the simplest first."""
+"""All kinds of events, simplest first."""
 
 _TAKES: Final[Mapping[What, frozenset[str]]] = {
     "press": frozenset({"device", "command"}),
@@ -91,20 +91,20 @@ _TAKES: Final[Mapping[What, frozenset[str]]] = {
 
 @dataclass(frozen=True, slots=True)
 class DayEvent:
-    """One thing that happens to a house.
+    """An event in a house.
 
     Attributes:
         at: Seconds since the midnight before the day, 0 to a week; rounded to milliseconds.
-        what: Hands ``press`` a switch of a device; somebody on the wire sends (``tell``) it a command; its link is
-            ``cut``, after which it dials again; its cable is pulled (``pull``): nothing is carried, and neither side is
-            informed; or the broker goes and comes back (``restart``).
-        device: Which device; not for ``restart``.
-        command: The command by hand or on the wire; for ``press`` and ``tell`` alone.
-        lasts: Seconds until the cable is plugged in or the broker is back; for ``pull`` and ``restart`` alone.
-        forget: Whether the broker comes back without its sessions and retained messages; for ``restart`` alone.
+        what: A device is operated by hand (``press``) or gets a command over the network (``tell``); its link is
+            ``cut``, after which it reconnects; its cable is pulled (``pull``), so that all traffic stops without either
+            side being informed; or the broker restarts (``restart``).
+        device: The device; not for ``restart``.
+        command: The command, by hand or over the network; only for ``press`` and ``tell``.
+        lasts: Seconds until the cable is plugged in or the broker is back; only for ``pull`` and ``restart``.
+        forget: Whether the broker loses its sessions and retained messages; only for ``restart``.
 
     Raises:
-        UsageError: A value is out of its range, is missing, or is one that this does not take.
+        UsageError: A value is out of range, missing, or not allowed for this kind of event.
     """
 
     at: float
@@ -129,7 +129,7 @@ class DayEvent:
             raise UsageError(f"the command {self.command!r} is not text that can be sent")
 
     def table(self) -> dict[str, object]:
-        """Return it as a table of the file."""
+        """Return it as a table for the file."""
         takes = _TAKES[self.what]
         table: dict[str, object] = {"at": write_time(self.at), "what": self.what}
         table |= {name: getattr(self, name) for name in ("device", "command") if name in takes}
@@ -144,7 +144,7 @@ class DayEvent:
         """Return the event in *table*.
 
         Raises:
-            ConfigError: A key is unknown or a value wrong; names *source*, *key* and reason.
+            ConfigError: A key is unknown or a value is invalid; the message names *source*, *key* and the reason.
         """
         values = parse_settings(_DayEventTable, table, source, key)
         at = _read(read_time, values.at, source, f"{key}.at")

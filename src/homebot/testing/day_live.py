@@ -1,4 +1,4 @@
-"""A day on the wire, in virtual time."""
+"""A day on the network, in virtual time."""
 
 import asyncio
 from collections import Counter
@@ -21,24 +21,24 @@ ROOT = "home425"
 
 
 def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: str | float = HEARTBEAT) -> World:
-    """Play *day* with *apps* on the wire, in virtual time, from a test without ``async``.
+    """Play *day* with *apps* on the network, in virtual time, from a test without ``async``.
 
     Args:
-        apps: Each a plug-in's name or ``module:Class``.
-        seed: The seed of random numbers on the network: the same day with the same seed is the same run.
+        apps: Plug-in names or ``module:Class``.
+        seed: The seed of random numbers on the network; the same day and seed give the same run.
 
     Returns:
         The house at the end of the day, with its ``event log``.
 
     Raises:
         AssertionError: An app crashed.
-        UsageError: An argument cannot be used, or the test has ``async``: there, ``await day.live(house)``.
+        UsageError: An argument is invalid, or the test has ``async`` and should ``await day.live(house)``.
     """
     _need_no_loop()
 
     async def lived() -> World:
         world = day.world()
-        world.run_until(day.start)  # the morning is not published
+        world.run_until(day.start)  # earlier events are not published
         start = parse_time(START) + timedelta(seconds=day.start)
         async with virtual_house_of(
             *apps, world=world, root=root, start=start, seed=seed, heartbeat=heartbeat
@@ -53,7 +53,7 @@ def live_day(day: Day, *apps: str, root: str = ROOT, seed: int = 0, heartbeat: s
 
 
 async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayEvent, ...]:
-    """Play *day* in *house*; as :meth:`homebot.testing.day.Day.live`."""
+    """Play *day* in *house*; see :meth:`homebot.testing.day.Day.live`."""
     midnight = house.now.replace(hour=0, minute=0, second=0, microsecond=0)
     start = midnight + timedelta(seconds=day.start)
     if house.now > start:
@@ -73,7 +73,7 @@ async def live(day: Day, house: VirtualHouse, *, root: str = ROOT) -> tuple[DayE
 
 @dataclass(eq=False)
 class _Wire:
-    """The acts of a day on a house. Each returns whether it found something to do."""
+    """The acts of a day in a house. Each returns whether it had an effect."""
 
     house: VirtualHouse
     root: str
@@ -138,7 +138,7 @@ _Step = tuple[float, DayEvent, Callable[[], Awaitable[bool]]]
 
 
 def _plan(day: Day, wire: _Wire) -> list[_Step]:
-    """List the acts with their times; one that lasts ends with the day at the latest."""
+    """Return the acts with their times; lasting ones end with the day at the latest."""
     steps: list[_Step] = []
     for event in day.happenings:
         ends = min(event.at + event.lasts, day.end)

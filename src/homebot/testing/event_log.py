@@ -1,4 +1,4 @@
-"""Everything that happens in a virtual house, with the time at which it did: to read, to compare, to keep."""
+"""The log of everything that happens in a virtual house, with times, to read and compare."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ NODE = "event_log"
 
 @dataclass(frozen=True, slots=True)
 class HouseEvent:
-    """One thing that happened.
+    """A logged event.
 
     Attributes:
         at: Seconds since the Unix epoch, in the time of the house.
-        source: Where: a message on MQTT, a message on a topic of the graph, or a change of the graph.
-        said: The payload or message, as it came; or which entity.
+        source: A message on MQTT, a message on a topic of the graph, or a change of the graph.
+        said: The original payload or message; or the entity concerned.
     """
 
     at: float
@@ -53,7 +53,7 @@ class HouseEvent:
 
     @property
     def text(self) -> str:
-        """Payload as text: most events of a day are never read, so it is made for those that are."""
+        """The payload as text, made on demand because most events are never read."""
         match self.said:
             case bytes():
                 return self.said.decode(errors="backslashreplace")
@@ -79,17 +79,17 @@ class EventLog:
         return "".join(f"{event}\n" for event in self.events)
 
     def record(self, source: Literal["mqtt", "topic", "graph"], name: str, said: bytes | Message | str) -> None:
-        """Add an event that happens now."""
+        """Add an event at the current time."""
         self.lost += len(self.events) == MAX_EVENTS
         self.events.append(HouseEvent(self._clock.now(), source, name, said))
 
     @classmethod
     @asynccontextmanager
     async def of(cls, house: TestHouse) -> AsyncIterator[EventLog]:
-        """Log *house* during the block: all messages on MQTT and on the graph, and all nodes that come and go.
+        """Log *house* during the block: all messages on MQTT and the graph, and all nodes that come and go.
 
-        It is a node ``/event_log`` and a client of the broker without special rights. The fixtures of pytest keep
-        one already: ``house.log``.
+        It runs a node ``/event_log`` and an ordinary client of the broker. The pytest fixtures already keep one:
+        ``house.log``.
         """
         log = cls(house.runtime.graph.clock)
         async with Node(house.runtime.graph, NODE) as node, house.client(NODE) as connection:
@@ -148,15 +148,15 @@ def _record_topic(node: Node, log: EventLog, topics: set[str], message_type: typ
 
 
 LINES = 36
-"""With the lines above them and the title below 40."""
+"""Together with the lines above and the title below 40."""
 
 WIDTH = 120
 
 
 def house_report(house: TestHouse) -> str:
-    """Return the time in *house*, its crashes, and the newest commands and changes of its log.
+    """Return the time in *house*, its crashes, and the newest commands and changes in its log.
 
-    Where these are many, changes that are only measured, such as a power, are left out.
+    If there are many, changes of measurements, such as power, are left out.
     """
     now = datetime.fromtimestamp(house.runtime.graph.clock.now(), UTC)
     happened = list(_lines(house.log.events))

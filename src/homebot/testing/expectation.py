@@ -1,4 +1,4 @@
-"""A wait for values of one device, in the words of its handles."""
+"""The wait for values of one device, in terms of its handles."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -23,15 +23,15 @@ _KINDS: Final = tuple(
     for name in handles.__all__
     if isinstance(kind := getattr(handles, name), type) and issubclass(kind, Handle) and kind.service_types
 )
-"""Every kind of handle of a certain type of device."""
+"""All kinds of handles for specific device types."""
 
 _TOLERANCE: Final = 0.01
-"""Share by which a number may differ: devices round levels and temperatures."""
+"""Share by which a number may differ, as devices round levels and temperatures."""
 
 
 @final
 class Expectation(HouseWatcher):
-    """The values that one device is to have, such as ``on=False``."""
+    """The expected values of one device, such as ``on=False``."""
 
     def __init__(self, view: HouseView, name: str, values: Mapping[str, object]) -> None:
         if not values:
@@ -43,7 +43,7 @@ class Expectation(HouseWatcher):
         self._known: dict[str, Device] = {}
 
     def on_device(self, change: DeviceChange) -> None:
-        """Record a device, or its end."""
+        """Handle a change of a device."""
         if change.kind == "removed":
             self._known.pop(change.device.id, None)
         else:
@@ -51,19 +51,19 @@ class Expectation(HouseWatcher):
         self._news.set()
 
     def on_values(self, change: StateChange) -> None:
-        """Look again."""
+        """Check again."""
         del change
         self._news.set()
 
     def close(self) -> None:
-        """Look a last time."""
+        """Check for the last time."""
         self._news.set()
 
     async def wait(self, within: str | float) -> None:
         """Return when the device has the values.
 
         Raises:
-            AssertionError: It has others when the time is over; the message says which.
+            AssertionError: It has other values at the end of the time; the message lists them.
         """
         __tracebackhide__ = True
         self._view.add(self)
@@ -96,7 +96,7 @@ class Expectation(HouseWatcher):
         return f"it is {', '.join(f'{word}={present[word]!r}' for word in self._values)}"
 
     def _present(self) -> Mapping[str, object]:
-        """Return the present values of the device by property and by capability; of several parts the first known."""
+        """Return the current values of the device by property and capability; of several parts the first known."""
         device = self._device()
         view = None if device is None else self._view.get(device.id)
         found: dict[str, object] = {}
@@ -107,7 +107,7 @@ class Expectation(HouseWatcher):
                 if part.part.service_type in kind.service_types:
                     handle = kind(view, part.id, self._view)
                     found |= {word: getattr(handle, word) for word in _words(kind) if found.get(word) is None}
-        for state in view.current().states:  # a thermostat's temperature may be another part's
+        for state in view.current().states:  # a thermostat's temperature may belong to another part
             if found.get(state.capability) is None:
                 found[state.capability] = state.value.plain()
         return found
@@ -123,7 +123,7 @@ class Expectation(HouseWatcher):
 
 
 def _words(kind: type[Handle]) -> Iterator[str]:
-    """Yield the names of the values that handles of *kind* have beside those of every handle."""
+    """Yield the names of values of handles of *kind*, without those of every handle."""
     for owner in kind.__mro__:
         if owner is not Handle:
             yield from (name for name, one in vars(owner).items() if isinstance(one, property))

@@ -1,4 +1,4 @@
-"""The gateway in memory, for devices with raw messages, as a test plays them."""
+"""A gateway in memory, for devices with raw messages that a test plays."""
 
 from typing import ClassVar, Literal
 
@@ -32,11 +32,11 @@ class FakeGateway(MemoryGateway):
 
     @property
     def told(self) -> list[tuple[str, str]]:
-        """The addresses and payloads of the raw commands that came, oldest first."""
+        """The addresses and payloads of received raw commands, oldest first."""
         return [(command.address, command.payload) for command in self.raw_commands]
 
     async def says(self, key: str, payload: str | bytes, *, name: str = "", takes_commands: bool = True) -> None:
-        """Publish *payload* as the device *key*: it is announced, and its subscribers get the message."""
+        """Publish *payload* as the device *key*, which is announced, to its subscribers."""
         self.sees(key, name=name, takes_commands=takes_commands)
         await self.devices.deliver_raw(key, payload.encode() if isinstance(payload, str) else payload)
 
@@ -64,14 +64,14 @@ class FakeGateway(MemoryGateway):
         self.devices.put(device, "the test says so", confirmed=confirmed)
 
     def removes(self, key: str) -> None:
-        """Take the device *key* out of the house."""
+        """Remove the device *key* from the house."""
         self.devices.remove(key, "the test says so")
 
     def find_source(self, address: str) -> tuple[str, str]:
         """Return key and name of the device that publishes on *address*.
 
         Raises:
-            RefusedError: The settings say so.
+            RefusedError: The settings forbid it.
         """
         if address in self._refused:
             raise RefusedError(f"listening to {address}", "the test refuses it")

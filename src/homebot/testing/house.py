@@ -1,4 +1,4 @@
-"""A house in a test: the embedded broker, a homebot with the app under test, and the devices' side of the wire."""
+"""A house in a test: the embedded broker, a homebot with the app under test, and the side of the devices."""
 
 from __future__ import annotations
 
@@ -38,24 +38,24 @@ __all__ = ["TestHouse", "house_config", "house_of", "mqtt_gateway_of"]
 GATEWAYS = "homebot.gateways"
 
 LOGIN: Final = frozenset({"user", "password_file", "password_env", "ca_file", "cert_file", "key_file", "client_id"})
-"""Keys of a gateway's table that describe a broker, which the test's own one replaces."""
+"""Keys of a gateway's table that describe a broker, which is replaced by the test's."""
 
 
 def house_config(
     apps: Sequence[str], root: str, url: str, given: Config | Mapping[str, object] | None = None
 ) -> Config:
-    """Return *given* with *apps* and made for a test.
+    """Return *given* with *apps*, adapted for a test.
 
-    A gateway for MQTT without a broker on this computer gets the one at *url* and acts: a test never touches a real
-    house, nor do notifications reach people. Its root is *root* unless it has one; where there is no gateway, it is the
-    only one. The door's port is any free one, and its zone UTC, unless it has one.
+    An MQTT gateway without a broker on this computer gets the one at *url*, and acts: a test never touches a real
+    house, and notifications do not reach people. Its root is *root* unless it has one; if there are no gateways, it is
+    added. The door gets a free port, and the home the zone UTC, unless given.
 
     Args:
-        apps: Each a plug-in's name or ``module:Class``; they come last, unless *given* has a table for them.
+        apps: Plug-in names or ``module:Class``; added last, unless *given* has a table for them.
         given: A configuration, or tables as in ``homebot.toml``.
 
     Raises:
-        UsageError: The address of a broker cannot be read, or a table.
+        UsageError: The address of a broker, or a table, is invalid.
     """
     given = given if isinstance(given, Config) else parse_config(given or {}, "config")
     gateways = given.gateways or {"mqtt": {}}
@@ -74,10 +74,10 @@ def house_config(
 
 
 def mqtt_gateway_of(config: Config) -> MqttGatewaySettings | None:
-    """Return the settings of the first gateway for MQTT in *config*.
+    """Return the settings of the first MQTT gateway in *config*.
 
     Raises:
-        ConfigError: Its table is wrong.
+        ConfigError: Its table is invalid.
     """
     for name, table in config.gateways.items():
         if _is_for_mqtt(name, table):
@@ -96,36 +96,36 @@ def _on_test_broker(name: str, table: Table, root: str, url: str) -> Table:
 
 
 def _is_here(url: object) -> bool:
-    """Return whether *url* is a broker that a test may use; other types are refused later, by their key."""
+    """Return whether *url* is a broker that a test may use; invalid types are refused later, with their key."""
     return not isinstance(url, str) or (url != EMBEDDED and is_loopback(MqttOptions.from_url(url).host))
 
 
 def _is_for_mqtt(name: str, table: Table) -> bool:
     try:
         kind = load_plugin(GATEWAYS, str(table.get("class", name)))
-    except PluginError:  # the runtime says so, with its key
+    except PluginError:  # the runtime reports it, with its key
         return False
     return issubclass(kind, MqttGateway)
 
 
 DEFAULT_WAIT = 30.0
-"""Seconds: on an idle computer it takes milliseconds, but the one that runs the tests may be slow or busy."""
+"""Seconds; milliseconds on an idle computer, but one that runs tests may be slow or busy."""
 
 EVERYTHING = MqttSubscription("#", qos=1, no_local=True)
-"""The subscription of a test: all but its own messages."""
+"""The subscription of a test: everything except its own messages."""
 
 KEPT = 1000
-"""Payloads of one topic that wait to be asked for; the oldest goes."""
+"""Most unread payloads of one topic; the oldest is dropped first."""
 
 MAX_TOPICS = 10_000
-"""Topics with waiting payloads; the oldest is dropped first."""
+"""Most topics with unread payloads; the oldest is dropped first."""
 
 
 _SHOWN = 10
 
 
 class TestHouse:
-    """A running homebot on a broker of its own, with which a test plays the devices.
+    """A running homebot with its own broker, on which a test plays the devices.
 
     Attributes:
         broker_url: The address of its broker, as ``mqtt://host:port``.
@@ -151,18 +151,18 @@ class TestHouse:
 
     @property
     def crashed(self) -> tuple[str, ...]:
-        """The parts of the runtime that crashed or let a callback fail, each once, sorted."""
+        """The parts of the runtime that crashed or had a failing callback, each once, sorted."""
         failed = {failure.node.lstrip("/") for failure in self.runtime.graph.failures}
         return tuple(sorted({*self.runtime.supervisor.crashes, *failed}))
 
     @property
     def notifications(self) -> tuple[Notification, ...]:
-        """The last hundred notifications of apps: each has a ``message``, a ``title``, an ``app`` and a ``time``."""
+        """The last hundred notifications of apps, each with ``message``, ``title``, ``app`` and ``time``."""
         return tuple(self.runtime.app_host.notifier.recent)
 
     @property
     def log(self) -> EventLog:
-        """The log of events; the fixtures of pytest and :meth:`EventLog.of` keep one.
+        """The log of events, kept by the pytest fixtures and by :meth:`EventLog.of`.
 
         Raises:
             UsageError: No log is kept of this house.
@@ -176,7 +176,7 @@ class TestHouse:
         self._log = log
 
     def client(self, client_id: str) -> MqttConnection:
-        """Return another client of the broker, which connects when it is entered with ``async with``."""
+        """Return another client of the broker, which connects when entered with ``async with``."""
         return MqttConnection(
             replace(self._options, client_id=client_id),
             self._make_client,
@@ -186,18 +186,18 @@ class TestHouse:
         )
 
     async def says(self, topic: str, payload: str) -> None:
-        """Publish *payload* on *topic* as a device would; returns when the broker has acknowledged it."""
+        """Publish *payload* on *topic* like a device; return when the broker has acknowledged it."""
         await self._field.publish(topic, payload.encode(), qos=1)
 
     async def hears(self, topic: str, within: str | float = DEFAULT_WAIT) -> str:
-        """Return the next payload that homebot or a device publishes on *topic*; the test's own messages do not count.
+        """Return the next payload that homebot or a device, but not the test, publishes on *topic*.
 
         Args:
-            within: The longest time to wait: such as ``"5m"``, or seconds.
+            within: The longest wait: such as ``"5m"``, or seconds.
 
         Raises:
-            TimeoutError: Nothing came in time; the message lists other received topics and crashed apps.
-            UsageError: *topic* is not a valid topic, or *within* no time.
+            TimeoutError: Nothing arrived in time; the message lists other received topics and crashed apps.
+            UsageError: *topic* or *within* is invalid.
         """
         __tracebackhide__ = True
         seconds = parse_duration(within, "within")
@@ -214,12 +214,12 @@ class TestHouse:
         return received.popleft()
 
     async def becomes(self, device: str, *, within: str | float = DEFAULT_WAIT, **values: object) -> None:
-        """Return when *device* has *values* in the directory, at once if it has them now.
+        """Return once *device* has *values* in the directory.
 
         Args:
             device: Its id, or one of its names.
             within: The longest time: such as ``"5m"``, or seconds.
-            values: By the names of the properties of its handle, for example ``on=False`` or ``level=40``.
+            values: Values by properties of its handle, for example ``on=False`` or ``level=40``.
 
         Raises:
             AssertionError: It has other values when the time is over; the message says which.
@@ -231,10 +231,11 @@ class TestHouse:
             await Expectation(HouseView.of(node), device, values).wait(within)
 
     async def reload(self, app: str) -> None:
-        """Stop *app* and start it from its file, as ``homebot app reload``; what it keeps stays, as over a restart.
+        """Stop *app* and start it from its file, like ``homebot app reload``; its store is kept.
 
         Raises:
-            UsageError: There is none, or the new one cannot be loaded or crashes at once; the old one runs then.
+            UsageError: There is no such app, or the new one cannot be loaded or crashes at once, so that the old one
+                runs.
         """
         __tracebackhide__ = True
         await self.runtime.app_manager.reload(app)
@@ -260,7 +261,7 @@ class TestHouse:
         self._received[topic].append(payload)
 
     def _timeout_text(self, topic: str, within: float) -> str:
-        """Describe messages on other topics: first those of homebot to devices, without its own status."""
+        """Describe the messages on other topics, those from homebot to devices first, without its own status."""
         received = [name for name, payloads in self._received.items() if payloads and not name.endswith("/mqtt/status")]
         names = sorted(received, key=lambda one: not one.endswith("/in"))
         elsewhere = {name: list(self._received[name])[-_SHOWN:] for name in names[:_SHOWN]}
@@ -274,14 +275,14 @@ class TestHouse:
 async def house_of(
     *apps: str, root: str = "home425", config: Config | Mapping[str, object] | None = None
 ) -> AsyncIterator[TestHouse]:
-    """Run *apps*, each a plug-in's name or ``module:Class``, in a homebot on a broker of its own.
+    """Run *apps*, plug-in names or ``module:Class``, in a homebot with its own broker.
 
     Devices that do not announce themselves publish on ``<root>/SERVICE_TYPE/DEVICE_ID/out`` and take commands on
     ``…/in``.
 
     Args:
         config: Further configuration, as in ``homebot.toml``; a broker on another computer is replaced by the test's,
-            and ports that are not given are free ones.
+            and free ports are used unless given.
 
     Raises:
         UsageError: The configuration is invalid.

@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 __all__ = ["anyio_loop", "homebot", "homebot_config", "house", "own_loop", "virtual_time"]
 
 _REPORTS = pytest.StashKey[list[Callable[[], tuple[str, str]]]]()
-"""Makers of the title and the text about each house of a test."""
+"""Functions for the title and the text about each house of a test."""
 
 _FAILED = pytest.StashKey[bool]()
 
 _OF_REAL_TIME = {"homebot_config": "homebot", loops.BROKERS: "mqtt_broker"}
-"""Names of fixtures that only ours use, and of ours that tests may use too."""
+"""Names of homebot's internal fixtures, and of those for tests."""
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ def homebot_config(request: pytest.FixtureRequest) -> object:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the marks known, and the fixtures that need pytest-asyncio where that is."""
+    """Register the marks, and the fixtures that need pytest-asyncio if that is installed."""
     config.addinivalue_line(
         "markers",
         "house(*apps, world=…, config=…, root='home425', start='2026-01-01 00:00', seed=0, heartbeat=300): what is in "
@@ -77,13 +77,13 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> Generator[None, None, No
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """Give each test in virtual time a loop of its own."""
+    """Give each test in virtual time its own loop."""
     loops.use_loop_of_its_own(item)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
-    """Run a test with one of our fixtures if no other plug-in runs it."""
+    """Run a test with one of homebot's fixtures if no other plug-in does."""
     with loops.own_runner(pyfuncitem) as runner:
         if runner is None:
             return None
@@ -94,7 +94,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
-    """Close the loop when all fixtures are gone."""
+    """Close the loop after all fixtures."""
     try:
         yield
     finally:
@@ -103,7 +103,7 @@ def pytest_runtest_teardown(item: pytest.Item) -> Generator[None, None, None]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Show the event log of the houses of a failed test."""
+    """Show the event logs of a failed test's houses."""
     report = yield
     if report.failed and report.when == "call":
         item.stash[_FAILED] = True
@@ -115,7 +115,7 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 def _house_of_test(
     request: pytest.FixtureRequest, fixture: str, loop_of: Callable[..., AbstractEventLoop], *config: object
 ) -> Iterator[Any]:
-    """Give the house of the marks to a test, whose report shows what happened where it or an app failed."""
+    """Provide the house described by the marks; if the test or an app fails, its report shows what happened."""
     from homebot.testing.event_log import house_report  # noqa: PLC0415 - on first use
     from homebot.testing.house_marks import allows_crashes, open_house  # noqa: PLC0415 - as above
 
@@ -125,6 +125,6 @@ def _house_of_test(
         reports.append(lambda: (f"what happened in `{fixture}`", house_report(house)))
         yield house
         if house.crashed and not allows_crashes(test, fixture) and not test.stash.get(_FAILED, False):
-            mark = f"@pytest.mark.{fixture}(allow_crashes=True)"  # it was started again: the test may not notice
+            mark = f"@pytest.mark.{fixture}(allow_crashes=True)"  # it was restarted, which the test may not notice
             pytest.fail(f"{', '.join(house.crashed)} crashed; where that is meant, {mark}", pytrace=False)
     reports.clear()

@@ -1,4 +1,4 @@
-"""Arguments of the marks ``house`` and ``homebot``, and the house that they describe; an error names the argument."""
+"""The arguments of the marks ``house`` and ``homebot``, and the house that they describe."""
 
 from asyncio import AbstractEventLoop
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
@@ -30,10 +30,10 @@ ValueT = TypeVar("ValueT")
 
 @contextmanager
 def open_house(test: pytest.Item, loop: AbstractEventLoop, *config: object) -> Iterator[TestHouse]:
-    """Run on *loop*, with a log of it, the homebot with *config* that the marks of *test* describe, or its house.
+    """Run and log the homebot or the house that the marks of *test* describe, on *loop*.
 
-    Of the marks of function, class and module the nearest counts most; apps are those of the nearest that has any.
-    Where a mark is invalid, the test fails with a message that names the argument, without our code in the traceback.
+    The marks of the function take precedence over those of class and module; apps come from the nearest mark with any.
+    An invalid mark fails the test with a message that names the argument, without homebot's code in the traceback.
     """
     try:
         with hold_open(loop, _with_log(_homebot(test, *config) if config else _virtual_house(test))) as house:
@@ -63,7 +63,7 @@ def _homebot(test: pytest.Item, config: object) -> AbstractAsyncContextManager[T
 
 
 def allows_crashes(test: pytest.Item, name: str) -> bool:
-    """Return whether the marks *name* of *test* let its apps crash."""
+    """Return whether the marks *name* of *test* allow its apps to crash."""
     return _arguments(test, name).get(ALLOW_CRASHES) is True
 
 
@@ -84,7 +84,7 @@ def _read(test: pytest.Item, name: str, known: frozenset[str]) -> tuple[list[str
 
 
 def _arguments(test: pytest.Item, name: str) -> dict[str, Any]:
-    """Collect the arguments of all marks of this *name*; those nearer to the test count more."""
+    """Return the arguments of all marks of this *name*; those nearer to the test take precedence."""
     return {key: value for mark in reversed(list(test.iter_markers(name))) for key, value in mark.kwargs.items()}
 
 
@@ -146,7 +146,7 @@ _CHECKS: Final[Mapping[str, Callable[[Any], object]]] = {
 
 
 def _world(value: object, test: pytest.Item, seed: int | None) -> World:
-    """Return a world of this test's own, however many tests share its mark."""
+    """Return a separate world for this test, even if several tests share the mark."""
     if isinstance(value, str | Path):
         return load_world(_beside(test, value), seed=seed)
     made = value() if callable(value) else deepcopy(value)

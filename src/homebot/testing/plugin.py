@@ -1,8 +1,8 @@
-"""The pytest plug-in: a real MQTT broker for tests, without configuration, with any asyncio plug-in or none.
+"""The pytest plug-in: a real MQTT broker for tests, without configuration, for any asyncio plug-in or none.
 
 The fixtures for a whole house are in :mod:`homebot.testing.house_fixtures`, which pytest loads with this.
 
-Loaded by pytest wherever homebot is installed, so it imports nothing of homebot before a fixture is asked for.
+As pytest loads it wherever homebot is installed, it imports homebot only when a fixture is used.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _shown = pytest.StashKey[bool]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Register the mark, also for ``--strict-markers``, and fail tests with a step that is never awaited."""
+    """Register the mark, also for ``--strict-markers``, and make tests with a step that is not awaited fail."""
     config.addinivalue_line("markers", _MARK_HELP)
     for warning in _FORGOTTEN_COMMANDS:
         config.addinivalue_line("filterwarnings", warning)
@@ -46,28 +46,28 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.fixture
 def mqtt_broker(request: pytest.FixtureRequest, _mqtt_brokers: FixtureBrokers) -> Iterator[TestBroker]:
-    """A fresh MQTT broker on a free port of 127.0.0.1, for a test on an asyncio loop."""
+    """A new MQTT broker on a free port of 127.0.0.1, for a test on an asyncio loop."""
     with _mqtt_brokers.serve(request.node) as broker:
         yield broker
 
 
 @pytest.fixture(scope="session")
 def mqtt_broker_session(_mqtt_brokers: FixtureBrokers) -> Iterator[TestBroker]:
-    """An MQTT broker that all tests of the session share."""
+    """An MQTT broker shared by all tests of the session."""
     with _mqtt_brokers.serve() as broker:
         yield broker
 
 
 @pytest.fixture
 def mqtt_broker_thread(request: pytest.FixtureRequest, _mqtt_brokers: FixtureBrokers) -> Iterator[BlockingTestBroker]:
-    """A fresh MQTT broker for a test without a loop; its methods block."""
+    """A new MQTT broker for a test without a loop; its methods block."""
     with _mqtt_brokers.serve_blocking(request.node) as broker:
         yield broker
 
 
 @pytest.fixture(scope="session")
 def _mqtt_brokers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[FixtureBrokers]:
-    """The maker of all brokers of the session, which live on its thread."""
+    """The factory of all brokers of the session, which run in its thread."""
     from homebot.testing.mqtt.fixture_brokers import FixtureBrokers  # noqa: PLC0415 - on first use
 
     with FixtureBrokers.running(lambda: tmp_path_factory.mktemp("mqtt_broker_tls")) as brokers:

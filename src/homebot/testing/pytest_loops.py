@@ -1,8 +1,7 @@
 """The event loop of a test: of pytest-asyncio, of anyio's plug-in, or of homebot if neither runs it.
 
-Fixtures of homebot are no coroutines: their runners differ from test to test. Each asks for the loop of its test, and
-runs on that. A test in virtual time gets a loop of its own, made by a :class:`homebot.testing.VirtualTimeLoop`; all
-others keep theirs.
+Fixtures of homebot are not coroutines, as their runners differ from test to test: each asks for the loop of its test.
+A test in virtual time gets its own :class:`homebot.testing.VirtualTimeLoop`; all others keep theirs.
 """
 
 from __future__ import annotations
@@ -32,19 +31,19 @@ __all__ = [
 ResultT = TypeVar("ResultT")
 
 VIRTUAL_TIME = "_homebot_virtual_time"
-"""The fixture that marks a test as one in virtual time: names such as ``house`` others may use too."""
+"""The fixture that marks a test as one in virtual time, as others may use names such as ``house``."""
 
 BROKERS = "_mqtt_brokers"
 """The fixture that marks a test as one with an MQTT broker."""
 
 PYTEST_ASYNCIO = "asyncio"
-"""The name of pytest-asyncio among the plug-ins."""
+"""The plug-in name of pytest-asyncio."""
 
 RUNNER_FIXTURE = "_function_scoped_runner"
-"""The runner of a test and its fixtures in pytest-asyncio."""
+"""The fixture of pytest-asyncio with the runner of a test."""
 
 _CHOOSES_LOOPS = "_asyncio_loop_factory"
-"""In pytest-asyncio since 1.4, which gives a warning for the policies that are the way before."""
+"""Available in pytest-asyncio since 1.4, which warns of policies, the only way before."""
 
 _RUNNER = pytest.StashKey[asyncio.Runner]()
 
@@ -70,9 +69,9 @@ def own_loop(request: pytest.FixtureRequest) -> Iterator[asyncio.AbstractEventLo
 
 
 def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
-    """Return the loop that runs the test of *request*; it stands still while fixtures are made.
+    """Return the loop that runs the test of *request*, which is stopped while fixtures are set up.
 
-    The test fails with a word about *fixture* where it has no such loop.
+    If there is none, the test fails with a message about *fixture*.
     """
     test = request.node
     if not _is_coroutine(test):
@@ -96,7 +95,7 @@ def loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEve
 
 
 def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.AbstractEventLoop:
-    """Return the loop of virtual time that runs the test of *request*; the test fails where it has another one."""
+    """Return the virtual loop of the test of *request*; the test fails if it has another one."""
     loop = loop_of(request, fixture)
     if not isinstance(loop, _virtual_loop_class()):
         _fail(
@@ -109,7 +108,7 @@ def virtual_loop_of(request: pytest.FixtureRequest, fixture: str) -> asyncio.Abs
 
 @contextmanager
 def own_runner(test: pytest.Item) -> Iterator[asyncio.Runner | None]:
-    """Create a loop for *test* if it has no other runner and one of our fixtures needs a loop."""
+    """Create a loop for *test* if it has no other runner and one of homebot's fixtures needs a loop."""
     runner = test.stash.get(_RUNNER, None)
     if runner is None and _is_left_with_a_broker(test):
         with asyncio.Runner() as runner:
@@ -150,7 +149,7 @@ def close_virtual_loop(test: pytest.Item) -> None:
 
 
 class _VirtualRunner:
-    """The part of ``asyncio.Runner`` that pytest-asyncio uses; opens at first use, and again for a repeated test."""
+    """The part of ``asyncio.Runner`` used by pytest-asyncio; opened on first use, and again for a repeated test."""
 
     def __init__(self) -> None:
         self._runner: asyncio.Runner | None = None

@@ -1,4 +1,4 @@
-"""A house in a test where time is virtual: a day of it passes in well under a second."""
+"""A house in a test with virtual time: a day passes in well under a second."""
 
 import asyncio
 import re
@@ -38,13 +38,13 @@ _TIME_OF_DAY: Final = re.compile(r"([01]?\d|2[0-3]):([0-5]\d)(?::([0-5]\d))?", r
 
 
 def parse_time(when: str | datetime) -> datetime:
-    """Return a point in time in UTC.
+    """Parse a point in time; return it in UTC.
 
     Args:
-        when: A date-time, or its text as in ``2026-01-01`` or ``2026-01-01 22:00``; without a time zone it is UTC.
+        when: A date-time, or a text such as ``2026-01-01`` or ``2026-01-01 22:00``; UTC without a time zone.
 
     Raises:
-        UsageError: It cannot be read.
+        UsageError: It is invalid.
     """
     if isinstance(when, str):
         try:
@@ -55,15 +55,15 @@ def parse_time(when: str | datetime) -> datetime:
 
 
 def next_moment(now: datetime, when: str | datetime) -> datetime:
-    """Return the point in time that *when* means, which is later than *now*.
+    """Return the next point in time described by *when*, later than *now*.
 
     Args:
         now: The present, in UTC.
-        when: As :func:`parse_time` takes it, or a time of day such as ``22:00`` or ``22:00:30``: the next one in UTC,
-            which is tomorrow's where it is that time now.
+        when: As for :func:`parse_time`, or a time of day in UTC such as ``22:00`` or ``22:00:30``; tomorrow's if it is
+            that time now.
 
     Raises:
-        UsageError: It cannot be read, or is past.
+        UsageError: It is invalid or in the past.
     """
     time_of_day = _TIME_OF_DAY.fullmatch(when.strip()) if isinstance(when, str) else None
     if time_of_day is not None:
@@ -77,10 +77,10 @@ def next_moment(now: datetime, when: str | datetime) -> datetime:
 
 
 START = "2026-01-01 00:00"
-"""When time begins in a virtual house, in UTC, unless told otherwise."""
+"""Default start of time in a virtual house, in UTC."""
 
 HEARTBEAT = 300.0
-"""Seconds after which a simulated device publishes its last state again: as plugged-in devices do, and little work."""
+"""Seconds after which a simulated device repeats its last state: as mains-powered devices do, and little work."""
 
 _KEEP_ALIVE = 3_600
 _SHOWN = 60
@@ -90,7 +90,7 @@ class VirtualHouse(TestHouse):
     """A :class:`TestHouse` in virtual time and without sockets; time passes only while the test waits.
 
     Attributes:
-        broker: The broker; a test may stop it, or cut and freeze connections.
+        broker: The broker; tests may stop it, or cut and freeze connections.
         simulated: The simulated house, which connects the devices of ``world`` to the broker.
     """
 
@@ -110,7 +110,7 @@ class VirtualHouse(TestHouse):
 
     @property
     def world(self) -> World:
-        """The simulated world; read it, but let the house change it."""
+        """The simulated world, read-only for tests."""
         return self.simulated.world
 
     @property
@@ -119,7 +119,7 @@ class VirtualHouse(TestHouse):
         return datetime.fromtimestamp(self.clock.now(), UTC)
 
     async def run_for(self, duration: str | float) -> None:
-        """Let time pass; all events due at its end have happened when this returns.
+        """Let time pass; on return, all events due by then have happened.
 
         Args:
             duration: Such as ``"90s"``, ``"8h"`` or ``"1h30m"``; a number is seconds.
@@ -132,7 +132,7 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     async def run_until(self, when: str | datetime) -> None:
-        """Let time pass until *when*; all events due then have happened when this returns.
+        """Let time pass until *when*; on return, all events due by then have happened.
 
         Args:
             when: A time of day in UTC, such as ``"22:00"``: the next one; or a date-time, such as
@@ -147,10 +147,10 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     async def press(self, device_id: str, command: str) -> None:
-        """Operate a simulated device by hand; returns when everything that follows at once has happened.
+        """Operate a simulated device by hand; return after its immediate effects.
 
         Raises:
-            UsageError: There is no such device or command; the message lists those that there are.
+            UsageError: There is no such device or command; the message lists the existing ones.
         """
         __tracebackhide__ = True
         placed = self._placed(device_id)
@@ -161,14 +161,14 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     async def sense(self, device_id: str, **values: bool | float) -> None:
-        """Let a simulated sensor sense a value until another; returns when all that follows at once has happened.
+        """Let a simulated sensor sense a value until the next one; return after its immediate effects.
 
         Args:
             values: One value, by the property of its handle: ``occupied=True``, ``is_open=False``, ``lux=12``,
                 ``watts=140`` or, of a thermostat, ``temperature=17.5``.
 
         Raises:
-            UsageError: There is no such device, or it does not sense this; the message says what it senses.
+            UsageError: There is no such device, or it does not sense this; the message lists what it senses.
         """
         __tracebackhide__ = True
         device = unwrap(self._placed(device_id).device)
@@ -183,7 +183,7 @@ class VirtualHouse(TestHouse):
         await self.settle()
 
     async def becomes(self, device: str, *, within: str | float = DEFAULT_WAIT, **values: object) -> None:
-        """Return when *device* has *values*, as :meth:`TestHouse.becomes`, in the time of the house."""
+        """Return once *device* has *values*; like :meth:`TestHouse.becomes`, in the time of the house."""
         __tracebackhide__ = True
         await super().becomes(device, within=within, **values)
         await self.settle()
@@ -197,7 +197,7 @@ class VirtualHouse(TestHouse):
         return placed
 
     async def settle(self) -> None:
-        """Wait until everything that is due now has happened; no time passes."""
+        """Wait until everything due now has happened, without passing time."""
         self.simulated.catch_up()
         await _virtual_loop().settled()
 
@@ -214,17 +214,17 @@ async def virtual_house_of(
     record_into: LineSink | None = None,
     is_dry_run: bool = False,
 ) -> AsyncIterator[VirtualHouse]:
-    """Run *apps* in a homebot as :func:`homebot.testing.house_of` does, on a :class:`VirtualTimeLoop`.
+    """Run *apps* in a homebot like :func:`homebot.testing.house_of`, on a :class:`VirtualTimeLoop`.
 
     Args:
-        world: A simulated world that lives in it, from the midnight before *start* on; the test may play others.
-        start: The date and time at which the test begins; in UTC unless it has a time zone.
-        seed: The seed of all random numbers: the same test with the same seed is the same run.
+        world: A simulated world in it, from the midnight before *start*; the test may play other devices.
+        start: The date and time at which the test starts; UTC without a time zone.
+        seed: The seed of all random numbers; the same test and seed give the same run.
         heartbeat: The time after which a simulated device repeats its last report.
-        record_into: Takes the lines of a recording of the whole run; None for no recording.
+        record_into: Receives the lines of a recording of the whole run; None for no recording.
 
     Raises:
-        UsageError: The running event loop is none of virtual time, or an argument or the configuration cannot be used.
+        UsageError: The running event loop is not virtual, or an argument or the configuration is invalid.
     """
     _virtual_loop()
     world = _on_a_broker(world)
@@ -274,7 +274,7 @@ async def _inhabited(
 
 
 def _with_rooms(config: Config, world: World, root: str) -> Config:
-    """Return *config* with the name and the room of each device of *world*, unless it states places itself."""
+    """Return *config* with the names and rooms of the devices of *world*, unless it has places of its own."""
     if config.places:
         return config
     devices = {
@@ -285,7 +285,7 @@ def _with_rooms(config: Config, world: World, root: str) -> Config:
 
 
 def _limits(devices: int) -> BrokerLimits:
-    """Return the bounds of a broker that *devices* and, as ever, others are clients of."""
+    """Return the limits of a broker with *devices* and the usual other clients."""
     usual = BrokerLimits()
     return replace(
         usual, max_connections=usual.max_connections + devices, max_sessions=usual.max_sessions + 2 * devices

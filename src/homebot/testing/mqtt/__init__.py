@@ -1,4 +1,4 @@
-"""A real MQTT broker in a test: fresh per test, watched, and ready to fail on demand."""
+"""A real MQTT broker for tests: new for each test, observed, and failing on demand."""
 
 from homebot.testing.mqtt.broker import BlockingTestBroker, TestBroker, serve_broker
 from homebot.testing.mqtt.core import ClientView

@@ -1,4 +1,4 @@
-"""Values of the fixtures ``mqtt_broker``, ``mqtt_broker_session`` and ``mqtt_broker_thread``."""
+"""The values of the fixtures ``mqtt_broker``, ``mqtt_broker_session`` and ``mqtt_broker_thread``."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -19,14 +19,14 @@ __all__ = ["BlockingTestBroker", "BrokerView", "TestBroker", "serve_broker"]
 
 
 class BrokerView:
-    """The base of both kinds of brokers that fixtures give.
+    """The base of both kinds of brokers provided by fixtures.
 
     Attributes:
-        host: The loopback address it listens on.
+        host: The loopback address on which it listens.
         port: The TCP port; stays the same over :meth:`restart`.
         url: Such as ``mqtt://127.0.0.1:34567``; ``mqtts`` with TLS.
-        ca_file: PEM file of the authority that clients are to trust; None without TLS.
-        settings: Settings that the test asked for.
+        ca_file: PEM file of the authority for clients to trust; None without TLS.
+        settings: The settings requested by the test.
         packet_log: The newest packets, which pytest prints when the test fails.
     """
 
@@ -40,29 +40,29 @@ class BrokerView:
 
     @property
     def clients(self) -> Mapping[str, ClientView]:
-        """The clients the broker knows now by their ids; those away too, while their session is kept."""
+        """The known clients by id, including absent ones with a session."""
         return self._core.clients
 
     @property
     def protocol_errors(self) -> tuple[ProtocolViolation, ...]:
-        """Violations of MQTT by clients, in their order; the first 20, those that a fault led to left out."""
+        """The first 20 violations of MQTT by clients, in order, without those caused by faults."""
         return self._core.breaches.kept
 
     def forget_protocol_errors(self) -> None:
-        """Forget them: they were the subject of the test."""
+        """Forget the violations, because they were the subject of the test."""
         self._core.breaches.clear()
 
     def forget_messages(self) -> None:
-        """Forget all published messages; for a broker shared by several tests."""
+        """Forget all published messages, for a broker shared by several tests."""
         self._core.journal.clear()
 
     def assert_not_published(self, filter: str) -> None:  # noqa: A002 - the protocol's own word
-        """Make sure that no client has published on *filter*, messages taken by ``expect`` aside.
+        """Assert that no client has published on *filter*, apart from messages returned by ``expect``.
 
-        Call ``settle`` first: this only looks at received messages.
+        Call ``settle`` first, as this only checks received messages.
 
         Raises:
-            AssertionError: One has; shows the messages.
+            AssertionError: One has; the message shows what.
             InvalidNameError: *filter* is no topic filter.
         """
         validate_filter(filter)
@@ -92,29 +92,29 @@ class TestBroker(BrokerView):
         retain: bool = False,  # noqa: FBT001, FBT002 - as every MQTT library has it
         properties: Properties = NO_PROPERTIES,
     ) -> None:
-        """Publish from outside; returns when the broker has forwarded it. ``expect`` does not see it.
+        """Publish from outside, invisible to ``expect``; return when the broker has forwarded it.
 
         Args:
-            payload: Bytes as they are, text as UTF-8, a dict or list as JSON.
+            payload: Bytes, text as UTF-8, or a dict or list as JSON.
             qos: 0, 1 or 2.
             properties: MQTT 5 properties.
 
         Raises:
-            UsageError: The topic or *qos* is not valid.
+            UsageError: The topic or *qos* is invalid.
             LinkError: A subscriber's queue is full, or there is no room to retain.
         """
         await self._thread.run(self._core.publish, topic, payload, qos, retain, properties)
 
     async def expect(self, filter: str, payload: Wanted = None, timeout: float = 5.0) -> RecordedMessage:  # noqa: A002, ASYNC109 - the words that users look for
-        """Return the first message of a client that fits and was not returned before; wait for it if need be.
+        """Return the first matching message of a client not returned before, waiting for it if necessary.
 
         Args:
-            payload: None for any; bytes or text to be equal; a dict or list to be equal as JSON; or a function
-                that is given the :class:`RecordedMessage`, on the broker's thread, and says whether this is it.
+            payload: None for any; bytes or text; a dict or list to compare as JSON; or a function that gets the
+                :class:`RecordedMessage`, on the broker's thread, and returns whether it matches.
             timeout: Seconds to wait.
 
         Raises:
-            AssertionError: None came; shows the received messages instead.
+            AssertionError: None arrived; the message shows the received ones.
             InvalidNameError: *filter* is no topic filter.
         """
         validate_filter(filter)
@@ -126,9 +126,9 @@ class TestBroker(BrokerView):
         return found
 
     async def settle(self, quiet: float = 0.0) -> None:
-        """Return when the broker and everything on the test's own loop have come to rest.
+        """Return when the broker and everything on the test's own loop are idle.
 
-        Timers are not waited for, and of clients on other threads or in other processes nothing is known: give
+        It does not wait for timers, and cannot observe clients in other threads or processes: give
         *quiet* for those.
 
         Args:
@@ -145,7 +145,7 @@ class TestBroker(BrokerView):
         raise AssertionError(f"the clients were not idle within {_TIMEOUT:g} s")
 
     async def restart(self, *, keep_sessions: bool) -> None:
-        """Cut all connections and start again on the same port.
+        """Cut all connections, and start again on the same port.
 
         Args:
             keep_sessions: Whether sessions, their queues and retained messages live on.
@@ -163,7 +163,7 @@ class TestBroker(BrokerView):
 
 @final
 class BlockingTestBroker(BrokerView):
-    """As :class:`~homebot.testing.mqtt.TestBroker`, but every method blocks: for tests without an event loop."""
+    """Like :class:`~homebot.testing.mqtt.TestBroker` with blocking methods, for tests without an event loop."""
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
         super().__init__(core, thread)
@@ -177,11 +177,11 @@ class BlockingTestBroker(BrokerView):
         retain: bool = False,  # noqa: FBT001, FBT002 - as every MQTT library has it
         properties: Properties = NO_PROPERTIES,
     ) -> None:
-        """Publish as :meth:`TestBroker.publish` does."""
+        """Publish like :meth:`TestBroker.publish`."""
         self._thread.call(self._core.publish, topic, payload, qos, retain, properties)
 
     def expect(self, filter: str, payload: Wanted = None, timeout: float = 5.0) -> RecordedMessage:  # noqa: A002 - as above
-        """Return as :meth:`TestBroker.expect` does."""
+        """Expect like :meth:`TestBroker.expect`."""
         validate_filter(filter)
         journal = self._core.journal
         found = self._thread.call(journal.pop, filter, payload, timeout)
@@ -199,7 +199,7 @@ class BlockingTestBroker(BrokerView):
         self._thread.call(self._settle, quiet)
 
     def restart(self, *, keep_sessions: bool) -> None:
-        """Restart as :meth:`TestBroker.restart` does."""
+        """Restart like :meth:`TestBroker.restart`."""
         self._thread.call(self._core.restart, keep_sessions)
 
     async def _settle(self, quiet: float) -> None:
@@ -219,7 +219,7 @@ BrokerT = TypeVar("BrokerT", TestBroker, BlockingTestBroker)
 def serve_broker(
     thread: BrokerThread, kind: type[BrokerT], settings: BrokerSettings = _DEFAULTS, tls: TestTls | None = None
 ) -> Iterator[BrokerT]:
-    """Serve a fresh broker on *thread*; it is gone at the end of the block."""
+    """Run a new broker on *thread* inside the block."""
     core = thread.call(_start, settings, tls)
     try:
         yield kind(core, thread)

@@ -1,4 +1,4 @@
-"""The broker of a test with all that watches it; everything here runs on the broker's own loop."""
+"""The broker of a test with its observers; everything here runs on the broker's own loop."""
 
 import asyncio
 from collections.abc import Callable
@@ -27,7 +27,7 @@ _TURNS = 10  # of a loop: reading, handling and writing take four; a client may 
 
 @dataclass(frozen=True, slots=True)
 class ClientView:
-    """A client as the broker knows it at one moment.
+    """A snapshot of a client of the broker.
 
     Attributes:
         protocol: ``3.1``, ``3.1.1`` or ``5``; None while it is away.
@@ -41,7 +41,7 @@ class ClientView:
 
     @classmethod
     def of(cls, session: BrokerSession) -> Self:
-        """Look at a session."""
+        """Take a snapshot of a session."""
         outbound = session.outbound
         return cls(
             session.client_id,
@@ -54,13 +54,13 @@ class ClientView:
 
 @final
 class BrokerCore:
-    """A broker, its journal, its packet log and its faults. Make it on the loop it is to live on.
+    """A broker with journal, packet log and faults. Create it on its own loop.
 
     Attributes:
-        ca_file: The authority that clients are to trust; None without TLS.
+        ca_file: The authority for clients to trust; None without TLS.
 
     Raises:
-        UsageError: There is no *tls*, and the settings ask for TLS.
+        UsageError: The settings ask for TLS without *tls*.
     """
 
     def __init__(self, settings: BrokerSettings, tls: TestTls | None = None) -> None:
@@ -93,7 +93,7 @@ class BrokerCore:
 
     @property
     def clients(self) -> dict[str, ClientView]:
-        """All sessions; may be read from any thread."""
+        """All sessions; readable from any thread."""
         return {session.client_id: ClientView.of(session) for session in tuple(self.broker.state.sessions)}
 
     async def publish(self, topic: str, payload: Payload, qos: int, retain: bool, properties: Properties) -> None:  # noqa: FBT001 - handed on by position
@@ -122,7 +122,7 @@ class BrokerCore:
             await anyio.lowlevel.checkpoint()
 
     async def silence(self, seconds: float) -> None:
-        """Return when no packet has come or gone for *seconds*."""
+        """Return when there has been no packet for *seconds*."""
         while True:
             with anyio.move_on_after(seconds) as scope:
                 await self._stir.wait()
@@ -139,7 +139,7 @@ class BrokerCore:
         self._each(client, Tap.drop)
 
     async def disconnect(self, client: str, reason: ReasonCode) -> None:
-        """Send a client away with *reason*."""
+        """Disconnect a client with *reason*."""
         self._each(client, lambda tap: tap.end(reason))
 
     def _each(self, client: str, act: Callable[[Tap], None]) -> None:

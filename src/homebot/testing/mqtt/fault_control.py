@@ -1,4 +1,4 @@
-"""The faults as a test makes them: awaited, or blocking."""
+"""The faults that a test can cause, with awaitable or blocking methods."""
 
 from typing import final
 
@@ -13,18 +13,18 @@ __all__ = ["BlockingFaults", "Faults"]
 
 
 class _Rules:
-    """The faults that are rules: they can be made and lifted without waiting."""
+    """The faults that are rules, caused and lifted without waiting."""
 
     def __init__(self, core: BrokerCore, thread: BrokerThread) -> None:
         self._core = core
         self._thread = thread
 
     def drop_acks(self, client: str | None = None) -> Fault:
-        """Let PUBACK, PUBREC and PUBCOMP vanish on their way to the client (None: to everybody)."""
+        """Drop PUBACK, PUBREC and PUBCOMP to the client (None: to all clients)."""
         return self._core.rules.add(Fault(FaultKind.DROPPED_ACKS, client))
 
     def delay_acks(self, seconds: float, client: str | None = None) -> Fault:
-        """Let PUBACK, PUBREC and PUBCOMP come *seconds* late.
+        """Delay PUBACK, PUBREC and PUBCOMP by *seconds*.
 
         Raises:
             UsageError: *seconds* is not above 0.
@@ -34,11 +34,11 @@ class _Rules:
         return self._core.rules.add(Fault(FaultKind.DELAYED_ACKS, client, seconds=seconds))
 
     def half_packet(self, client: str | None = None) -> Fault:
-        """Cut the next packet to the client in the middle and close its connection."""
+        """Cut the next packet to the client in the middle, and close its connection."""
         return self._core.rules.add(Fault(FaultKind.HALF_PACKET, client))
 
     def slow_reader(self, client: str | None = None) -> Fault:
-        """Let the client take no bytes until the fault is lifted; then it gets all that waited."""
+        """Let the client read nothing until the fault is lifted; then it gets everything that waited."""
         return self._core.rules.add(Fault(FaultKind.SLOW_READER, client))
 
     def refuse_subscribe(
@@ -60,7 +60,7 @@ class _Rules:
         client: str | None = None,
         reason: ReasonCode = ReasonCode.NOT_AUTHORIZED,
     ) -> Fault:
-        """Do not forward messages on topics that match; answer with *reason*, before MQTT 5 with success.
+        """Do not forward messages on matching topics; answer with *reason*, before MQTT 5 with success.
 
         Raises:
             UsageError: *reason* is no failure, or the filter is not valid.
@@ -91,7 +91,7 @@ class Faults(_Rules):
         await self._thread.run(self._core.drop, client)
 
     async def disconnect(self, client: str, reason: ReasonCode = ReasonCode.ADMINISTRATIVE_ACTION) -> None:
-        """Send the client away; one that speaks MQTT 5 is sent *reason*.
+        """Disconnect the client; with MQTT 5 it gets *reason*.
 
         Raises:
             UsageError: It is not connected.
@@ -99,7 +99,7 @@ class Faults(_Rules):
         await self._thread.run(self._core.disconnect, client, reason)
 
     async def take_over(self, client: str) -> None:
-        """Send the client away as when another one connects with its id (0x8E).
+        """Disconnect the client as if another one had connected with its id (0x8E).
 
         Raises:
             UsageError: It is not connected.
@@ -112,13 +112,13 @@ class BlockingFaults(_Rules):
     """:class:`Faults` for tests without an event loop."""
 
     def drop_connection(self, client: str) -> None:
-        """Close it as :meth:`Faults.drop_connection` does."""
+        """Close it like :meth:`Faults.drop_connection`."""
         self._thread.call(self._core.drop, client)
 
     def disconnect(self, client: str, reason: ReasonCode = ReasonCode.ADMINISTRATIVE_ACTION) -> None:
-        """Send it away as :meth:`Faults.disconnect` does."""
+        """Disconnect it like :meth:`Faults.disconnect`."""
         self._thread.call(self._core.disconnect, client, reason)
 
     def take_over(self, client: str) -> None:
-        """Send it away as :meth:`Faults.take_over` does."""
+        """Disconnect it like :meth:`Faults.take_over`."""
         self.disconnect(client, ReasonCode.SESSION_TAKEN_OVER)

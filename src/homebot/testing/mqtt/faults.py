@@ -1,7 +1,7 @@
 """Faults between a broker and its clients.
 
-A fault begins with the call that makes it, and ends with :meth:`Fault.lift` or at the end of its ``with`` block.
-Faults may be made and lifted in any thread; they hold for the next packet.
+A fault begins with the call that causes it, and ends with :meth:`Fault.lift` or its ``with`` block. Faults may be
+caused and lifted in any thread; they apply from the next packet.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["Fault", "FaultKind", "FaultPolicy", "FaultRules"]
 
 
 class FaultKind(Enum):
-    """Kinds of faults; acknowledgements are PUBACK, PUBREC and PUBCOMP."""
+    """The kinds of faults; acknowledgements are PUBACK, PUBREC and PUBCOMP."""
 
     DROPPED_ACKS = "acknowledgements vanish on their way to the client"
     DELAYED_ACKS = "acknowledgements come late; other packets overtake them"

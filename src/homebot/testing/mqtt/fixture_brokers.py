@@ -1,4 +1,4 @@
-"""Brokers of the fixtures: their settings from marks, and what they saw of a test."""
+"""The brokers of the fixtures: their settings from marks, and their records of a test."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
@@ -22,10 +22,10 @@ _MAX_PACKETS_SHOWN: Final = 100
 
 @final
 class FixtureBrokers:
-    """The maker of the brokers of a session.
+    """The factory of the brokers of a session.
 
     Args:
-        make_folder: Makes a folder for the certificate that they show where a test asks for TLS.
+        make_folder: Creates a folder for their certificate, for tests with TLS.
     """
 
     def __init__(self, thread: BrokerThread, make_folder: Callable[[], Path]) -> None:
@@ -40,11 +40,11 @@ class FixtureBrokers:
             yield cls(thread, make_folder)
 
     def serve(self, test: pytest.Item | None = None) -> AbstractContextManager[TestBroker]:
-        """Serve a fresh broker during the block, as the marks of *test* describe it."""
+        """Run a new broker during the block, as described by the marks of *test*."""
         return self._serve(TestBroker, test)
 
     def serve_blocking(self, test: pytest.Item) -> AbstractContextManager[BlockingTestBroker]:
-        """Serve as :meth:`serve` does, for a test that blocks."""
+        """Run a broker like :meth:`serve`, for a blocking test."""
         return self._serve(BlockingTestBroker, test)
 
     def _serve(self, kind: type[BrokerT], test: pytest.Item | None) -> AbstractContextManager[BrokerT]:
@@ -69,7 +69,7 @@ def check_protocol(test: pytest.Item) -> None:
     problems = []
     for name, broker in _brokers(test):
         problems += [f"{name}: {each}" for each in broker.protocol_errors]
-        broker.forget_protocol_errors()  # a shared broker starts its next test clean
+        broker.forget_protocol_errors()  # so that a shared broker starts its next test clean
     if problems and not _settings(test).allow_protocol_errors:
         hint = "to allow it, mark the test with @pytest.mark.mqtt_broker(allow_protocol_errors=True)"
         pytest.fail("\n".join([*problems, hint]), pytrace=False)

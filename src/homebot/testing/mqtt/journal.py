@@ -1,4 +1,4 @@
-"""The messages clients published, kept for a test to expect; lives on the broker's loop."""
+"""The messages published by clients, for a test to expect; used on the broker's loop."""
 
 import json
 from collections import deque
@@ -18,7 +18,7 @@ __all__ = ["Journal", "Payload", "PulseEvent", "RecordedMessage", "Wanted", "enc
 
 @final
 class PulseEvent:
-    """A bell that wakes all waiting tasks; it remembers nothing."""
+    """An event that wakes all waiting tasks without staying set."""
 
     def __init__(self) -> None:
         self._next = anyio.Event()
@@ -29,7 +29,7 @@ class PulseEvent:
         self._next = anyio.Event()
 
     async def wait(self) -> None:
-        """Wait for the next ring."""
+        """Wait for the next :meth:`ring`."""
         await self._next.wait()
 
 
@@ -41,7 +41,7 @@ _MAX_TEXT = 200
 
 @dataclass(frozen=True, slots=True)
 class RecordedMessage:
-    """A message that a client published through the broker; a will counts as its client's.
+    """A message published by a client; a will counts as its client's.
 
     Attributes:
         properties: The MQTT 5 properties.
@@ -56,14 +56,14 @@ class RecordedMessage:
 
     @property
     def text(self) -> str:
-        """The payload as UTF-8; bytes that are none come as U+FFFD."""
+        """The payload as UTF-8, with invalid bytes as U+FFFD."""
         return self.payload.decode(errors="replace")
 
     def json(self) -> object:
-        """Return the payload read as JSON.
+        """Return the payload parsed as JSON.
 
         Raises:
-            ValueError: It is none.
+            ValueError: It is not JSON.
         """
         return json.loads(self.payload)
 
@@ -76,14 +76,14 @@ class RecordedMessage:
 
 
 Wanted = Payload | Callable[[RecordedMessage], bool] | None
-"""The expectation of a test: None is anything, a dict or list is compared as JSON, a function decides."""
+"""The expectation of a test: None for anything, a dict or list to compare as JSON, or a function."""
 
 
 def encode_payload(payload: Payload) -> bytes:
-    """Return the bytes that *payload* stands for.
+    """Return *payload* as bytes.
 
     Raises:
-        TypeError: A value inside has no JSON form.
+        TypeError: A value in it has no JSON form.
     """
     if isinstance(payload, bytes | bytearray | memoryview):
         return bytes(payload)
@@ -93,7 +93,7 @@ def encode_payload(payload: Payload) -> bytes:
 
 
 def payload_matches(wanted: Wanted, message: RecordedMessage) -> bool:
-    """Return whether *message* carries the wanted payload."""
+    """Return whether *message* has the wanted payload."""
     if wanted is None:
         return True
     if callable(wanted):
@@ -102,11 +102,11 @@ def payload_matches(wanted: Wanted, message: RecordedMessage) -> bool:
         return encode_payload(wanted) == message.payload
     try:
         return bool(message.json() == json.loads(encode_payload(wanted)))
-    except ValueError:  # also bytes that are no text
+    except ValueError:  # including bytes that are not text
         return False
 
 
-_MAX_MESSAGES = 10_000  # beyond it the oldest is forgotten
+_MAX_MESSAGES = 10_000  # beyond that the oldest is forgotten
 _MAX_SHOWN = 5
 
 
@@ -118,7 +118,7 @@ class _Entry:
 
 @final
 class Journal:
-    """The newest 10,000 messages in their order; each is given out once."""
+    """The newest 10,000 messages in order; each is returned once."""
 
     def __init__(self) -> None:
         self.forgotten = 0
@@ -126,7 +126,7 @@ class Journal:
         self._grown = PulseEvent()
 
     def record(self, message: BrokerMessage) -> None:
-        """Keep a message of a client; those that the test published itself have no origin and are left out."""
+        """Record a message of a client; those of the test itself have no origin, and are ignored."""
         if not message.origin:
             return
         if len(self._entries) == _MAX_MESSAGES:
@@ -139,12 +139,12 @@ class Journal:
         self._grown.ring()
 
     def clear(self) -> None:
-        """Forget everything; in any thread."""
+        """Forget everything; from any thread."""
         self._entries.clear()
         self.forgotten = 0
 
     async def pop(self, filter: str, wanted: Wanted, timeout: float) -> RecordedMessage | None:  # noqa: A002, ASYNC109 - the user's words
-        """Take the first message that fits and was not taken before; wait for it if need be; None if none came."""
+        """Remove and return the first matching message, waiting for it if necessary; None if none arrives."""
         with anyio.move_on_after(timeout):
             while (found := self._pop(filter, wanted)) is None:
                 await self._grown.wait()
@@ -152,7 +152,7 @@ class Journal:
         return None
 
     def waiting(self, filter: str) -> list[RecordedMessage]:  # noqa: A002 - the protocol's own word
-        """Return all unread messages on *filter*, in their order."""
+        """Return all unread messages on *filter*, in order."""
         return [
             each.message
             for each in self._entries.copy()
@@ -160,7 +160,7 @@ class Journal:
         ]
 
     def near_misses(self, filter: str, wanted: Wanted, timeout: float) -> str:  # noqa: A002 - as above
-        """Return the text of a missing message, with the received ones."""
+        """Describe a missing message, and the received ones."""
         entries = self._entries.copy()
         here = [each for each in entries if topic_matches(filter, each.message.topic)]
         there = [each.message for each in entries if not topic_matches(filter, each.message.topic)]

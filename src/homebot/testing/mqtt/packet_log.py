@@ -1,4 +1,4 @@
-"""Packets between the test broker and its clients, in words, with their errors."""
+"""The packets between the test broker and its clients, in words, with protocol errors."""
 
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -37,7 +37,7 @@ _SECRET = ("authentication_data",)
 
 
 def packet_text(packet: Packet) -> str:
-    """Return one line about *packet*; passwords are left out, long payloads cut."""
+    """Return one line about *packet*, without passwords and with long payloads cut."""
     properties = getattr(packet, "properties", NO_PROPERTIES)
     return f"{type(packet).__name__.upper()}{_FACTS.get(type(packet), _no_facts)(packet)}{_property_text(properties)}"
 
@@ -157,9 +157,9 @@ _ARROWS = {"in": "→", "out": "←", "note": "·"}
 
 _MAX_KEPT = 20
 _NO_BREACH = (
-    ReasonCode.KEEP_ALIVE_TIMEOUT,  # silence may be a test's purpose
+    ReasonCode.KEEP_ALIVE_TIMEOUT,  # silence may be the purpose of a test
     ReasonCode.UNSUPPORTED_PROTOCOL_VERSION,  # clients try the newest first
-    ReasonCode.BAD_AUTHENTICATION_METHOD,  # allowed, but not offered here
+    ReasonCode.BAD_AUTHENTICATION_METHOD,  # allowed, but not supported here
 )
 
 
