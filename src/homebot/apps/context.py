@@ -5,20 +5,11 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from datetime import tzinfo
-from typing import TYPE_CHECKING
 
+from homebot.apps.store import Store
 from homebot.clock import read_zone
 
-if TYPE_CHECKING:
-    from homebot.apps.store import Store
-
 __all__ = ["AppContext"]
-
-
-def _store_in_memory(app: str) -> Store:
-    from homebot.apps.store import Store  # noqa: PLC0415 - few apps keep anything
-
-    return Store(app)
 
 
 async def _send_nowhere(_message: str, _title: str, _app: str) -> bool:
@@ -42,7 +33,7 @@ class AppContext:
     zone_name: str = "UTC"
     latitude: float | None = None
     longitude: float | None = None
-    store_of: Callable[[str], Store] = _store_in_memory
+    store_of: Callable[[str], Store] = Store
     keeps_values: Callable[[], bool] = lambda: False
     notify: Callable[[str, str, str], Awaitable[bool]] = _send_nowhere
     asleep: Callable[[], float] = float

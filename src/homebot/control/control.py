@@ -23,6 +23,7 @@ from homebot.devices.approval_messages import GetUnapproved, TrustDevice
 from homebot.devices.command_messages import CommandDevices, PerformCommand, SendText
 from homebot.devices.health import GetHealth, HealthRequest, HealthResponse
 from homebot.devices.journal_messages import ExplainDevice, ExplainMissingState, ReadJournal
+from homebot.devices.misspelt_names import ConfiguredNames, StatedNames
 from homebot.graph import Node, QoSProfile
 
 if TYPE_CHECKING:
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     )
     from homebot.devices.device import ChangedSetting
     from homebot.devices.journal_messages import ReadJournalRequest, ReadJournalResponse
-    from homebot.devices.misspelt_names import ConfiguredNames
     from homebot.devices.outcomes import Outcome
 
 __all__ = ["Control"]
@@ -219,8 +219,6 @@ class Control:
     @cached_property
     def _names(self) -> ConfiguredNames:
         """The check of the rooms and devices that the settings name, after a reload too."""
-        from homebot.devices.misspelt_names import ConfiguredNames, StatedNames  # noqa: PLC0415 - few homes name any
-
         return ConfiguredNames(
             self._node,
             lambda: StatedNames() if self._given_settings is None else self._given_settings.stated_names,

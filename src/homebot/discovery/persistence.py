@@ -25,10 +25,10 @@ from homebot.discovery.record import Records, entry_record, read_entry, read_tom
 from homebot.errors import LinkError, WireError
 from homebot.graph import Node
 from homebot.log import LogLimit
+from homebot.support.kept_file import KeptFile
 
 if TYPE_CHECKING:
     from homebot.discovery.store import IndexFile
-    from homebot.support.kept_file import KeptFile
 
 __all__ = ["IndexPersistence"]
 
@@ -223,7 +223,6 @@ class IndexPersistence:
 
     def _kept_file(self, path: Path) -> KeptFile[IndexFile]:
         from homebot.discovery.store import IndexFile  # noqa: PLC0415 - SQLite is loaded where something is kept
-        from homebot.support.kept_file import KeptFile  # noqa: PLC0415 - as above
 
         return KeptFile(
             IndexFile(path),

@@ -21,6 +21,7 @@ from homebot.discovery.description import position_of
 from homebot.discovery.index import DeviceIndex
 from homebot.discovery.persistence import IndexPersistence
 from homebot.discovery.places_services import OwnerRequests, PlacesServices
+from homebot.discovery.search.rank import rank, reasons
 from homebot.errors import RefusedError, UsageError
 from homebot.graph import Node
 
@@ -126,8 +127,6 @@ class DirectoryServices:
         return sorted(found) if near is None else [one for one in near if one in found]
 
     async def _query(self, request: messages.QueryDevicesRequest) -> messages.QueryDevicesResponse:
-        from homebot.discovery.search.rank import rank, reasons  # noqa: PLC0415 - for searches alone
-
         await self._catch_up()
         index, limit = self._index, request.offset + request.limit if request.limit else None
         ranked: list[tuple[float, str, tuple[str, ...]]]

@@ -31,6 +31,7 @@ from homebot.discovery import Directory, OwnerFacts
 from homebot.gateways import Gateway, GatewayContext
 from homebot.graph import Graph, Node, RosoutFeed
 from homebot.runtime.app_host import STORE_FILE, AppHost
+from homebot.runtime.app_loading import AppPlanner
 from homebot.runtime.app_manager import AppManager
 from homebot.runtime.health import RuntimeHealth
 from homebot.runtime.plan import JOURNAL_FILE, Plan, PlannedComponent, make_plan
@@ -48,7 +49,6 @@ if TYPE_CHECKING:
     from homebot.house import World
     from homebot.recording.lines import RecordingHeader
     from homebot.recording.recording_file import LineSink
-    from homebot.runtime.app_loading import AppPlanner
     from homebot.runtime.simulated_house import HouseOfRun
 
 __all__ = ["Runtime"]
@@ -155,8 +155,6 @@ class Runtime:
         self._start_is_cut = False
 
     def _planner(self) -> AppPlanner:
-        from homebot.runtime.app_loading import AppPlanner  # noqa: PLC0415 - few runs load an app
-
         return AppPlanner(self.read_config or (lambda: self.config), self._plan.grants)
 
     def _make_plan(self, config: Config) -> Plan:

@@ -9,6 +9,7 @@ from importlib.resources import files
 from typing import Final
 
 from homebot.devices.capabilities import CAPABILITIES
+from homebot.devices.outcomes import OUTCOMES
 
 __all__ = ["answer"]
 
@@ -58,7 +59,5 @@ def _file(name: str) -> tuple[str, bytes]:
 
 def _vocabulary() -> bytes:
     """Return the unit of each capability that has one, and the words of the outcomes that are failures."""
-    from homebot.devices.outcomes import OUTCOMES  # noqa: PLC0415 - a start without a command needs none
-
     units = {name: one.unit for name, one in CAPABILITIES.items() if one.unit}
     return json.dumps({"units": units, "failures": [kind for kind, one in OUTCOMES.items() if one.is_failure]}).encode()

@@ -12,12 +12,12 @@ from anyio.abc import TaskStatus
 
 from homebot.bridges.client_error_log import ClientErrorLog
 from homebot.bridges.rosbridge.backlog import DoorBacklog
+from homebot.bridges.rosbridge.heartbeat import OwnedLeases
 from homebot.bridges.rosbridge.settings import DoorSettings
 from homebot.bridges.turns import ServerTurns
 from homebot.graph import EntityKind, Graph, Node, Publisher
 
 if TYPE_CHECKING:
-    from homebot.bridges.rosbridge.heartbeat import OwnedLeases
     from homebot.devices.access_messages import AccessRefused
     from homebot.devices.robot_owners import RobotOwners
     from homebot.graph import Service
@@ -155,6 +155,4 @@ class SharedState:
     @cached_property
     def leases(self) -> OwnedLeases:
         """The leases requested by clients."""
-        from homebot.bridges.rosbridge.heartbeat import OwnedLeases  # noqa: PLC0415 - with the first client
-
         return OwnedLeases(self.node)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, Final
+from typing import ClassVar, Final
 
 import anyio
 import anyio.lowlevel
@@ -17,14 +17,12 @@ from homebot.errors import RefusedError, UsageError, WireError
 from homebot.gateways.announced.published_devices import PublishedDevices
 from homebot.gateways.context import GatewayContext
 from homebot.gateways.homeassistant.entities import HomeAssistantEntities
+from homebot.gateways.homeassistant.link import HomeAssistantLink, connected
 from homebot.gateways.homeassistant.settings import HOW_TO_LOG_IN, HomeAssistantGatewaySettings
+from homebot.gateways.homeassistant.triggers import DeviceTriggers
 from homebot.gateways.linked_gateway import LinkedGateway
 from homebot.graph import Node
 from homebot.support.isolation import ungrouped
-
-if TYPE_CHECKING:
-    from homebot.gateways.homeassistant.link import HomeAssistantLink
-    from homebot.gateways.homeassistant.triggers import DeviceTriggers
 
 __all__ = ["HomeAssistantGateway"]
 
@@ -71,16 +69,11 @@ class HomeAssistantGateway(LinkedGateway):
     async def reach(cls, settings: BaseModel) -> None:
         """Log in to Home Assistant."""
         if isinstance(settings, HomeAssistantGatewaySettings):
-            from homebot.gateways.homeassistant.link import connected  # noqa: PLC0415 - only where it runs
-
             async with connected(settings, lambda _payload, _why: None):
                 pass
 
     async def connect(self) -> None:
         """Connect, and follow Home Assistant until the link is lost."""
-        from homebot.gateways.homeassistant.link import connected  # noqa: PLC0415 - only where it runs
-        from homebot.gateways.homeassistant.triggers import DeviceTriggers  # noqa: PLC0415
-
         async with connected(self._settings, self.on_invalid) as self._link:
             with ungrouped():
                 async with anyio.create_task_group() as tasks:

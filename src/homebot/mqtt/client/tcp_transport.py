@@ -20,6 +20,7 @@ from homebot.errors import LinkError, RefusedError, UsageError
 from homebot.mqtt.client.transport import SEND_BUFFER, TransportUser
 from homebot.mqtt.options import MqttOptions
 from homebot.support.addresses import ip_version
+from homebot.support.connect_errors import connect_problem
 
 __all__ = ["ReadAhead", "TcpTransport", "dial_error", "dial_tcp", "make_tls_context", "socket_error"]
 
@@ -359,8 +360,6 @@ def _load_context(options: MqttOptions) -> ssl.SSLContext:
 
 
 def _words(error: OSError) -> str:
-    from homebot.support.connect_errors import connect_problem  # noqa: PLC0415 - only after an error
-
     return _LOST.get(error.errno or 0) or connect_problem(error)
 
 
