@@ -19,3 +19,11 @@ def test_a_removed_entry_leaves_room() -> None:
     del entries["b"]
     entries["d"] = 0
     assert list(entries) == ["c", "d"]
+
+
+def test_a_dropped_entry_is_handed_to_its_owner() -> None:
+    dropped: list[tuple[str, int]] = []
+    entries: BoundedMap[str, int] = BoundedMap(1, lambda key, value: dropped.append((key, value)))
+    entries["a"] = 1
+    entries["b"] = 2
+    assert dropped == [("a", 1)]

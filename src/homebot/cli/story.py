@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple, final
 from homebot.devices.wording.journal_words import issuer_text, name_text, settings_text, trigger_text
 from homebot.devices.wording.time_format import to_seconds
 from homebot.devices.wording.values import plain_value
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.printable import printable
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ class Story:
         self.lines: deque[StoryLine] = deque(maxlen=_MOST_LINES)
         self._names = names
         self._time = time
-        self._commands: dict[str, JournalEntry] = {}
+        self._commands: BoundedMap[str, JournalEntry] = BoundedMap(_MOST_COMMANDS)
         self._is_dark: dict[str, bool] = {}
         self._robots: dict[str, str] = {}
 
@@ -80,8 +81,6 @@ class Story:
         """Add a line for the outcome of a command, or for a change that no command explains."""
         match entry.kind:
             case "requested":
-                if len(self._commands) >= _MOST_COMMANDS:
-                    del self._commands[next(iter(self._commands))]
                 self._commands[entry.command] = entry
             case "outcome" | "reverted":
                 self._add_outcome(entry)

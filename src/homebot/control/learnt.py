@@ -1,6 +1,6 @@
 """Knowledge about devices that survives a restart, in the journal's store: records, and the profile of each part."""
 
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable
 from functools import partial
 from typing import Annotated, Final, Literal, TypeAlias, final
@@ -10,9 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from homebot.control.journal.store import JournalStore, LearntRow
 from homebot.control.timeline.profile import KEPT, KEPT_ANSWERS, DeviceProfile, Return
-from homebot.devices.value import PlainValue
 from homebot.errors import WireError
 from homebot.graph import Node
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["PROFILE", "LearntPersistence", "Profiles"]
 
@@ -137,16 +137,13 @@ class Profiles:
 
     def __init__(self, save: SaveRecord) -> None:
         self._save = save
-        self._known: OrderedDict[str, DeviceProfile] = OrderedDict()
+        self._known: BoundedMap[str, DeviceProfile] = BoundedMap(_MOST, lambda target, _: save(target, ""))
 
     def of(self, target: str) -> DeviceProfile:
         """Return the profile of a part; a new one if it is not known."""
         profile = self._known.get(target)
         if profile is None:
             profile = self._known[target] = DeviceProfile()
-            if len(self._known) > _MOST:
-                forgotten, _ = self._known.popitem(last=False)
-                self._save(forgotten, "")
         else:
             self._known.move_to_end(target)
         return profile
@@ -181,8 +178,7 @@ class Profiles:
         for capability, echoes in saved.echoes.items():
             profile.echoes.setdefault(capability, deque(echoes, maxlen=KEPT))
         for capability, answers in saved.answers.items():
-            known: OrderedDict[PlainValue, PlainValue] = OrderedDict(answers)
-            profile.answers.setdefault(capability, known)
+            profile.answers.setdefault(capability, BoundedMap(KEPT_ANSWERS)).update(answers)
         profile.failures = {**saved.failures, **profile.failures}
         profile.is_told_once = profile.is_told_once or saved.is_told_once
 

@@ -8,6 +8,7 @@ from homebot.devices.robot_messages import RobotPose
 from homebot.messages.builtin_interfaces import Time
 from homebot.places.rigid import MapPose
 from homebot.robots.settings import RobotSettings
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["MOTION_LIMIT", "TAG_LIMIT", "TrackedRobot"]
 
@@ -54,7 +55,7 @@ class TrackedRobot:
         self.unsure_because = ""
         self._doubted_at = 0.0
         self.sigma: float | None = None
-        self._poses: dict[str, RobotPose] = {}
+        self._poses: BoundedMap[str, RobotPose] = BoundedMap(_MOST_SOURCES)  # tags, of which there may be many
         self._consistent = 0
         self._is_parked = True
 
@@ -81,10 +82,8 @@ class TrackedRobot:
         values |= place | {"received_at": Time.from_seconds(self.now() - age)}
         if at is not None:
             values.update(has_position=True, x=at.x, y=at.y, yaw=at.yaw)
-        before, pose = self._poses.pop(source, None), RobotPose.model_validate(values)
+        before, pose = self._poses.get(source), RobotPose.model_validate(values)
         self._poses[source] = pose
-        if len(self._poses) > _MOST_SOURCES:  # tags, of which there may be many
-            del self._poses[next(iter(self._poses))]
         if source.endswith(_AMCL) or any(
             one.source.endswith(_AMCL) and _is_apart(one, pose) for one in self._poses.values()
         ):

@@ -1,6 +1,7 @@
 """A bounded map: the newest entries by key. Pure."""
 
 from collections import OrderedDict
+from collections.abc import Callable
 from typing import TypeVar, final
 
 __all__ = ["BoundedMap"]
@@ -11,14 +12,19 @@ Value = TypeVar("Value")
 
 @final
 class BoundedMap(OrderedDict[Key, Value]):
-    """A dictionary that drops its oldest entry when too large; assignment makes an entry the newest."""
+    """A dictionary that drops its oldest entry when too large; assignment makes an entry the newest.
 
-    def __init__(self, most: int) -> None:
+    Args:
+        on_drop: Called with each dropped key and value.
+    """
+
+    def __init__(self, most: int, on_drop: Callable[[Key, Value], object] = lambda *_: None) -> None:
         super().__init__()
         self._most = most
+        self._on_drop = on_drop
 
     def __setitem__(self, key: Key, value: Value) -> None:
         super().__setitem__(key, value)
         self.move_to_end(key)
         if len(self) > self._most:
-            self.popitem(last=False)
+            self._on_drop(*self.popitem(last=False))

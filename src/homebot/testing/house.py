@@ -26,6 +26,7 @@ from homebot.mqtt.topics import validate_topic
 from homebot.plugins import add_app, load_plugin
 from homebot.runtime import Runtime
 from homebot.support.addresses import is_loopback
+from homebot.support.bounded_map import BoundedMap
 from homebot.testing.contexts import in_background, plain_logs
 from homebot.units import parse_duration
 
@@ -146,7 +147,7 @@ class TestHouse:
         self._make_client = make_client
         self._log: EventLog | None = None
         self._field = field
-        self._received: dict[str, deque[str]] = {}
+        self._received: BoundedMap[str, deque[str]] = BoundedMap(MAX_TOPICS)
         self._came = anyio.Event()
 
     @property
@@ -255,8 +256,6 @@ class TestHouse:
 
     def _record_payload(self, topic: str, payload: str) -> None:
         if topic not in self._received:
-            if len(self._received) >= MAX_TOPICS:
-                del self._received[next(iter(self._received))]
             self._received[topic] = deque(maxlen=KEPT)
         self._received[topic].append(payload)
 

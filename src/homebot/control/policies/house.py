@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
 from collections.abc import Callable, Iterable
 from typing import Final, NamedTuple, final
 
@@ -12,6 +11,7 @@ from homebot.devices.device import target_of
 from homebot.devices.device_view import DeviceView
 from homebot.devices.value import PlainValue
 from homebot.errors import WireError
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.folding import fold
 
 __all__ = ["DETECTION", "OCCUPANCY", "Detections", "House", "SensorReading"]
@@ -164,7 +164,7 @@ class Detections:
 
     def __init__(self, save: Callable[[str, str], object] = lambda *_: None) -> None:
         self._save = save
-        self._saved_at: OrderedDict[str, float] = OrderedDict()
+        self._saved_at: BoundedMap[str, float] = BoundedMap(_MOST, self._on_drop)
         self.forgotten = 0
 
     def __contains__(self, sensor: str) -> bool:
@@ -174,7 +174,7 @@ class Detections:
         """Record that *sensor* detected a person at *at*, in seconds since the Unix epoch."""
         saved_at = self._saved_at.get(sensor)
         is_due = saved_at is None or abs(at - saved_at) >= _DAY
-        self._put(sensor, at if saved_at is None or is_due else saved_at)
+        self._saved_at[sensor] = at if saved_at is None or is_due else saved_at
         if is_due:
             self._save(sensor, _RECORD)
 
@@ -192,7 +192,7 @@ class Detections:
         """Add *sensors* that detected a person in another run."""
         for sensor in sensors:
             if sensor not in self._saved_at:
-                self._put(sensor, 0.0)
+                self._saved_at[sensor] = 0.0
 
     def restore(self, name: str, record: str) -> None:
         """Add a sensor of an earlier run.
@@ -204,10 +204,6 @@ class Detections:
             raise WireError("it is not a detection of this version", record.encode())
         self.add((name,))
 
-    def _put(self, sensor: str, saved_at: float) -> None:
-        self._saved_at[sensor] = saved_at
-        self._saved_at.move_to_end(sensor)
-        if len(self._saved_at) > _MOST:
-            forgotten, _ = self._saved_at.popitem(last=False)
-            self.forgotten += 1
-            self._save(forgotten, "")
+    def _on_drop(self, sensor: str, _saved_at: float) -> None:
+        self.forgotten += 1
+        self._save(sensor, "")

@@ -3,7 +3,7 @@
 A profile may be deleted at any time: commands then wait a little longer, and no outcome becomes wrong.
 """
 
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, NamedTuple
@@ -12,6 +12,7 @@ from homebot.control import durations
 from homebot.control.values import fits, is_same
 from homebot.devices.capabilities import CAPABILITIES, OWN
 from homebot.devices.value import PlainValue
+from homebot.support.bounded_map import BoundedMap
 
 __all__ = ["KEPT", "KEPT_ANSWERS", "DeviceProfile", "Return"]
 
@@ -63,7 +64,7 @@ class DeviceProfile:
     times: dict[str, deque[float]] = field(default_factory=dict)
     returns: dict[str, deque[Return]] = field(default_factory=dict)
     echoes: dict[str, deque[bool]] = field(default_factory=dict)
-    answers: dict[str, OrderedDict[PlainValue, PlainValue]] = field(default_factory=dict)
+    answers: dict[str, BoundedMap[PlainValue, PlainValue]] = field(default_factory=dict)
     failures: dict[str, int] = field(default_factory=dict)
     is_told_once: bool = False
     is_changed: bool = False
@@ -135,13 +136,10 @@ class DeviceProfile:
             is_usual = wanted == seen or not (rounds or fits(capability, wanted, seen))
             if is_usual or is_same(capability, wanted, seen):
                 return
-        answers = self.answers.setdefault(capability, OrderedDict())
+        answers = self.answers.setdefault(capability, BoundedMap(KEPT_ANSWERS))
         if answers.get(wanted, _NONE) == seen:
             return
-        answers.pop(wanted, None)
         answers[wanted] = seen
-        if len(answers) > KEPT_ANSWERS:
-            answers.popitem(last=False)
         self.is_changed = True
 
     def is_answer(self, capability: str, wanted: PlainValue, seen: PlainValue) -> bool:

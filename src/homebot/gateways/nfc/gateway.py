@@ -39,6 +39,7 @@ from homebot.graph import Node
 from homebot.messages.builtin_interfaces import Time
 from homebot.plugins import check_extra
 from homebot.support.backoff import Backoff, BackoffCounter
+from homebot.support.bounded_map import BoundedMap
 from homebot.support.isolation import run_as
 from homebot.wot.parse import read_thing
 from homebot.wot.thing import Thing, facts_of, identifiers_of
@@ -52,7 +53,7 @@ STEADY_AFTER: Final = 60.0
 """Seconds after which a reader that fails counts as a first failure."""
 
 _MAX_AT_READERS: Final = 64
-"""Tags that may be at readers at once; beyond that, the oldest is forgotten."""
+"""Tags at readers at once; then the oldest is forgotten: a reader may not report that one leaves."""
 
 _TAG: Final = simple_part("x_tag", readable=("scan", "connectivity"))
 _LIBRARIES: Final = {"pcsc": "smartcard", "nfcpy": "nfc"}
@@ -83,7 +84,7 @@ class NfcGateway(Gateway):
         self._settings = settings
         self.devices = PublishedDevices(self, self._perform, settings, max_devices=2 * settings.max_tags)
         self.finder = DeviceFinder(node)
-        self.at_reader: dict[str, TagSeen] = {}
+        self.at_reader: BoundedMap[str, TagSeen] = BoundedMap(_MAX_AT_READERS)
         self.readers: dict[int, tuple[str, ...]] = {}
         self._problems: dict[int, str] = {}
         self._sides: list[TagReader] = []
@@ -188,12 +189,7 @@ class NfcGateway(Gateway):
             self.devices.reject(seen.uid, b"", f"{seen.uid or 'something'} at {seen.reader}: {seen.problem}")
         pointer = self.read(seen)
         if seen.uid:
-            self.at_reader.pop(seen.uid, None)
             self.at_reader[seen.uid] = seen
-            if (
-                len(self.at_reader) > _MAX_AT_READERS
-            ):  # no reader holds so many: this one does not report that they leave
-                del self.at_reader[next(iter(self.at_reader))]
             pointed = await self.finder.find(pointer)
             await self._publish(seen, pointer, pointed)
         self._services.show(seen)

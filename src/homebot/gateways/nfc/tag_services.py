@@ -24,6 +24,7 @@ from homebot.devices.tags import (
 )
 from homebot.errors import WireError
 from homebot.gateways.nfc.reader import ReaderDesk, TagSeen, WriteOrder
+from homebot.support.bounded_map import BoundedMap
 from homebot.wot.parse import read_thing
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class TagGateway(Protocol):
     """The gateway whose readers are used."""
 
     finder: DeviceFinder
-    at_reader: dict[str, TagSeen]
+    at_reader: BoundedMap[str, TagSeen]
     readers: dict[int, tuple[str, ...]]
     acts: bool
     observes_because: str
