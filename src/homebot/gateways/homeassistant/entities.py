@@ -165,17 +165,12 @@ class HomeAssistantEntities:
         name = device.name or own
         sole = [one for one in entities if not one.entry.category]
         area, floor = self.registries.place(key, [one.entity_id for one in sole] or ids)
-        shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
-        lists = {"tags": self.registries.listed("labels", key, ids)}
-        lists["aliases"] = (*shown_as, *self.registries.listed("aliases", key, ids))
-        facts = {fact: ", ".join(texts) for fact, texts in lists.items()}
-        facts |= {**device.facts, "floor": floor, "entities": ", ".join(ids)[:_MAX_FACT]}
         parts = [one.part() for one in entities] + list(self.triggers.get(key, ()))
         self._devices[key] = described = GatewayDevice(
             key,
             name,
             tuple(part.model_copy(update={"name": ""}) if part.name == name else part for part in parts),
-            {fact: text for fact, text in facts.items() if text},
+            self._facts(key, name, ids, sole, {**device.facts, "floor": floor}),
             device.identifiers,
             authenticated=True,  # our token proved that it is the owner's Home Assistant
             area=area,
@@ -184,6 +179,16 @@ class HomeAssistantEntities:
             native=False,  # the gateway of its native protocol knows it better
         )
         return described
+
+    def _facts(
+        self, key: str, name: str, ids: list[str], sole: list[HomeAssistantEntity], known: Mapping[str, str]
+    ) -> dict[str, str]:
+        """Return the labels, further names and entities of a device, and its *known* facts, without empty ones."""
+        shown_as = {text_of(one.info.get("friendly_name")) for one in sole if len(sole) == 1} - {"", name}
+        aliases = (*shown_as, *self.registries.listed("aliases", key, ids))
+        facts = {"tags": ", ".join(self.registries.listed("labels", key, ids)), "aliases": ", ".join(aliases)}
+        facts |= {**known, "entities": ", ".join(ids)[:_MAX_FACT]}
+        return {fact: text for fact, text in facts.items() if text}
 
     def _group(self) -> dict[str, dict[str, HomeAssistantEntity]]:
         """Return the entities by device and part, each with its newest entry."""
