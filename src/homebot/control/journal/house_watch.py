@@ -62,10 +62,9 @@ class RawWindow(NamedTuple):
 _NONE: Final = RawWindow()
 
 
-def _is_change(known: tuple[PlainValue, float], value: PlainValue, at: float) -> bool:
-    before, before_at = known
+def _is_change(before: PlainValue, before_at: float, value: PlainValue, at: float) -> bool:
     is_dial = isinstance(value, float) and before and value and at - before_at < _CALM
-    return before != value and not is_dial
+    return before is not None and before != value and not is_dial
 
 
 @final
@@ -117,15 +116,14 @@ class HouseWatch:
 
     def _on_settings(self, changed: ChangedSettings) -> None:
         for change in changed.changes:
-            place, value, at = (change.device, change.part, change.capability), change.value.plain(), change.told_at
+            place, value = (change.device, change.part, change.capability), change.value.plain()
             if value is None:
                 continue  # it says nothing; the known value counts until the next
-            known = self._values.get(place)
-            self._values[place] = value, at.to_seconds()
-            if known is None or not _is_change(known, value, at.to_seconds()):
+            at, (before, before_at) = change.told_at.to_seconds(), self._values.get(place, (None, 0.0))
+            self._values[place] = value, at
+            if not _is_change(before, before_at, value, at):
                 continue
-            raw, before = self._explaining(change.device, value, at.to_seconds()), known[0]
-            attribution = self._cause_of(change)
+            raw, attribution = self._explaining(change.device, value, at), self._cause_of(change)
             if raw.id and raw.means(value):
                 self._journal().changed(change, before, raw.id, "command")
             elif attribution is None or attribution.role is None:  # else the entries of a command record it
