@@ -1,11 +1,8 @@
-"""ROS ``std_srvs``: services without types of their own."""
+"""ROS ``std_srvs``: services without types of their own; ``Empty`` is made of its text."""
 
 from homebot.messages.message import Message, ServiceType
 
 __all__ = [
-    "Empty",
-    "EmptyRequest",
-    "EmptyResponse",
     "SetBool",
     "SetBoolRequest",
     "SetBoolResponse",
@@ -13,14 +10,6 @@ __all__ = [
     "Trigger",
     "TriggerRequest",
 ]
-
-
-class EmptyRequest(Message, ros_type="std_srvs/srv/Empty_Request"):
-    """No fields: the call is the request."""
-
-
-class EmptyResponse(Message, ros_type="std_srvs/srv/Empty_Response"):
-    """No fields: the answer says that it was done."""
 
 
 class TriggerRequest(Message, ros_type="std_srvs/srv/Trigger_Request"):
@@ -44,6 +33,5 @@ class SetBoolResponse(SuccessResponse, ros_type="std_srvs/srv/SetBool_Response")
     """The result of a :class:`SetBoolRequest`."""
 
 
-Empty = ServiceType("std_srvs/srv/Empty", EmptyRequest, EmptyResponse)
 Trigger = ServiceType("std_srvs/srv/Trigger", TriggerRequest, SuccessResponse)
 SetBool = ServiceType("std_srvs/srv/SetBool", SetBoolRequest, SetBoolResponse)
