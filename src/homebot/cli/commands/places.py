@@ -195,7 +195,7 @@ def _export(door: DoorClient, options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    is_map = _is_topic(options.file) or Path(options.file).suffix in {".yaml", ".yml"}
+    is_map = options.file.endswith((_MAP, ".yaml", ".yml"))
     if is_map and not options.room:
         raise UsageError("a map has walls and no rooms; give a point in each room: --room Hall=1,2")
     if options.room and not is_map:
@@ -242,7 +242,7 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     check_extra("a map", "maps", "PIL", "yaml")
     from homebot.cli.robot_map import RobotMap, read_map  # noqa: PLC0415 - with the first map
 
-    if _is_topic(file):
+    if file.endswith(_MAP):
         door.subscribe(file)
         found = next((one for one in door.until(_WAIT) if one.topic == file), None)
         if found is None:
@@ -255,10 +255,6 @@ def _map(door: DoorClient, file: str) -> RobotMap:
     width, height = robot_map.cells.size
     print(f"the map has {width} x {height} cells of {robot_map.resolution:g} m")
     return robot_map
-
-
-def _is_topic(file: str) -> bool:
-    return file.startswith("/") and file.endswith(_MAP)
 
 
 def _read(file: str) -> str:
