@@ -256,6 +256,8 @@ def test_buttons_that_switch_directly_report_nothing() -> None:
         ({"A": {"Pressure": 29.9}, "PressureUnit": "inHg"}, "A_Pressure", "pressure_sensor", {"pressure": 1012.5}),
         ({"ENERGY": {"Total": 1.5}}, "ENERGY_Total", "electrical_meter", {"energy": 1.5}),
         ({"ENERGY": {"ExportActive": 39.3}}, "ENERGY_ExportActive", "electrical_meter", {"energy_returned": 39.3}),
+        ({"X": {"ExportActiveTotal": 9}}, "X_ExportActiveTotal", "electrical_meter", {"energy_returned": 9.0}),
+        ({"ENERGY": {"PowerTotal": 120}}, "ENERGY_PowerTotal", "electrical_meter", {"power": 120.0}),
         ({"ENERGY": {"Power": [1, 2]}}, "ENERGY_Power_1", "electrical_meter", {"power": 2.0}),
         ({"ENERGY": {"Factor": 0.5}}, "ENERGY_Factor", "x_sensor", {"measurement": 0.5}),
         ({"AS3935": {"Energy": 7}}, "AS3935_Energy", "x_sensor", {"measurement": 7.0}),

@@ -56,8 +56,8 @@ def _plain(unit: str) -> Quantity:
 _ENERGIES = ("Energy", "ImportActive", "Today", "Total", "TotalTariff", "Yesterday")
 _KNOWN: Mapping[str, Quantity] = {
     **dict.fromkeys(_ENERGIES, quantity("energy")),
-    **dict.fromkeys(("ExportActive", "ExportTariff"), quantity("energy_returned")),
-    **dict.fromkeys(("ActivePower", "Power"), quantity("power")),
+    **dict.fromkeys(("ExportActive", "ExportActiveTotal", "ExportTariff"), quantity("energy_returned")),
+    **dict.fromkeys(("ActivePower", "Power", "PowerTotal"), quantity("power")),
     **dict.fromkeys(("Current", "CurrentNeutral"), quantity("current")),
     "Voltage": quantity("voltage"),
     "Frequency": quantity("frequency"),
