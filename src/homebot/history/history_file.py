@@ -48,6 +48,7 @@ HISTORY_SCHEMA: Final = SqliteSchema(
         *(f"SELECT k, d FROM {table} LIMIT 1" for table in ("raw", "five", "day")),  # noqa: S608 - our own names
         "SELECT k, until, value FROM state LIMIT 1",
     ),
+    page_size=1024,  # each change writes whole pages: a third less than with 4 KiB
     shrinks=True,
 )
 _UPSERT_STATE: Final = "INSERT INTO state VALUES (?, ?, ?) ON CONFLICT (k) DO UPDATE SET until = ?2, value = ?3"
