@@ -30,6 +30,7 @@ from homebot.devices.query import Or
 from homebot.devices.query.terms import FactIs
 from homebot.devices.trigger import NO_TRIGGER, Trigger
 from homebot.devices.value import PlainValue, Value
+from homebot.devices.wording.time_format import ago
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.messages import Time
@@ -94,13 +95,16 @@ class CommandJournal:
 
     def health(self, counts: Mapping[str, int], notes: tuple[str, ...]) -> HealthResponse:
         """Return the counters and problems of the journal, after the *counts* of others, and with *notes*."""
-        store = self._store
+        store, now = self._store, self._clock.now()
         return HealthResponse(
             counts=Count.each({"journal_expired": store.dropped, "journal_failures": store.failures, **counts}),
             notes=notes,
             troubles=(
                 *((store.problem,) if store.problem else ()),
-                *(f"{one.text}; see homebot why {one.device}" for one in self.fights.recent(self._clock.now())),
+                *(
+                    f"{one.text}, the last {ago(one.newest, now)}; see homebot why {one.device}"
+                    for one in self.fights.recent(now)
+                ),
             ),
         )
 
