@@ -1,1 +1,1 @@
-"""W3C Thing Descriptions 1.1: read, understood and written. Pure."""
+"""W3C Thing Descriptions 1.1: parsing, classification and export. Pure."""

@@ -1,4 +1,4 @@
-"""The choice among the forms of an affordance that a protocol makes, and the capabilities that they become. Pure."""
+"""A protocol's choice among the forms of an affordance, and the resulting capabilities. Pure."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Binding(Protocol):
 
     @property
     def formats(self) -> PayloadFormats:
-        """The formats of payloads that it understands."""
+        """The payload formats that it supports."""
         ...
 
     def observe_forms(self, affordance: Affordance) -> tuple[Form, ...]:

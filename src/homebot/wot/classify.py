@@ -24,7 +24,7 @@ __all__ = ["parts_of"]
 _CATEGORIES: dict[str, Category] = {"config": "config", "diagnostic": "diagnostic"}
 _KINDS = {"boolean": "bool", "integer": "number", "number": "number", "string": "text"}
 _GENERAL = {"bool": ("state", "on_off"), "number": ("measurement", "number"), "text": ("value", "text")}
-"""By kind of value: the capability of unknown meaning, read-only and settable."""
+"""The capabilities for values of unknown meaning, read-only and settable, by kind of value."""
 
 _BY_TYPE = {name: capability for capability, name in CAPABILITY_TYPES.items()}
 _TOKEN_BREAK = re.compile(r"(?<=[a-z0-9])(?=[A-Z])|[\s.\-]+")
@@ -35,7 +35,7 @@ class _Candidate:
     """An affordance and its classification.
 
     Attributes:
-        doubt: The evidence for its capability: 0 its description, 1 its name, 2 its kind of value alone.
+        doubt: The evidence for its capability: 0 its description, 1 its name, 2 only its kind of value.
     """
 
     affordance: Affordance
@@ -50,7 +50,7 @@ class _Candidate:
 
     @property
     def name(self) -> str:
-        """Name of the affordance, with that of the member of its object that this is one of."""
+        """The name of the affordance, followed by that of the member if its value is an object."""
         member = self.affordance.schema.member if self.affordance.schema.members else ""
         return f"{self.affordance.name}/{member}" if member else self.affordance.name
 
@@ -68,14 +68,14 @@ class _Candidate:
 
 
 def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
-    """Return the parts of *thing*, as far as they can be used by one protocol.
+    """Return the parts of *thing* that one protocol can use.
 
-    Homebot's own terms in the description count first, then the semantic types, then names; an affordance of
-    unknown meaning has a general capability. Of two with the same meaning the one of which less is
-    known, or else the second, is a part of its own.
+    homebot's own terms in the description take precedence, then semantic types, then names; an affordance of unknown
+    meaning gets a generic capability. Of two with the same meaning, the less certain one, or else the second, becomes a
+    separate part.
 
     Args:
-        binding: The protocol's choice among its forms; an affordance without a usable form can be neither read nor set.
+        binding: The protocol's choice among forms; an affordance without a usable form can be neither read nor set.
     """
     main = next((device for name, device in THING_TYPES.items() if name in thing.types), "")
     found = [one for affordance in thing.affordances for one in _split(affordance, binding)]
@@ -94,7 +94,7 @@ def parts_of(thing: Thing, binding: Binding) -> tuple[ClassifiedPart, ...]:
 
 
 def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
-    """Yield an affordance; of an object of which nothing can be set, each member that is one value."""
+    """Yield an affordance; of a read-only object, each member with a single value."""
     observed, written = binding.observe_forms(affordance), binding.write_forms(affordance)
     members = affordance.schema.members
     if affordance.kind != "property" or not members or (written and not affordance.read_only):
@@ -106,7 +106,7 @@ def _split(affordance: Affordance, binding: Binding) -> Iterator[_Candidate]:
 
 
 def _with_lock_actions(found: list[_Candidate]) -> list[_Candidate]:
-    """Return *found* with the actions of a lock, whose state is only read, as its commands."""
+    """Return *found* with the actions of a lock as commands for its read-only state."""
     lock = next((one for one in found if one.capability == "lock" and not one.is_settable), None)
     if lock is not None:
         acting = [(one, name) for one in found for name in one.affordance.types if name in LOCK_ACTIONS and one.written]
@@ -135,7 +135,7 @@ def _find_meaning(one: _Candidate, main: str) -> None:
 
 
 def _by_type(affordance: Affordance, main: str) -> str:
-    """Return the capability of the first semantic type that suits the values; empty for none."""
+    """Return the capability of the first semantic type that fits the values; empty for none."""
     for name in () if affordance.schema.members else affordance.types:
         capability = _in_context(_of_type(name, affordance, main), main)
         if capability and _suits(capability, affordance.schema):
@@ -144,7 +144,7 @@ def _by_type(affordance: Affordance, main: str) -> str:
 
 
 def _of_type(name: str, affordance: Affordance, main: str) -> str:
-    """Return the capability of a semantic type; WebThings have one for both setpoints, and one for all levels."""
+    """Return the capability of a semantic type; WebThings use one for both setpoints, and one for all levels."""
     if name == "TargetTemperatureProperty" and "cool" in affordance.name.casefold():
         return "cooling_setpoint"
     if name == "LevelProperty" and affordance.read_only and main not in _OPENINGS:
@@ -153,7 +153,7 @@ def _of_type(name: str, affordance: Affordance, main: str) -> str:
 
 
 def _by_options(one: _Candidate) -> str:
-    """Return the capability of a choice that its options alone identify: a lock, but for one of keys, or an alarm."""
+    """Return the capability identified by options alone: a lock, except of keys, or an alarm."""
     words = {text.casefold() for text in one.affordance.schema.enum if isinstance(text, str)}
     found = next((capability for capability, needed in _OPTIONS.items() if needed <= words), "")
     return "" if found == "lock" and not _KEYS.isdisjoint(_words_of(one)) else found
@@ -164,7 +164,7 @@ _KEYS = frozenset({"child", "key", "keypad", "keys"})
 
 
 def _by_name(one: _Candidate, main: str) -> str:
-    """Return the capability that the name suggests, or the name."""
+    """Return the capability suggested by the name, or the name."""
     name = _TOKEN_BREAK.sub("_", one.name.rpartition("/")[2]).strip("_").lower()
     if name in {"power", "state"} and one.is_settable and _is_switch(one.affordance.schema):
         return "on_off"  # and no watts, nor read-only properties
@@ -185,13 +185,13 @@ def _is_switch(schema: DataSchema) -> bool:
 
 
 def _measured(one: _Candidate) -> str:
-    """Return the capability that the unit of a number says it is, where that is only read."""
+    """Return the capability implied by the unit of a read-only number."""
     is_measured = not one.is_settable and _KINDS.get(one.affordance.schema.type) == "number"
     return measured_in(unit_of(one.affordance.schema)[:40]) if is_measured else ""
 
 
 def _in_context(capability: str, main: str) -> str:
-    """Return a type by its context: a thermostat's temperature is measured; a level of no lamp may be an opening."""
+    """Return a capability in context: a thermostat's temperature is measured; a level may be an opening."""
     if main == "thermostat" and capability == "temperature":
         return "local_temperature"
     if main == "window_covering" and capability == "level":
@@ -216,7 +216,7 @@ def _suits(capability: str, schema: DataSchema) -> bool:
 
 
 def _guess(found: Collection[_Candidate], title: str) -> str:
-    """Return the type that the capabilities suggest; a part with a level that is called a valve is no lamp."""
+    """Return the type suggested by the capabilities; a part with a level that is called a valve is not a lamp."""
     has = {one.capability for one in found}
     is_dimmed = any(one.capability == "level" and one.name != "level" for one in found)
     is_other = not is_dimmed and not _NO_LAMPS.isdisjoint(words_of(title))
@@ -230,11 +230,11 @@ def _guess(found: Collection[_Candidate], title: str) -> str:
 _NO_LAMPS = frozenset(
     {"boiler", "door", "fan", "gate", "heater", "irrigation", "kettle", "motor", "oven", "pump", "sprinkler", "valve"}
 )
-"""Words of a title by which a level is not that of light."""
+"""Words in a title that exclude a level of light."""
 
 
 def _assign_thermostat(found: Collection[_Candidate]) -> bool:
-    """Assign the meanings of a thermostat to one temperature, setpoint and mode of *found*; return False without."""
+    """Assign the meanings of a thermostat to a temperature, setpoint and mode of *found*; return False without them."""
     roles = {
         "local_temperature": [one for one in found if _is_indoors(one)],
         "heating_setpoint": [one for one in found if one.capability == "heating_setpoint" or _is_setpoint(one)],
@@ -248,7 +248,7 @@ def _assign_thermostat(found: Collection[_Candidate]) -> bool:
 
 
 def _climate_type(found: Collection[_Candidate]) -> str:
-    """Return the type of a thermostat by its modes; if none of them heats, its setpoint is made one to cool to."""
+    """Return the type of a thermostat by its modes; if none of them heats, its setpoint becomes one for cooling."""
     options = [text for one in found if one.capability == "thermostat_mode" for text in one.affordance.schema.enum]
     modes = [fold(str(text)) for text in options]
     for one in found:
@@ -281,7 +281,7 @@ _MODES = frozenset({"auto", "cool", "cooling", "heat", "heating"})
 
 
 def _owned(found: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
-    """Return the affordances of the main part, by capability: of a switch and a child lock, the switch."""
+    """Return the affordances of the main part by capability: of a switch and a child lock, the switch."""
     owned: dict[str, _Candidate] = {}
     for one in sorted(found, key=lambda each: (not each.service_type, each.doubt, not each.is_settable)):
         if one.part_id == "" if one.service_type else one.capability in OWNED.get(main, ()):
@@ -290,7 +290,7 @@ def _owned(found: Iterable[_Candidate], main: str) -> dict[str, _Candidate]:
 
 
 def _group(one: _Candidate, owned: Mapping[str, _Candidate], groups: dict[str, list[_Candidate]]) -> str:
-    """Return the id of the part that *one* belongs to."""
+    """Return the id of the part of *one*."""
     if one.service_type:
         return one.part_id
     if owned.get(one.capability) is one:
@@ -335,12 +335,12 @@ def _with_actions(members: Iterable[_Candidate]) -> list[_Candidate]:
 
 
 def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
-    """Return the *texts* that are not empty, each once."""
+    """Return the non-empty *texts*, each once."""
     return tuple(dict.fromkeys(filter(None, texts)))
 
 
 def _advertised_type(thing: Thing, first: _Candidate | None) -> str:
-    """Return the type that the first affordance of a part states; without one, that of the whole thing."""
+    """Return the type stated by the first affordance of a part, or else that of the thing."""
     types = [one for one in thing.types if one != "Thing"] if first is None else first.affordance.types
     return next(iter(types), "")
 

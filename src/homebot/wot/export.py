@@ -1,7 +1,6 @@
 """Devices as Thing Descriptions. Pure.
 
-Facts without a term in TD are under ``homebot:``, so that a description that is read again gives the
-same device.
+Facts without a term in TD are in ``homebot:``, so that reading a description again gives the same device.
 """
 
 from collections.abc import Iterator, Mapping
@@ -28,14 +27,14 @@ _JSON_TYPES = {"bool": "boolean", "number": "number", "text": "string", "numbers
 
 
 class FormWriter(Protocol):
-    """A way to reach devices, which says where their properties are read and written."""
+    """A protocol by which properties of devices are read and written."""
 
     def of_property(self, name: str, part: DevicePart, capability: Capability) -> list[dict[str, object]]:
-        """Return the forms of the property *name*; none if it cannot be reached."""
+        """Return the forms of the property *name*; empty if it is not reachable."""
         ...
 
     def of_words(self, endpoint: Endpoint) -> list[dict[str, object]]:
-        """Return the forms for plain text to and from a device that has no parts."""
+        """Return the forms for plain text to and from a device without parts."""
         ...
 
 
@@ -43,15 +42,15 @@ def thing_id(device_id: str, owner: str = "") -> str:
     """Return the id of a device's description.
 
     Args:
-        owner: The id of the homebot that describes it, where descriptions of several may meet; empty for none.
+        owner: The id of the homebot that describes it, if there may be several; empty for none.
     """
     return f"urn:homebot:{owner}:{quote(device_id, safe='')}" if owner else f"urn:homebot:{quote(device_id, safe='')}"
 
 
 def to_thing(device: Device, forms: FormWriter, owner: str = "") -> dict[str, object]:
-    """Return the Thing Description 1.1 of *device*, as JSON values; it needs no credentials.
+    """Return the Thing Description 1.1 of *device* as JSON values, without security.
 
-    It lists the properties that can be read and set, in the vocabulary's units, and their addresses.
+    It lists the readable and settable properties, in the vocabulary's units, and their addresses.
     """
     properties = dict(_properties(device, forms))
     types = dict.fromkeys(
@@ -150,17 +149,17 @@ def _unused(name: str, taken: set[str]) -> str:
 
 
 def _own_content_type(convention: str) -> str:
-    """Return the content type of payloads that a convention spells; without one they are plain words."""
+    """Return the content type of a convention's payloads; without a convention, plain words."""
     return f"application/vnd.homebot.{convention or 'words'}"
 
 
 class MqttForms:
     """The topics of devices.
 
-    Where a convention such as Zigbee2MQTT's says how payloads are spelt, the content type names it.
+    If a convention such as Zigbee2MQTT's defines the payloads, the content type names it.
 
     Args:
-        brokers: Address of each gateway's broker, for example ``mqtt://192.168.1.10:1883``; any other is taken to be
+        brokers: Addresses of brokers by gateway, for example ``mqtt://192.168.1.10:1883``; by default
             ``mqtt://localhost:1883``.
     """
 

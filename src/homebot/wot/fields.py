@@ -12,7 +12,7 @@ __all__ = ["MAX_TEXT", "Fields"]
 
 
 MAX_TEXT: Final = 1000
-"""Characters of a text for people; longer ones are cut."""
+"""Most characters of a text for people; longer ones are cut."""
 
 _MAX_LISTED = 300
 _MAX_NAME = 200
@@ -28,7 +28,7 @@ class Fields:
         path: Its place, for errors: ``properties.on.forms[0]``.
 
     Raises:
-        WireError: It is none.
+        WireError: It is not an object.
     """
 
     def __init__(self, value: object, path: str) -> None:
@@ -41,11 +41,11 @@ class Fields:
         return name in self._value
 
     def problem(self, name: str, problem: str) -> WireError:
-        """Return the error that something is wrong with a field."""
+        """Return the error for a *problem* with a field."""
         return WireError(f"{self.where(name)}: {problem}")
 
     def text(self, name: str, *, required: bool = False) -> str:
-        """Return a text without control characters; raise WireError for another value, or none if it is *required*."""
+        """Return a text without control characters; raise WireError for another type, or if *required* and missing."""
         value = self._value.get(name)
         if value is None and not required:
             return ""
@@ -87,7 +87,7 @@ class Fields:
         return tuple(str(one)[:MAX_TEXT] for one in listed)
 
     def plain(self, name: str) -> object:
-        """Return a field as it is; None if it is missing."""
+        """Return an unchecked field; None if it is missing."""
         return self._value.get(name)
 
     def listed(self, name: str) -> tuple[object, ...]:
@@ -101,7 +101,7 @@ class Fields:
         return tuple(value)
 
     def inner(self, name: str) -> Fields:
-        """Return the object in a field; an empty one where it is missing."""
+        """Return the object in a field; an empty one if it is missing."""
         return Fields(self._value.get(name, {}), self.where(name))
 
     def names(self) -> tuple[str, ...]:

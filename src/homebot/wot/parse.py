@@ -1,7 +1,7 @@
-"""Thing Descriptions in: checked against the shape that TD 1.1 demands. Pure.
+"""The parser of Thing Descriptions, which checks the rules of TD 1.1. Pure.
 
-Missing terms take the default of the specification, and unknown ones are passed over. Descriptions
-of version 1.0 and of Web Things are read as well.
+Missing terms have the defaults of the specification, and unknown ones are ignored. Descriptions of version 1.0 and of
+Web Things are read too.
 """
 
 import re
@@ -46,7 +46,7 @@ _TYPES: tuple[DataType, ...] = get_args(DataType)
 
 _MAX_AFFORDANCES = 300
 _MAX_FORMS = 100
-"""Servers list one per address, protocol and content type, which are dozens; further ones are passed over."""
+"""Most forms: servers list dozens, one per address, protocol and content type; further ones are ignored."""
 
 _MAX_MEMBERS = 20
 _SCALARS = frozenset({"boolean", "integer", "number", "string"})
@@ -55,17 +55,17 @@ _METHODS = ("htv:methodName", "cov:method", "cov:methodName", "coap:method", "co
 """The terms for methods in the bindings of HTTP and CoAP, and in older drafts of the latter."""
 
 _UNDEFINED_VARIABLES = re.compile(r"\{[?&#][^{}]*\}")
-"""Expressions of a URI template (RFC 6570, section 3.2.1) that disappear where their variables have no value."""
+"""Expressions of a URI template (RFC 6570, section 3.2.1) that disappear without values for their variables."""
 
 
 def read_thing(description: object, source: str = "") -> Thing:
-    """Return the thing that a Thing Description, as parsed JSON, describes.
+    """Return the thing described by a Thing Description, given as parsed JSON.
 
     Args:
-        source: The address that it was read from; relative addresses in it are relative to that.
+        source: The address from which it was read, to resolve relative addresses.
 
     Raises:
-        WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; names the field and its value.
+        WireError: It breaks a rule of TD 1.1, or has more than 300 affordances; the message names field and value.
     """
     fields = Fields(with_forms(description, CONTEXT), "")
     _check_context(fields)
@@ -154,7 +154,7 @@ def _affordances(group: Fields, kind: AffordanceKind, base: str, security: tuple
 def _forms(
     fields: Fields, kind: AffordanceKind, base: str, security: tuple[str, ...], unfit: Collection[str]
 ) -> Iterator[Form]:
-    """Parse the forms of an affordance, without its *unfit* operations if others are left."""
+    """Parse the forms of an affordance, without *unfit* operations unless there are no others."""
     if not fields.listed("forms"):
         raise fields.problem("forms", "is empty; give at least one form")
     for form in _listed_forms(fields):
@@ -166,7 +166,7 @@ def _forms(
 
 
 def _thing_forms(fields: Fields, base: str, security: tuple[str, ...]) -> Iterator[Form]:
-    """Parse the forms of the thing as a whole; TD 1.1, section 5.3.4.2.1, demands an operation for each."""
+    """Parse the forms of the thing as a whole, which must have an operation (TD 1.1, section 5.3.4.2.1)."""
     for form in _listed_forms(fields):
         if ops := form.texts("op"):
             yield _form(form, ops, base, security)
@@ -205,7 +205,7 @@ def _form(form: Fields, ops: tuple[str, ...], base: str, security: tuple[str, ..
 
 
 def _topics(form: Fields, ops: tuple[str, ...], in_path: str) -> tuple[str, str]:
-    """Return the topic to publish on and the filter to subscribe to.
+    """Return the topic for publishing and the filter for subscribing.
 
     In many TDs the topic is in the path of the address; ``mqv:`` terms are preferred.
     """
@@ -217,13 +217,13 @@ def _topics(form: Fields, ops: tuple[str, ...], in_path: str) -> tuple[str, str]
 
 
 def _retain(form: Fields) -> bool:
-    """Parse a boolean, or its text, as some write it."""
+    """Parse a boolean, which some write as text."""
     value = form.plain("mqv:retain")
     return value == "true" if isinstance(value, str) and value in {"true", "false"} else form.flag("mqv:retain")
 
 
 def _qos(form: Fields) -> int:
-    """Parse ``"1"``, 1, or ``quality:1`` as older drafts have it."""
+    """Parse ``"1"``, 1, or ``quality:1`` of older drafts."""
     value = form.plain("mqv:qos")
     if value is None:
         return 0
@@ -272,7 +272,7 @@ def _type(fields: Fields) -> DataType:
 
 
 def _alternative(fields: Fields) -> DataSchema | None:
-    """Return the number among the alternatives of a schema, or the only one that is not null; else None."""
+    """Return the number among the alternatives of a schema, or the only non-null one; otherwise None."""
     name = "oneOf" if "oneOf" in fields else "anyOf"
     given = [one for one in fields.listed(name) if isinstance(one, dict) and one.get("type") != "null"]
     schemas = [_schema(Fields(one, fields.where(name)), is_member=True) for one in given]

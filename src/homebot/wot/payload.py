@@ -1,6 +1,6 @@
-"""Payloads of things: their formats, and their values as the data schemas say. Pure.
+"""The payloads of things: their formats, and their values by data schema. Pure.
 
-A *document* is the value that a payload spells: null, a boolean, a number, a text, a list or an object.
+A *document* is the value in a payload: null, a boolean, a number, a text, a list or an object.
 """
 
 import colorsys
@@ -45,18 +45,18 @@ _FULL = 255
 
 @dataclass(frozen=True, slots=True)
 class PayloadFormat:
-    """A format of payloads: *parse* returns the document in one or raises WireError, *encode* the payload with one."""
+    """A payload format: *parse* returns the document or raises WireError, *encode* returns the payload."""
 
     parse: Callable[[bytes], object]
     encode: Callable[[object], bytes]
 
 
 PayloadFormats: TypeAlias = Callable[[str], PayloadFormat | None]
-"""Returns the format that a content type names; None if it is not understood."""
+"""Returns the format of a content type; None if it is not supported."""
 
 
 def _parse_words(payload: bytes) -> object:
-    """Parse JSON, or bare words, which many devices send under any content type."""
+    """Parse JSON, or bare words, which many devices send with any content type."""
     if len(payload) > MAX_STATE_BYTES:
         raise WireError(f"a payload of {len(payload)} bytes is longer than {MAX_STATE_BYTES}")
     try:
@@ -70,7 +70,7 @@ def _as_json(document: object) -> bytes:
 
 
 def _as_words(document: object) -> bytes:
-    """Spell plain text; a number or a boolean is spelt as in JSON."""
+    """Return plain text; numbers and booleans as in JSON."""
     return document.encode(errors="replace") if isinstance(document, str) else _as_json(document)
 
 
@@ -79,7 +79,7 @@ _WORDS = PayloadFormat(_parse_words, _as_words)
 
 
 def basic_formats(content_type: str) -> PayloadFormat | None:
-    """Return the format of JSON or of plain text, where *content_type* names one of them."""
+    """Return the format of JSON or plain text, if *content_type* is one of them."""
     kind = media_type(content_type)
     if kind == TEXT_CONTENT_TYPE:
         return _WORDS
@@ -87,15 +87,15 @@ def basic_formats(content_type: str) -> PayloadFormat | None:
 
 
 def media_type(content_type: str) -> str:
-    """Return a content type without its parameters, in lower case."""
+    """Return a content type in lower case, without parameters."""
     return content_type.partition(";")[0].strip().casefold()
 
 
 def decode_document(capability: Capability, affordance: Affordance, document: object) -> tuple[PlainValue] | None:
-    """Return the value of *capability* that *document* is, in the vocabulary's unit.
+    """Return the value of *capability* in *document*, in the vocabulary's unit.
 
     Returns:
-        The value, in a tuple because it may be None, unknown; None if it means nothing.
+        The value, in a tuple because it may be None for unknown; None if it is meaningless.
     """
     schema = affordance.schema
     if affordance.kind == "event" and document in (None, ""):
@@ -113,13 +113,13 @@ def decode_document(capability: Capability, affordance: Affordance, document: ob
 
 
 def _is_no_number(capability: Capability, schema: DataSchema, document: object) -> bool:
-    """Return whether *document* stands for an unknown number."""
+    """Return whether *document* represents an unknown number."""
     is_number = CAPABILITIES[capability.name].kind == "number"
     return is_number and (is_unknown(document) or document in schema.words)
 
 
 def encode_document(capability: Capability, affordance: Affordance, value: PlainValue) -> object:
-    """Return the document that makes *capability* become *value*; raise RefusedError if it is no value of it."""
+    """Return the document that sets *capability* to *value*; raise RefusedError if that is impossible."""
     document = _encode(capability, affordance, value)
     return {affordance.schema.member: document} if affordance.schema.member else document
 
@@ -153,7 +153,7 @@ def _encode_number(capability: Capability, affordance: Affordance, value: PlainV
     bounds = capability.bounds or CAPABILITIES[name].bounds or (-math.inf, math.inf)
     number = require_number(name, value, bounds[0], bounds[-1])
     least = affordance.schema.minimum or 0
-    if name == "level" and number == 0 and least > 0:  # to which 0 % would be rounded up, and the lamp shine
+    if name == "level" and number == 0 and least > 0:  # otherwise 0 % would be rounded up, and the lamp stay on
         problem = f"its {affordance.name[:60]} is never below {least:g}, and it has no switch"
         raise RefusedError(f"{name} {shown(value)}", problem)
     number = on_the_wire(name, affordance, number)
@@ -185,7 +185,7 @@ def _decode_lock(affordance: Affordance, value: object) -> PlainValue:
 
 
 def _flag(affordance: Affordance, value: object) -> bool | None:
-    """Return a flag; of two listed texts, the one that means yes, or else the second, is true."""
+    """Return a flag; of two listed texts, the one meaning yes, or else the second, is true."""
     if isinstance(value, bool):
         return value
     enum = affordance.schema.enum
@@ -210,7 +210,7 @@ def _values_by_flag(affordance: Affordance) -> dict[bool, object]:
 
 
 def is_rgb(schema: DataSchema) -> bool:
-    """Return whether values are objects of red, green and blue, from 0 to 255 each, and of nothing else."""
+    """Return whether values are objects of exactly red, green and blue, from 0 to 255 each."""
     channels = dict(schema.members)
     return channels.keys() == {"r", "g", "b"} and all(one.maximum in (None, _FULL) for one in channels.values())
 

@@ -1,4 +1,4 @@
-"""Numbers of things in the vocabulary's units, and back. Pure."""
+"""Conversion of numbers between things and the vocabulary's units. Pure."""
 
 import math
 from dataclasses import replace
@@ -17,7 +17,7 @@ _SEPARATORS = str.maketrans("", "", " _-")
 
 
 def unit_of(schema: DataSchema) -> str:
-    """Return the unit of a schema, as the vocabulary spells it: ``celsius`` and ``unit:DegreeCelsius`` are ``°C``."""
+    """Return the unit of a schema in the vocabulary's spelling: ``celsius`` and ``unit:DegreeCelsius`` are ``°C``."""
     bare = schema.unit.rpartition("/")[2].rpartition(":")[2] if ":" in schema.unit else schema.unit
     return UNITS.get(bare.casefold().translate(_SEPARATORS), bare)
 
@@ -26,12 +26,12 @@ _PERCENT = 100.0
 _EXACT = 12
 _LONGEST_UNIT = 40
 _NO_RANGE = 1e15
-"""Ends that lie so far apart are those of a number type, not of a device."""
+"""Range from which bounds are those of a number type, not of a device."""
 
 
 def canonical(capability: str, affordance: Affordance, number: float) -> float | None:
-    """Return *number*, as the thing spells it, in the vocabulary's unit; None if it means nothing."""
-    if "capability" in affordance.extension:  # homebot's own words are canonical already
+    """Return the thing's *number* in the vocabulary's unit; None if it is meaningless."""
+    if "capability" in affordance.extension:  # homebot's own terms are already canonical
         return number
     if (ends := _ends(capability, affordance)) is not None:
         low, high = ends
@@ -44,9 +44,9 @@ def canonical(capability: str, affordance: Affordance, number: float) -> float |
 
 
 def in_told_unit(capability: str, affordance: Affordance, document: object) -> Affordance | None:
-    """Return *affordance* in the unit that *document* names beside the value; None if that is no unit of it.
+    """Return *affordance* with the unit named in *document* beside the value; None if the unit is unsuitable.
 
-    It is the affordance itself where none is named.
+    Without one, the affordance is returned unchanged.
     """
     schema = affordance.schema
     unit = document.get(schema.unit_member) if schema.unit_member and isinstance(document, dict) else None
@@ -58,9 +58,9 @@ def in_told_unit(capability: str, affordance: Affordance, document: object) -> A
 
 
 def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
-    """Return the smallest and the largest number that the thing takes, in the vocabulary's unit; empty without both.
+    """Return the smallest and largest allowed number, in the vocabulary's unit; empty unless both are known.
 
-    They hold for values that are compared after the thing's own rounding: a rounded bound is within as well.
+    They apply to values after the thing's own rounding, so that a rounded bound is allowed.
     """
     low, high = affordance.schema.minimum, affordance.schema.maximum
     if low is None or high is None:
@@ -69,7 +69,7 @@ def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
     if not is_own and _is_mired(capability, affordance) and low >= 1:
         return nearest_mired_bounds(low, high)
     ends = [found for end in (low, high) if (found := canonical(capability, affordance, end)) is not None]
-    if len(ends) < 2:  # one of them means nothing
+    if len(ends) < 2:  # one of them is meaningless
         return ()
     if not is_own and _is_fahrenheit(capability, affordance):
         return celsius_bounds(min(low, high), max(low, high))
@@ -77,7 +77,7 @@ def bounds_of(capability: str, affordance: Affordance) -> tuple[float, ...]:
 
 
 def on_the_wire(capability: str, affordance: Affordance, number: float) -> float:
-    """Return *number*, in the vocabulary's unit, as the thing spells it; not finite where that is impossible."""
+    """Return *number*, given in the vocabulary's unit, as the thing's; not finite if impossible."""
     if "capability" in affordance.extension:
         return number
     found = _in_own_unit(capability, affordance, number)
@@ -103,7 +103,7 @@ def _in_own_unit(capability: str, affordance: Affordance, number: float) -> floa
 
 
 def _within(number: float, low: float | None, high: float | None) -> float:
-    """Keep *number*, which is within but for rounding, between the ends."""
+    """Clamp *number*, which may exceed the bounds by rounding."""
     number = number if low is None else max(number, float(low))
     return number if high is None else min(number, float(high))
 

@@ -1,4 +1,4 @@
-"""W3C Thing Descriptions, checked: the affordances of a thing, and their forms.
+"""Validated W3C Thing Descriptions: the affordances of a thing, and their forms.
 
 Source: W3C Recommendation "Web of Things (WoT) Thing Description 1.1", section 5; the terms ``mqv:`` are those of the
 editor's draft "Web of Things (WoT) MQTT Binding".
@@ -40,12 +40,12 @@ ThingChange: TypeAlias = Literal["thing_created", "thing_updated", "thing_delete
 THING_CHANGES: Final[tuple[ThingChange, ...]] = get_args(ThingChange)
 
 OBSERVE_OPS = frozenset({"readproperty", "observeproperty", "subscribeevent"})
-"""Operations by which values become known."""
+"""Operations that return values."""
 
 WRITE_OPS = frozenset({"writeproperty", "invokeaction"})
 
 NO_SECURITY: Mapping[str, object] = {"securityDefinitions": {"nosec_sc": {"scheme": "nosec"}}, "security": "nosec_sc"}
-"""The members of a description whose thing needs no credentials."""
+"""The members of a description without security."""
 
 _OWN = ("mac:", "eui64:", "id:")
 
@@ -56,16 +56,16 @@ class Form:
 
     Attributes:
         ops: Its operations, for example ``writeproperty``; at least one.
-        scheme: Of its address, for example ``mqtt``; empty if only a relative one was given.
-        href: Its address, absolute where the description said how; with ``{`` where it has variables that need a value.
+        scheme: Of its address, for example ``mqtt``; empty if only a relative address was given.
+        href: Its address, absolute if the description has a base; contains ``{`` if variables need a value.
         subprotocol: How values are pushed, for example ``longpoll``; empty for the protocol's own way.
         method: Of the request, for example ``PUT``; empty for the protocol's own choice.
         security: The names of the security schemes that it requires, all of them.
-        topic: To publish on; empty if there is none.
-        filter: To subscribe to; empty if there is none.
+        topic: Topic for publishing; empty for none.
+        filter: Filter for subscribing; empty for none.
         qos: 0 to 2.
         content_type: Encoding of payloads; ``application/json`` if none is declared.
-        response_type: How answers are spelt, where that is another way; empty for the same.
+        response_type: Encoding of answers, if different; otherwise empty.
     """
 
     ops: tuple[str, ...]
@@ -83,18 +83,18 @@ class Form:
 
     @property
     def is_mqtt(self) -> bool:
-        """True if it is about MQTT."""
+        """True for MQTT."""
         return self.scheme in {"mqtt", "mqtts", "ws+mqtt"} or bool(self.topic or self.filter)
 
 
 @dataclass(frozen=True, slots=True)
 class SecurityScheme:
-    """One way to be let in.
+    """A way of authentication.
 
     Attributes:
         scheme: For example ``nosec``, ``basic``, ``bearer`` or ``psk``.
-        location: Where credentials go, for example ``header``; empty for the scheme's own place.
-        name: The name of the header, query parameter or cookie; empty if there is none.
+        location: The place of credentials, for example ``header``; empty for the scheme's default.
+        name: The name of the header, query parameter or cookie; empty for none.
     """
 
     scheme: str
@@ -107,13 +107,13 @@ class DataSchema:
     """The constraints on a value.
 
     Attributes:
-        type: Of the values; empty if nothing is declared.
-        unit: As it was spelt; empty if there is none.
-        enum: The only values, if they are listed; those that are neither texts, numbers nor booleans are left out.
+        type: Type of the values; empty if not declared.
+        unit: Unit in the original spelling; empty for none.
+        enum: The allowed values, if listed, without those that are neither texts, numbers nor booleans.
         member: The name of the member of an object that has the value; empty if the value is no object, or is itself
             one. The other fields are those of the member.
-        words: Texts that come in place of a number, such as ``unmeasurable``; the number is unknown then.
-        members: Of an object with several members, those that hold one value each and are always there, by name.
+        words: Texts that may replace a number, such as ``unmeasurable``; the number is then unknown.
+        members: Of an object with several members, the required ones with a single value, by name.
         unit_member: The name of the member beside :attr:`member` that names the unit of a value, if it is not
             :attr:`unit`.
     """
@@ -135,11 +135,11 @@ class Affordance:
 
     Attributes:
         name: Unique among its kind in the thing.
-        title: Its name for people; empty if that is not known.
+        title: Its name for people; empty if unknown.
         types: Its semantic types, without prefix.
-        schema: Its possible values: of an action those that it takes, of an event those that come with it.
+        schema: Its possible values: for an action its input, for an event its data.
         forms: The ways to use it, at least one.
-        extension: Homebot's own terms, by the name after ``homebot:``; texts alone.
+        extension: homebot's own terms, by the name after ``homebot:``; only texts.
     """
 
     name: str
@@ -161,7 +161,7 @@ class Thing:
         id: Its URI; empty if it has none.
         types: Its semantic types, without prefix.
         affordances: Properties, then actions, then events, each in their order.
-        area: Its room; empty if that is not known.
+        area: Its room; empty if unknown.
         identifiers: Its identifiers; see :func:`homebot.devices.identity.identifiers`.
         forms: The ways to use several affordances at once, such as ``readallproperties``.
         security: The security schemes that forms name.
@@ -180,14 +180,14 @@ class Thing:
 
 
 def identifiers_of(thing: Thing, *others: str) -> tuple[str, ...]:
-    """Return :func:`homebot.devices.identity.identifiers` of *thing*; *others* are such as the name of its host."""
+    """Return :func:`homebot.devices.identity.identifiers` of *thing*; *others* may include the name of its host."""
     own = tuple(one for one in thing.identifiers if one.startswith(_OWN))
     declared = identifiers(one for one in (*thing.identifiers, thing.id, *others) if one and one not in own)
     return tuple(dict.fromkeys((*own, *declared)))
 
 
 def facts_of(thing: Thing) -> dict[str, str]:
-    """Return the further facts that a description has of *thing*, by name."""
+    """Return the further facts about *thing* in its description, by name."""
     facts = {clean_text(key, 60): clean_text(value) for key, value in thing.facts.items()}
     if thing.description:
         facts.setdefault("description", clean_text(thing.description, 200))
@@ -195,7 +195,7 @@ def facts_of(thing: Thing) -> dict[str, str]:
 
 
 def change_forms(thing: Thing, change: Callable[[Form], Form | None]) -> Thing:
-    """Return *thing* with its forms changed; *change* returns the replacement of one, or None to leave it out."""
+    """Return *thing* with forms replaced by *change*, which returns the replacement, or None to remove a form."""
 
     def changed(forms: Iterable[Form]) -> tuple[Form, ...]:
         return tuple(new for one in forms if (new := change(one)) is not None)

@@ -1,4 +1,4 @@
-"""Semantic types of things and properties, and our vocabulary for them, in both directions. Pure.
+"""The mapping between semantic types of things and properties and our vocabulary. Pure.
 
 Source: the schemas of WebThings, https://webthings.io/schemas, used by most Thing Descriptions with semantics.
 """
@@ -46,7 +46,7 @@ THING_TYPES: Mapping[str, str] = {
     "MultiLevelSwitch": "switch",
     "BinarySwitch": "switch",
 }
-"""The device type for each semantic type of a thing; of several the first in this order counts."""
+"""The device types by semantic type of a thing; of several the first in this order counts."""
 
 DEVICE_TYPE_NAMES: Mapping[str, str] = MappingProxyType(
     {device: name for name, device in reversed(tuple(THING_TYPES.items()))}
@@ -79,7 +79,7 @@ CAPABILITY_TYPES: Mapping[str, str] = {
 """The semantic type of a property for each capability that has one."""
 
 LOCK_ACTIONS: Mapping[str, str] = {"LockAction": "locked", "UnlockAction": "unlocked"}
-"""The state of a lock that each semantic type of an action sets; its property is only read."""
+"""The state of a lock set by each semantic type of an action, as the property is read-only."""
 
 OWNED: Mapping[str, frozenset[str]] = {
     "light": frozenset({"on_off", "level", "color", "color_temperature", "effect"}),

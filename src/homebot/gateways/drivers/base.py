@@ -21,7 +21,7 @@ __all__ = ["Driver", "DriverSettings", "FoundService", "first_answer"]
 Answer = TypeVar("Answer")
 
 MAX_ASKED: Final = 4
-"""Addresses that are asked; a device has an IPv4 address and up to three of IPv6."""
+"""Most addresses to try; a device has an IPv4 address and up to three of IPv6."""
 
 
 class DriverSettings(BaseModel):
@@ -30,25 +30,25 @@ class DriverSettings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     def check_secrets(self) -> None:
-        """Read the secrets that it names, if any, before anything is started.
+        """Check the secrets that it names before anything starts.
 
         Raises:
-            UsageError: One cannot be read; names the key.
+            UsageError: One cannot be read; the message names the key.
         """
 
 
 class Driver(ABC):
     """A driver for one service.
 
-    It is made anew for each try to connect: after a failure, and when host, port or TXT record of the service have
-    changed.
+    A new one is created for each attempt to connect: after a failure, and when host, port or TXT record of the service
+    have changed.
 
     Args:
         settings: The driver's table, checked; an instance of :attr:`Settings`.
 
     Attributes:
-        service_types: The DNS-SD service types that it is for: ``_shelly._tcp.local.``
-        libraries: The top-level modules that it needs of homebot's extra ``mdns``.
+        service_types: Its DNS-SD service types: ``_shelly._tcp.local.``
+        libraries: The top-level modules that it needs from homebot's extra ``mdns``.
     """
 
     service_types: ClassVar[frozenset[str]]
@@ -62,10 +62,10 @@ class Driver(ABC):
 
     @classmethod
     def check(cls, settings: DriverSettings) -> None:
-        """Look for the needs of the driver before anything is started: its libraries, and its secrets.
+        """Check the libraries and secrets of the driver before anything starts.
 
         Raises:
-            UsageError: It could not work; the message gives the remedy.
+            UsageError: Something is missing; the message gives the remedy.
         """
         check_extra("it", "mdns", *cls.libraries)
         settings.check_secrets()
@@ -74,16 +74,16 @@ class Driver(ABC):
     async def run(self) -> None:
         """Connect, describe the device, and report its states, until cancelled.
 
-        The gateway runs it again after a growing pause when it has failed.
+        The gateway runs it again with growing pauses after failures.
 
         Raises:
-            LinkError: It cannot be connected to, or the connection was lost.
-            PeerError: It broke the rules of its protocol, or refuses homebot; the message gives the remedy.
+            LinkError: It cannot be reached, or the connection was lost.
+            PeerError: It broke its protocol, or refuses homebot; the message gives the remedy.
         """
 
     @abstractmethod
     async def perform(self, command: Command) -> None:
-        """Carry out a command, which fits the part it is for; return when the device has accepted it.
+        """Carry out a command, already checked against its part; return when the device has accepted it.
 
         Raises:
             LinkError: There is no connection.
@@ -92,14 +92,14 @@ class Driver(ABC):
 
 
 async def first_answer(name: str, addresses: Sequence[str], ask: Callable[[str], Awaitable[Answer]]) -> Answer:
-    """Ask one address after the other, and return the first answer.
+    """Try one address after the other, and return the first answer.
 
     Args:
         addresses: Its addresses, best first.
-        ask: Asks an address; a LinkError means that it does not answer.
+        ask: Tries an address; a LinkError means that it does not answer.
 
     Raises:
-        LinkError: None of them answers; the error of the last one.
+        LinkError: None of them answers; it is the error of the last one.
     """
     failed = LinkError(f"{name} has no address")
     for address in addresses[:MAX_ASKED]:

@@ -1,4 +1,4 @@
-"""Runs the driver of one service until the service is gone, and passes commands to it."""
+"""The runner of the driver of one service, which passes commands to it."""
 
 from collections.abc import Callable, MutableMapping
 from dataclasses import replace
@@ -21,14 +21,14 @@ LOST_BACKOFF: Final = Backoff(first=1.0, factor=2.0, cap=15.0, late_cap=60.0, la
 """After a lost connection: a device that restarts is back within seconds."""
 
 CONNECTED_WITHIN: Final = 5.0
-"""Seconds that a command waits for a connection that is being made."""
+"""Seconds for which a command waits for a connection."""
 
 
 class DriverRunner(DeviceRunner):
     """Runs the driver of one service, and publishes its descriptions and reports.
 
     Args:
-        publish: Publishes the device, and why: the driver's description, None for the facts of DNS-SD alone.
+        publish: Publishes the device and the reason: by the driver's description, or None for only the facts of DNS-SD.
         behind: The published devices behind the device, by key.
     """
 
@@ -66,7 +66,7 @@ class DriverRunner(DeviceRunner):
         await self._driver.run()
 
     async def perform(self, command: Command) -> None:
-        """Carry *command* out; it waits a moment for a connection that is being made."""
+        """Carry out *command*; wait a moment for a connection in progress."""
         if self._is_connecting:
             with anyio.move_on_after(CONNECTED_WITHIN):
                 await self._connected.wait()
@@ -75,7 +75,7 @@ class DriverRunner(DeviceRunner):
         await self._driver.perform(command)
 
     def describe(self, device: GatewayDevice) -> None:
-        """Publish the description of the device, under the key of its service; it is connected now."""
+        """Publish the description of the device, now connected, under the key of its service."""
         self.sleeps = device.sleeps
         self.on_answer()
         self._publish(replace(device, key=self.key), "its driver has described it")
@@ -84,14 +84,14 @@ class DriverRunner(DeviceRunner):
         self.report_reachable(reachable=True)
 
     def list_unheard(self) -> None:
-        """Publish the device as DNS-SD knows it."""
+        """Publish the device as known from DNS-SD."""
         self._publish(None, "its driver has not described it")
 
     def on_end(self) -> None:
-        """Publish that there is no connection."""
+        """Publish the loss of the connection."""
         self._driver = None
         self._is_connecting = False
-        self._connected.set()  # no caller is to wait for it any more
+        self._connected.set()  # no caller may wait for it any longer
         self._connected = anyio.Event()
         super().on_end()
 

@@ -1,4 +1,4 @@
-"""The drivers of an mDNS gateway, by the service types that they are for; one that cannot be used is left out."""
+"""The usable drivers of an mDNS gateway, by service type."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,14 +29,14 @@ class UsableDriver:
 def find_drivers(
     tables: Mapping[str, Mapping[str, object]], folder: Path
 ) -> tuple[Mapping[str, UsableDriver], tuple[str, ...]]:
-    """Load all drivers that are installed, and those that the configuration names, with paths relative to *folder*.
+    """Load all installed drivers, and those in the configuration, with paths relative to *folder*.
 
     Returns:
-        Those that can be used, by service type, and the reasons why others cannot, as text. Of two for one type it is
-        the one that the configuration names, else the first by name.
+        The usable drivers by service type, and the reasons why others cannot be used, in words. Of two for one type,
+        the one named in the configuration counts, or else the first by name.
 
     Raises:
-        UsageError: A driver that has a table cannot be used, or its table is wrong.
+        UsageError: A driver with a table cannot be used, or its table is invalid.
     """
     by_type: dict[str, UsableDriver] = {}
     problems = []

@@ -1,6 +1,6 @@
 """The driver for WLED controllers.
 
-The controller sends its whole state over a WebSocket whenever it changes. If it has no WebSocket, or no room for
+The controller sends its whole state over a WebSocket whenever it changes. Without a WebSocket, or without room for
 another client, it is polled every ten seconds. Commands are sent over HTTP, because the WebSocket does not acknowledge
 them.
 
@@ -29,20 +29,20 @@ if TYPE_CHECKING:
 __all__ = ["WledDriver"]
 
 MAX_BYTES: Final = 128 * 1024
-"""Longest answer; that of 32 segments is about 12 kB."""
+"""Longest answer; with 32 segments it has about 12 kB."""
 
 POLL: Final = 10.0
-"""Seconds between two questions where nothing is pushed."""
+"""Seconds between polls if nothing is pushed."""
 
 ANSWER_WITHIN: Final = 5.0
-"""Seconds for an answer; one that is missed three times in a row ends the connection."""
+"""Seconds for an answer; three consecutive misses end the connection."""
 
 ASK_AGAIN: Final = 300.0
-"""The same as :data:`POLL` where state is pushed: a lamp that is left alone says nothing for days."""
+"""The same as :data:`POLL` if state is pushed, as an unused lamp is silent for days."""
 
 _TRIES = 3
 _PAUSE = 0.3
-"""A controller that is busy with another request answers 503; it is free again soon."""
+"""A controller that is busy with another request answers 503, and is soon free again."""
 
 
 class WledDriver(Driver):
@@ -119,7 +119,7 @@ class WledDriver(Driver):
         return await _patiently(lambda: self._client.get_json(f"{self._origin}{path}"))
 
     async def _send(self, state: Fields) -> object:
-        """Send a state; it is absolute, so it can be sent again."""
+        """Send a state, which is absolute and so can be repeated."""
         return await _patiently(lambda: self._client.send_json("POST", f"{self._origin}/json/state", state))
 
     async def _update(self, document: Fields) -> None:
@@ -130,7 +130,7 @@ class WledDriver(Driver):
         await self._publish(WledStrip(document, self._effects, self._presets))
 
     async def _ask_presets(self) -> Mapping[int, str]:
-        """Return the presets, of which there are none if there is no such file; it is read anew when it changes."""
+        """Return the presets, none without a file; the file is read again when it changes."""
         try:
             return preset_names(await self._ask("/presets.json"))
         except RefusedError:
@@ -140,7 +140,7 @@ class WledDriver(Driver):
             return {}
 
     async def _publish(self, strip: WledStrip) -> None:
-        """Publish description and state of the controller, or that it is still there if nothing changed."""
+        """Publish description and state of the controller, or only that it is still there if nothing has changed."""
         self._strip = strip
         device = GatewayDevice(
             key=self.service.key,

@@ -30,13 +30,13 @@ __all__ = ["HTTP_BINDING", "HttpThingPort", "login_at"]
 HTTP_BINDING: Final = RequestBinding(frozenset({"http", "https"}), ("sse", "longpoll"))
 
 LONG_POLL: Final = 50.0
-"""Seconds for which an answer to a long poll is waited for; then it is begun again."""
+"""Seconds to wait for the answer to a long poll before it is restarted."""
 
 SHORTEST: Final = 0.5
-"""Seconds between two long polls of which the first was answered at once; also those after which one has begun."""
+"""Seconds between long polls if one was answered at once; also those after which one counts as started."""
 
 WATCH_EVERY: Final = 60.0
-"""Seconds between two signs of life of a thing that pushes its values: a lost connection says nothing."""
+"""Seconds between checks of a thing that pushes its values, as a lost connection may go unnoticed."""
 
 _HEADER = re.compile(r"[!#$%&'*+.^_`|~0-9A-Za-z-]{1,100}")
 _MARGIN = 10.0
@@ -44,7 +44,7 @@ _NOT_SENT: Final = frozenset({"host", "content-length", "transfer-encoding", "co
 
 
 class HttpThingPort:
-    """The way to one thing, see :class:`homebot.gateways.things.thing_device.ThingPort`; use it as ``async with``.
+    """The HTTP :class:`homebot.gateways.things.thing_device.ThingPort` of one thing; use it as ``async with``.
 
     Args:
         guard: The guard of this computer's addresses; None if its own directory lists the thing.
@@ -76,12 +76,12 @@ class HttpThingPort:
             await self._stack.aclose()
 
     async def read(self, form: Form) -> ThingPayload:
-        """Return the present value at the address of *form*."""
+        """Return the current value at the address of *form*."""
         method = form.method if form.method in {"GET", "POST"} and "writeproperty" not in form.ops else "GET"
         return _payload(await self._request(method, form), form)
 
     async def write(self, form: Form, payload: bytes) -> None:
-        """Send *payload*, by PUT to a property and by POST to an action where the form says nothing else."""
+        """Send *payload*, by default by PUT to a property and by POST to an action."""
         method = form.method if form.method != "GET" else ""
         default = "POST" if "invokeaction" in form.ops else "PUT"
         await self._request(method or default, form, payload)
@@ -89,7 +89,7 @@ class HttpThingPort:
     async def observe(
         self, form: Form, read_current: Callable[[], Awaitable[None]]
     ) -> AsyncGenerator[ThingPayload, None]:
-        """Yield pushed values; the current value is read after each beginning: a server pushes later changes only."""
+        """Yield pushed values; the current value is read after each start, as a server only pushes later changes."""
         if form.subprotocol == "sse":
             client, url = await self._client(form)
             async with client.events(url) as events:
@@ -104,17 +104,17 @@ class HttpThingPort:
             await anyio.sleep(max(0.0, began + SHORTEST - anyio.current_time()))
 
     async def watch(self, confirm: Callable[[], None]) -> None:
-        """Ask a thing that pushes values for one of them now and then, until cancelled."""
+        """Read a value of a thing that pushes values at intervals, until cancelled."""
         form = next(iter(self._read_forms.values()), None)
         while True:
             await anyio.sleep(WATCH_EVERY)
             if form is not None:
-                with suppress(PeerError):  # that is an answer too
+                with suppress(PeerError):  # this is an answer too
                     await self.read(form)
                 confirm()
 
     async def _poll(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> HttpAnswer | None:
-        """Return the answer to a long poll; None if there is none for so long that it is begun again."""
+        """Return the answer to a long poll; None if it has to be restarted."""
 
         async def read_when_begun() -> None:
             await anyio.sleep(SHORTEST)  # nothing says when the server has the request
@@ -143,7 +143,7 @@ class HttpThingPort:
         )
 
     async def _client(self, form: Form) -> tuple[HttpClient, str]:
-        """Return the client for the address of *form*, and that address as it is sent."""
+        """Return the client for the address of *form*, and the address to request."""
         login, url = self._login(form)
         client = self._clients.get(login)
         if client is None:
@@ -164,7 +164,7 @@ class HttpThingPort:
             raise RefusedError(
                 "credentials for the thing", f"it wants {scheme.scheme[:40]!a}, and {known.scheme} is configured"
             )
-        if scheme.scheme == "apikey" and scheme.location in {"", "query"}:  # the place where TD 1.1 has it by default
+        if scheme.scheme == "apikey" and scheme.location in {"", "query"}:  # the default place in TD 1.1
             if not scheme.name:
                 raise RefusedError("credentials for the thing", "its description does not name the parameter")
             return None, str(where.update_query({scheme.name: known.password.get_secret_value()}))

@@ -1,8 +1,7 @@
-"""A device that a Thing Description describes: its values observed or asked for, its commands sent.
+"""A device described by a Thing Description: its values are observed or polled, its commands sent.
 
-Affordances of one address share its observation, or its turn to be asked; all properties are asked for at once where
-the thing offers that. One that cannot be observed after all is asked for. All requests for values go one after the
-other, so that a small device is asked one thing at a time.
+Affordances with one address share its observation or poll; all properties are polled at once if the thing offers that.
+An affordance whose observation fails is polled. Requests for values are sequential, for the sake of small devices.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ __all__ = ["ThingDevice", "ThingPayload", "ThingPort", "describe_thing"]
 
 @dataclass(frozen=True, slots=True)
 class ThingPayload:
-    """A payload that a thing sent, with the type that its answer names; empty for none."""
+    """A payload from a thing, with the content type of its answer; empty for none."""
 
     data: bytes
     content_type: str = ""
@@ -43,37 +42,37 @@ class ThingPayload:
 class ThingPort(Protocol):
     """A protocol of requests and responses, with the credentials of one thing.
 
-    Every call is limited in time and in the length of the answer. It raises :class:`homebot.errors.LinkError` where the
-    thing does not answer, :class:`homebot.errors.RefusedError` where it answers with no, and
-    :class:`homebot.errors.WireError` where its answer breaks the rules of the protocol.
+    Every call is limited in time and length of the answer. It raises :class:`homebot.errors.LinkError` if the thing
+    does not answer, :class:`homebot.errors.RefusedError` if it refuses, and :class:`homebot.errors.WireError` if its
+    answer breaks the protocol.
     """
 
     @property
     def binding(self) -> RequestBinding: ...  # noqa: D102 - see Attributes
 
     async def read(self, form: Form) -> ThingPayload:
-        """Return the present value at the address of *form*."""
+        """Return the current value at the address of *form*."""
         ...
 
     async def write(self, form: Form, payload: bytes) -> None:
-        """Send *payload*, empty for an action without input, as *form* says; return when it was accepted."""
+        """Send *payload*, empty for an action without input, by *form*; return when it was accepted."""
         ...
 
     def observe(self, form: Form, read_current: Callable[[], Awaitable[None]]) -> AsyncIterator[ThingPayload]:
-        """Yield pushed values, until the caller has enough; the end of the observation is an error.
+        """Yield pushed values until the caller stops; the end of the observation is an error.
 
         Args:
-            read_current: Reads the current value; called whenever an observation has begun that does not start with it,
-                so that no change before that is lost.
+            read_current: Reads the current value; called after the start of an observation that does not begin with it,
+                so that no change is lost.
         """
         ...
 
 
 MAX_OBSERVATIONS = 32
-"""Observations of one thing; values beyond them are polled."""
+"""Most observations of one thing; further values are polled."""
 
 POLL_EVERY = 30.0
-"""Seconds between two turns of asking."""
+"""Seconds between polls."""
 
 
 def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> GatewayDevice:
@@ -92,12 +91,12 @@ def describe_thing(thing: Thing, key: str, binding: Binding, *others: str) -> Ga
 
 @dataclass(slots=True, eq=False)
 class _ThingSource:
-    """One address of a thing, and the affordances with values there.
+    """An address of a thing, and the affordances with values there.
 
     Attributes:
-        affordances: Each with the id of its part.
-        has_all: Whether a reading is an object of all properties by name.
-        instead: The sources to ask if this one is refused.
+        affordances: The affordances, each with the id of its part.
+        has_all: Whether a reading is an object with all properties by name.
+        instead: The sources to poll if this one is refused.
     """
 
     form: Form
@@ -131,7 +130,7 @@ class ThingDevice:
         self._key = device.key if is_behind else ""
         self._parts: tuple[ClassifiedPart, ...] = parts_of(thing, port.binding)
         self._asked: list[_ThingSource] = []
-        self._in_units: dict[tuple[str, str], Affordance] = {}  # by part and capability: in the unit that came last
+        self._in_units: dict[tuple[str, str], Affordance] = {}  # by part and capability, in the unit received last
         self._asks_now = anyio.Event()
         self._turn = anyio.Lock()
         self._is_reached = False
@@ -142,7 +141,7 @@ class ThingDevice:
 
         Raises:
             LinkError: It does not answer, or an observation was lost.
-            PeerError: It lets homebot read nothing.
+            PeerError: It refuses to be read.
         """
         self._is_reached, self._refusal = False, None
         if not self._key:
@@ -170,7 +169,7 @@ class ThingDevice:
                 self._asks_now.set()
 
     async def _learn_unit(self, part: str, one: ClassifiedAffordance) -> None:
-        """Ask for the unit of a setting, if only the thing's own values name it and none came yet."""
+        """Read the unit of a setting that only the thing's values name, if none has arrived yet."""
         if one.affordance.schema.unit_member and (part, one.capability.name) not in self._in_units:
             forms = self._port.binding.read_forms(one.affordance)
             await self._ask_all(_grouped([(form, part, one) for form in forms[:1]]))
@@ -208,13 +207,13 @@ class ThingDevice:
         return sources
 
     def _read_sources(self, source: _ThingSource) -> tuple[_ThingSource, ...]:
-        """Return the sources that are read in place of an observed one."""
+        """Return the sources to poll in place of an observed one."""
         read_forms = self._port.binding.read_forms
         forms = [(read_forms(one.affordance), part, one) for part, one in source.affordances]
         return _grouped([(read[0], part, one) for read, part, one in forms if read])
 
     def _combined(self, sources: tuple[_ThingSource, ...]) -> list[_ThingSource]:
-        """Return one source of all properties in place of several, if the thing has one."""
+        """Return the source of all properties in place of several, if the thing has one."""
         forms = self._port.binding.read_all_forms(self._thing.forms)
         if len(sources) < 2 or not forms:
             return list(sources)
@@ -272,7 +271,7 @@ class ThingDevice:
         self._host.log.info(event, message=f"{href} {problem}: {str(error)[:200]}", href=href)
 
     def _ask_instead(self, source: _ThingSource) -> None:
-        """Ask for each value by itself, from now on, after the request for all at once failed."""
+        """Poll each value separately from now on, after the request for all at once failed."""
         if source.has_all and source in self._asked:
             self._asked.remove(source)
             self._asked += source.instead

@@ -1,7 +1,7 @@
-"""A connection to an ESPHome device; the one file that imports aioesphomeapi.
+"""A connection to an ESPHome device; the only file that imports aioesphomeapi.
 
-The library does the framing, the encryption (Noise) and the pings: the connection to a device that says nothing for
-26 seconds is lost.
+The library handles framing, encryption (Noise) and pings: the connection to a device that is silent for 26 seconds is
+lost.
 """
 
 from collections.abc import AsyncIterator, Callable, Iterator, Mapping
@@ -76,12 +76,12 @@ class EsphomeConnection:
 async def connected(
     name: str, addresses: tuple[str, ...], port: int, key: SecretStr | None, password: SecretStr | None
 ) -> AsyncIterator[EsphomeConnection]:
-    """Connect to a device at the best address that answers; the connection is closed at the end of the block.
+    """Connect to a device at the best address that answers, and close at the end of the block.
 
     Raises:
         LinkError: It cannot be reached, or the connection was lost.
         RefusedError: It refuses homebot; the message gives the remedy.
-        WireError: The peer that answers is no ESPHome device.
+        WireError: The peer that answers is not an ESPHome device.
     """
     client = APIClient(
         addresses[0],

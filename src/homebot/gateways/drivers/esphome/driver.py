@@ -25,14 +25,14 @@ if TYPE_CHECKING:
 __all__ = ["EsphomeDriver", "StateQueue"]
 
 MAX_EVENTS = 100
-"""Events that wait to be reported. Of states, only the newest of each entity waits."""
+"""Most events waiting to be reported; of states, only the newest of each entity waits."""
 
 STALE_AFTER_SLEEP = 24 * 3600.0
-"""Seconds of silence after which a device that sleeps counts as stale; most wake up at least once a day."""
+"""Seconds of silence after which a sleepy device counts as stale; most wake up at least once a day."""
 
 
 class EsphomeDriver(Driver):
-    """Connects to an ESPHome device, reports the states that it pushes, and commands it."""
+    """Connects to an ESPHome device, reports its pushed states, and sends commands."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_esphomelib._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = EsphomeSettings
@@ -64,7 +64,7 @@ class EsphomeDriver(Driver):
         raise LinkError(f"the connection to {service.name} was lost")
 
     async def perform(self, command: Command) -> None:
-        """Send a command; the native API does not answer it."""
+        """Send a command, which the native API does not acknowledge."""
         connection, device = self._connection, self._device
         if connection is None or device is None:
             raise LinkError(f"{self.service.name} is not connected")
@@ -89,14 +89,14 @@ class EsphomeDriver(Driver):
     def _secrets(self) -> tuple[SecretStr | None, SecretStr | None]:
         """Return the key and the password of the device.
 
-        The key of all devices is used if the device announces encryption. A key of its own is always used, so that
-        no impostor gets its commands by announcing its name without encryption. A password is sent without encryption
-        only to a device with a fixed address in the settings.
+        The common key is used if the device announces encryption. A key of its own is always used, so that an impostor
+        cannot get its commands by announcing its name without encryption. A password is only sent unencrypted to a
+        device with a fixed address in the settings.
         """
         name = self.service.name
         try:
             key, password = self.settings.secrets_of(name)
-        except UsageError as exc:  # they were there when the gateway started
+        except UsageError as exc:  # they existed when the gateway started
             raise RefusedError(f"the connection to {name}", str(exc)) from exc
         encrypts = "api_encryption" in self.service.properties
         if encrypts and key is None:
@@ -108,7 +108,7 @@ class EsphomeDriver(Driver):
 
 
 class StateQueue:
-    """Queue of pushed states that are not reported yet: the newest of each entity, and the events."""
+    """The queue of pushed states: the newest of each entity, and the events."""
 
     def __init__(self, device: EsphomeDevice, host: DriverHost) -> None:
         self._device = device
@@ -126,7 +126,7 @@ class StateQueue:
             tasks.cancel_scope.cancel()
 
     def put(self, kind: str, state: Fields) -> None:
-        """Put a state into the queue that the device pushed."""
+        """Queue a pushed state."""
         part = self._device.part_of(kind, state)
         if part is None:
             return

@@ -37,20 +37,20 @@ if TYPE_CHECKING:
 __all__ = ["ShellyDriver", "ShellyDriverSettings"]
 
 ASK_AGAIN: Final = 300.0
-"""Seconds between two requests for the whole status: a device that measures nothing may be silent for days."""
+"""Seconds between requests for the whole status, as a device without measurements may be silent for days."""
 
 WATCH_EVERY: Final = 18.0
-"""Seconds between two requests to a device of the first generation, which pushes nothing over HTTP."""
+"""Seconds between requests to a device of the first generation, which pushes nothing over HTTP."""
 
 PAUSE: Final = 5.0
-"""Seconds between two rounds of requests at least, however often the device reports that its setup has changed."""
+"""Least seconds between rounds of requests, however often the device reports changes of its setup."""
 
 BLUETOOTH_SILENCE: Final = 24 * 3600.0
 """Seconds for which a Bluetooth device behind it may be silent; some send every six hours."""
 
 
 class ShellyDriverSettings(PasswordSettings, DriverSettings):
-    """The passwords of Shelly's devices; the user is always ``admin``. Its own is for all that have no other.
+    """The passwords of Shelly's devices, for the user ``admin``; its own is for devices without another.
 
     Attributes:
         devices: Passwords of single devices, by the id that is printed on each: ``shellyplus1-a8032abe54dc``.
@@ -77,7 +77,7 @@ class ShellyDriverSettings(PasswordSettings, DriverSettings):
 
 
 class ShellyDriver(Driver):
-    """One Shelly device of the second generation or later; of the first, only model and firmware are listed."""
+    """One Shelly device of the second generation or later; for the first, only model and firmware are listed."""
 
     service_types: ClassVar[frozenset[str]] = frozenset({"_shelly._tcp.local."})
     Settings: ClassVar[type[DriverSettings]] = ShellyDriverSettings
@@ -129,7 +129,7 @@ class ShellyDriver(Driver):
             await rpc.call(method, params)
 
     async def _probe(self, client: HttpClient) -> tuple[str, Fields]:
-        """Return the address that answers, and the facts that the device reveals without a password."""
+        """Return the address that answers, and the facts available without a password."""
 
         async def ask(address: str) -> tuple[str, Fields]:
             origin = http_origin(address, self.service.port)
@@ -166,7 +166,7 @@ class ShellyDriver(Driver):
         await anyio.sleep(PAUSE)
 
     async def _ask_components(self, device: Gen2RpcDevice, rpc: RpcLink) -> None:
-        """Ask for the components that were added to the device; older firmware has none."""
+        """Request the components added to the device; older firmware has none."""
         self._offset, asked = 0, -1
         while self._offset > asked:
             asked = self._offset
@@ -201,12 +201,12 @@ class ShellyDriver(Driver):
             await self.host.report(readings, part, self._own_key(key))
 
     def _describe(self, device: Gen2RpcDevice) -> None:
-        """Publish the descriptions, or that the device is still there if nothing changed."""
+        """Publish the descriptions, or only that the device is still there if nothing has changed."""
         if news := device.describe():
             self._described = tuple(self._gateway_device(one, device.stale_after) for one in news)
         if self._described:
             self.host.describe(self._described[0])
-        if self._components_known.is_set():  # on a new link those behind it are not gone, but not read yet
+        if self._components_known.is_set():  # on a new link the devices behind it are not gone, only not read yet
             self.host.describe_behind(self._described[1:])
 
     def _gateway_device(self, news: DeviceAnnounced, stale_after: float) -> GatewayDevice:
@@ -226,7 +226,7 @@ class ShellyDriver(Driver):
         return "" if self._device is None or key == self._device.id else key
 
     async def _watch_first_generation(self, client: HttpClient, origin: str, about: Fields) -> None:
-        """Publish the description of the device for as long as it answers."""
+        """Publish the description of the device while it answers."""
         self.host.describe(_first_generation(self.service, about))
         while True:
             await anyio.sleep(WATCH_EVERY)

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 __all__ = ["FrameHandler", "RpcLink", "wants_password"]
 
 FrameHandler: TypeAlias = Callable[[Fields, bytes], Awaitable[None]]
-"""Takes a frame: parsed, and as received."""
+"""Receives a frame: parsed, and raw."""
 
 TIME_LIMIT: Final = 15.0
 """Seconds for an answer; a Bluetooth operation of a gateway takes several."""
@@ -83,7 +83,7 @@ class RpcLink:
 
         Raises:
             LinkError: The link is lost, there was no answer in time, or the device says that it may work later.
-            RefusedError: The device refuses, or wants a password, or another one.
+            RefusedError: The device refuses, or requires a password, or another one.
             WireError: The answer breaks the rules.
         """
         async with self._turns:
@@ -136,6 +136,6 @@ class RpcLink:
 
 
 def wants_password(*, has_one: bool) -> str:
-    """Return the remedy if a device asks for a password, as text."""
+    """Return the remedy for a device that requires a password, in words."""
     keys = "password_file or password_env in [gateways.mdns.drivers.shelly]"
     return f"it refuses the password given by {keys}" if has_one else f"it wants a password; give {keys}"
