@@ -11,6 +11,7 @@ from tests.announcements import sighting_of
 from tests.discovery.announcements import announce
 
 from homebot.devices import Device, Sighting
+from homebot.devices.always_ask import why_device_asks
 from homebot.devices.part import Capability, Category, Part
 from homebot.discovery import DeviceIndex
 from homebot.discovery.merging.matching import candidates, match
@@ -139,6 +140,26 @@ def test_who_knows_that_a_switch_is_a_setting_decides_for_both() -> None:
         ("switch", "", 2),
         ("x_setting", "config", 2),
     }
+
+
+@pytest.mark.parametrize("writes", ["", "evil/set"])
+@pytest.mark.parametrize("category", ["", "config"])
+@pytest.mark.parametrize("kind", [("closure", "movement"), ("switch", "on_off")])
+def test_an_announcement_that_shares_no_topic_with_a_gate_makes_no_setting_of_it(
+    kind: tuple[str, str], category: Category, writes: str
+) -> None:
+    """Nobody has to approve a setting, and any program may command it."""
+    gate = announce("gate", made("g", *kind, writes="gate/set"), ids=FOREIGN, name="Gate")
+    settable = Capability(name=kind[1], settable=True)
+    told = made("g", "x_setting", category=category, writes=writes).model_copy(update={"capabilities": (settable,)})
+    evil = announce("evil", told, convention="thing", ids=FOREIGN, name="Gate")
+    for order in permutations((gate, evil)):
+        index = DeviceIndex(forget_after=1000.0)
+        for one in order:
+            index.observe(one)
+        (device,) = index.devices()
+        assert [(one.part.service_type, len(one.routes)) for one in device.parts] == [(kind[0], 2)]
+        assert why_device_asks(device)
 
 
 def test_a_setting_by_the_other_side_alone_is_one_as_well() -> None:

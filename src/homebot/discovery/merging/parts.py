@@ -204,20 +204,40 @@ def _merge_capabilities(parts: Sequence[Part]) -> Part:
     return best if capabilities == best.capabilities else best.model_copy(update={"capabilities": capabilities})
 
 
-def _decided(parts: Sequence[Part]) -> Part:
-    """Return :func:`_merge_capabilities` of *parts*, best first; it is a setting if one of them says so.
+def _decided(ways: Sequence[_Way]) -> Part:
+    """Return :func:`_merge_capabilities` of *ways*, best first; it is a setting if one of them says so.
 
     A source that states the category decides it, and for settings also the type, as Home Assistant calls a setting that
     is on or off a switch.
     """
-    whole = _merge_capabilities(parts)
-    knows = next((one for one in parts if one.category), whole)
+    heard, others = _heard(ways)
+    whole = _merge_capabilities(heard + others)
+    knows = next((one for one in heard if one.category), whole)
     is_setting = knows.service_type == SETTING
     service_type, advertised = (SETTING, knows.advertised) if is_setting else (whole.service_type, whole.advertised)
     if (knows.category, service_type) == (whole.category, whole.service_type):
         return whole
     changes = {"category": knows.category, "service_type": service_type, "advertised": advertised}
     return whole.model_copy(update=changes)
+
+
+def _heard(ways: Sequence[_Way]) -> tuple[list[Part], list[Part]]:
+    """Return the parts that decide on type and category, and the others.
+
+    A setting of a source that is not native, and has no command topic that another one has at its gateway, is not
+    heard: any program may announce it, and would make a harmless setting of a gate.
+    """
+    topics = {(gateway, topic) for (gateway, *_), _, one in ways if not _is_setting(one) for topic in one.writes}
+    gateways = {gateway for gateway, _ in topics}
+    heard, others = list[Part](), list[Part]()
+    for (gateway, *_), (_, is_foreign, *_), one in ways:
+        is_alone = is_foreign and gateway in gateways and topics.isdisjoint((gateway, topic) for topic in one.writes)
+        (others if is_alone and _is_setting(one) else heard).append(one)
+    return heard, others
+
+
+def _is_setting(part: Part) -> bool:
+    return bool(part.category) or part.service_type == SETTING
 
 
 def _settable_by(part: Part, whole: Part) -> tuple[str, ...]:
@@ -343,7 +363,7 @@ def _named(merged: Sequence[_Merged], known: PartIds) -> tuple[DevicePart, ...]:
 
 
 def _device_part(part_id: str, one: _Merged) -> DevicePart:
-    part = _decided([way[2] for way in sorted(one.ways, key=lambda way: way[1])]) if len(one.ways) > 1 else one.part
+    part = _decided(sorted(one.ways, key=lambda way: way[1])) if len(one.ways) > 1 else one.part
     routes = tuple(
         _route_of(
             gateway=gateway,
