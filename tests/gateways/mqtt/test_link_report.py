@@ -47,3 +47,11 @@ async def test_a_gateway_that_stops_has_lost_nothing(capsys: pytest.CaptureFixtu
     async with simple_house():
         await settled()
     assert "lost the connection" not in capsys.readouterr().out
+
+
+async def test_a_broker_that_is_away_for_hours_is_a_line_every_ten_minutes(capsys: pytest.CaptureFixture[str]) -> None:
+    """It was one every ten seconds, 8,640 a day."""
+    async with simple_house() as house:
+        freeze(house)
+        await anyio.sleep(7200)
+    assert 2 <= capsys.readouterr().out.count("cannot connect to") <= 13

@@ -21,6 +21,9 @@ ANSWER_WAIT = 2.0
 _MAX_NAMES = 10
 _DOWN = frozenset({LinkPhase.WAITING, LinkPhase.REFUSED})
 
+TRIES_EVERY = 600.0
+"""Seconds between two log lines about failed attempts with one reason: a broker may be away for days."""
+
 MAX_LOSSES = 5
 """Most log lines about a lost link in ten seconds."""
 
@@ -41,7 +44,7 @@ class LinkReport:
         self._tried = anyio.Event()
         self._was_up = False
         clock = gateway.node.graph.clock
-        self._tries = LogLimit(clock)
+        self._tries = LogLimit(clock, TRIES_EVERY)
         self._losses = LogLimit(clock, burst=MAX_LOSSES)
 
     async def wait_for_first_try(self) -> None:
@@ -88,7 +91,7 @@ class LinkReport:
         reason = state.reason.removeprefix(f"{url}: ")
         self._gateway.publish_state("unavailable", f"{url}: {reason}")
         event, limit = (LOST, self._losses) if self._was_up else (UNAVAILABLE, self._tries)
-        if limit.allows(event) is None:
+        if limit.allows(event if self._was_up else reason) is None:
             return
         what = f"lost the connection to {url}" if self._was_up else f"cannot connect to {url}"
         soon = "trying again" if not state.retry_in or state.retry_in < 2 else f"trying again in {state.retry_in:.0f} s"
