@@ -1,7 +1,7 @@
 """Sensors of a Tasmota device: each leaf of its ``sensors`` message, and the capabilities for their names. Pure.
 
 Source: hatasmota 0.10.2, ``sensor.py``; Home Assistant core 2025.4, ``components/tasmota/sensor.py``;
-tasmota.github.io/docs, JSON status responses, for the names in use.
+tasmota.github.io/docs, JSON status responses and Smart Meter Interface, for the names in use; ioBroker.sonoff 3.3.
 """
 
 import re
@@ -53,11 +53,12 @@ def _plain(unit: str) -> Quantity:
     return Quantity("x_sensor", "measurement", unit)
 
 
-_ENERGIES = ("Energy", "ImportActive", "Today", "Total", "TotalTariff", "Yesterday")
+_ENERGIES = ("Energy", "ImportActive", "Today", "TodaySumImport", "Total", "TotalTariff", "Total_in", "Yesterday")
+_RETURNED = ("ExportActive", "ExportActiveTotal", "ExportTariff", "TodaySumExport", "Total_out")
 _KNOWN: Mapping[str, Quantity] = {
     **dict.fromkeys(_ENERGIES, quantity("energy")),
-    **dict.fromkeys(("ExportActive", "ExportActiveTotal", "ExportTariff"), quantity("energy_returned")),
-    **dict.fromkeys(("ActivePower", "Power", "PowerTotal"), quantity("power")),
+    **dict.fromkeys(_RETURNED, quantity("energy_returned")),
+    **dict.fromkeys(("ActivePower", "Power", "PowerTotal", "Power_curr"), quantity("power")),
     **dict.fromkeys(("Current", "CurrentNeutral"), quantity("current")),
     "Voltage": quantity("voltage"),
     "Frequency": quantity("frequency"),
