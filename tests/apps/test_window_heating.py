@@ -85,7 +85,7 @@ async def test_a_deaf_thermostat_is_told_about() -> None:
             await house.run_for("5m")
             assert target(world) == 21.0
     told = [line["message"] for line in lines if line["event"] == "control.command"]
-    assert told == ["study_heat → heating setpoint 12, by window_heating: no answer within 10 s"]
+    assert told == ["study_heat → heating setpoint 12 °C, by window_heating: no answer within 10 s"]
 
 
 async def test_what_was_lowered_stays_so_when_its_run_ends() -> None:

@@ -7,7 +7,7 @@ import pytest
 from structlog.testing import capture_logs
 from tests.control.conftest import Home, ignore
 
-from homebot.devices.handles import Light
+from homebot.devices.handles import Handle, Light, MediaPlayer
 
 pytestmark = pytest.mark.virtual_time
 
@@ -30,10 +30,20 @@ async def test_each_command_that_is_sent_is_one_line_with_its_outcome_and_issuer
         await anyio.sleep(1)
     assert told(lines) == [
         "lamp → on, by app: confirmed after (reported)",
-        "lamp → level 40, by app: confirmed after (reported)",
+        "lamp → level 40 %, by app: confirmed after (reported)",
         "deaf → on, by app: no answer within 10 s",
     ]
     assert [one["log_level"] for one in lines][-1] == "warning"
+
+
+async def test_a_press_and_a_muted_player_are_not_told_as_on(home: Home) -> None:
+    home.put("bell", "x_setting", "push")
+    home.put("tv", "video_player", "muted")
+    with capture_logs() as lines:
+        await (await home.handle(Handle, "bell")).command("push", True)
+        await (await home.handle(MediaPlayer, "tv")).mute(muted=False)
+        await anyio.sleep(1)
+    assert [line.partition(", by")[0] for line in told(lines)] == ["bell → push", "tv → not muted"]
 
 
 async def test_a_change_that_no_command_explains_has_both_values(home: Home) -> None:
@@ -50,7 +60,7 @@ async def test_a_change_that_no_command_explains_has_both_values(home: Home) -> 
         await anyio.sleep(60)
     assert told(lines) == [
         "lamp: off → on, by hand",
-        "lamp: level 20 → 55, by hand",
+        "lamp: level 20 % → 55 %, by hand",
         "lamp → off, by app: confirmed after (reported)",
     ]
 

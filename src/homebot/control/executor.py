@@ -28,7 +28,7 @@ from homebot.control.timeline.cause import Attribution, Cause, cause_of_undoing
 from homebot.control.timeline.facts import Reported, ReportRole
 from homebot.control.timeline.progress import CommandProgress
 from homebot.control.timelines import Timelines
-from homebot.control.values import changes, related, settings_text
+from homebot.control.values import changes, related
 from homebot.control.witnesses import Witness, Witnesses
 from homebot.devices import Device, DevicePart
 from homebot.devices.client_rights import CLIENT_RIGHTS
@@ -46,6 +46,7 @@ from homebot.devices.outcomes import (
     Reverted,
 )
 from homebot.devices.value import PlainValue
+from homebot.devices.wording.journal_words import settings_text
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.support.time_limits import TimeLimits
@@ -253,7 +254,8 @@ class CommandExecutor:
         opened.progress.send(self._clock.monotonic())
         self._decided(opened, AlreadySo(command_id=command.id))
         wanted = {name: one.value for name, one in opened.progress.wanted.items()} if assumed.succeeded else {}
-        return replace(assumed, reported=_shown(command, wanted))
+        reported = {one.capability: one.value.plain() for one in _shown(command, wanted)}
+        return replace(assumed, reported=reported)
 
     async def _is_gone(self, command: IssuedCommand, outcome: Outcome) -> bool:
         """Return whether the answer is missing because the device or its part was removed meanwhile."""
@@ -350,7 +352,6 @@ def _is_late_answer(progress: CommandProgress, fact: Reported) -> bool:
     return not progress.is_raw and is_change and progress.roles[fact.number] is ReportRole.EFFECT
 
 
-def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> dict[str, PlainValue]:
+def _shown(command: IssuedCommand, values: Mapping[str, PlainValue]) -> tuple[Setting, ...]:
     """Return *values* of the commanded part, without codes."""
-    shown = without_codes(tuple(map(Setting.of, values, values.values())), command.device, command.part)
-    return {one.capability: one.value.plain() for one in shown}
+    return without_codes(tuple(map(Setting.of, values, values.values())), command.device, command.part)

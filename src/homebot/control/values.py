@@ -22,7 +22,6 @@ __all__ = [
     "is_other_end",
     "is_same",
     "related",
-    "settings_text",
     "value_text",
 ]
 
@@ -238,14 +237,6 @@ def value_text(value: PlainValue) -> str:
         case None:
             return "unknown"
     return value[:_LONGEST_TEXT]
-
-
-def settings_text(settings: Mapping[str, PlainValue]) -> str:
-    """Return values in words: ``on``, ``level 40``."""
-    return ", ".join(
-        value_text(value) if isinstance(value, bool | str) else f"{name.replace('_', ' ')} {value_text(value)}"
-        for name, value in settings.items()
-    )
 
 
 def _number_text(value: float) -> str:

@@ -9,12 +9,13 @@ from homebot.control.command import is_by_hand, label_of
 from homebot.control.device_lookup import DeviceLookup
 from homebot.control.journal.fights import Fights, Turn
 from homebot.control.journal.store import JournalNote
-from homebot.control.values import settings_text, value_text
 from homebot.devices import Device
 from homebot.devices.client_rights import is_client
 from homebot.devices.device import ChangedSetting
 from homebot.devices.outcomes import AlreadySo, Gone, Refused
 from homebot.devices.value import PlainValue
+from homebot.devices.wording.journal_words import settings_text
+from homebot.devices.wording.values import value_text
 from homebot.errors import ServiceError
 from homebot.graph import Node
 from homebot.log import LogLimit, more_like_this
@@ -93,8 +94,8 @@ class CommandLog:
         except ServiceError:
             device = None
         label = change.device if device is None else label_of(device, change.part)
-        values = f"{value_text(before)} → {value_text(change.value.plain())}"
-        what = values if change.capability == "on_off" else f"{change.capability.replace('_', ' ')} {values}"
+        values = " → ".join(value_text(change.capability, one) for one in (before, change.value.plain()))
+        what = values if isinstance(before, bool) else f"{change.capability.replace('_', ' ')} {values}"
         why = _CAUSES.get(cause, "by hand or by itself")
         self._node.log.info(CHANGED, message=f"{label}: {what}, {why}{end}", device=change.device, cause=cause)
 
@@ -105,7 +106,8 @@ class CommandLog:
             return
         outcome = ended.outcome
         by = note.issuer.removeprefix("/").replace("client:", "client ") or "another program"
-        what = f"text {ended.text!r}, by {by}" if outcome is None else f"{_wanted_text(note)}, by {by}: {outcome.text}"
+        wanted = settings_text(note.settings) if note.settings else "a code"
+        what = f"text {ended.text!r}, by {by}" if outcome is None else f"{wanted}, by {by}: {outcome.text}"
         text = f"{_label(note, device)} → {what}{more_like_this(held_back)}"
         log = self._node.log.warning if outcome is not None and outcome.is_failure else self._node.log.info
         log(COMMAND, message=text, device=note.device, issuer=note.issuer, command=note.command)
@@ -126,7 +128,3 @@ class CommandLog:
 
 def _label(note: JournalNote, device: Device | None) -> str:
     return note.device if device is None else label_of(device, note.part)
-
-
-def _wanted_text(note: JournalNote) -> str:
-    return settings_text({one.capability: one.value.plain() for one in note.settings}) or "a code"

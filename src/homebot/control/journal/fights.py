@@ -7,9 +7,11 @@ from types import MappingProxyType
 from typing import Final, NamedTuple, TypeAlias, final
 
 from homebot.control.timeline.facts import PartRef
-from homebot.control.values import changes, related, settings_text
+from homebot.control.values import changes, related
+from homebot.devices.command_messages import Setting
 from homebot.devices.journal_messages import DeviceFight
 from homebot.devices.value import PlainValue
+from homebot.devices.wording.journal_words import settings_text
 from homebot.messages import Time
 from homebot.support.bounded_map import BoundedMap
 
@@ -116,7 +118,7 @@ class Fights:
 
 def _message(place: PartRef, fight: _Fight) -> DeviceFight:
     device, part = place
-    one, other = (f"{turn.issuer.removeprefix('/')} ({settings_text(turn.values)})" for turn in fight.last[:2])
+    one, other = (f"{turn.issuer.removeprefix('/')} ({_wanted(turn)})" for turn in fight.last[:2])
     newest = fight.last[-1].at
     text = f"{one} and {other} fight over {fight.last[0].label}"
     return DeviceFight(
@@ -128,3 +130,7 @@ def _message(place: PartRef, fight: _Fight) -> DeviceFight:
         newest=Time.from_seconds(newest),
         commands=fight.commands,
     )
+
+
+def _wanted(turn: Turn) -> str:
+    return settings_text(map(Setting.of, turn.values, turn.values.values()))

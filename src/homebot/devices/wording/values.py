@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 __all__ = ["is_topic", "life", "main_parts", "plain_value", "span", "state_text", "type_text", "types", "value_text"]
 
-PlainValue: TypeAlias = "bool | float | str | list[float] | None"
+PlainValue: TypeAlias = "bool | float | str | list[float] | tuple[float, ...] | None"
 
 _FLAGS = {
     "on_off": ("off", "on"),
@@ -90,7 +90,7 @@ def value_text(capability: str, value: PlainValue, unit: str = "") -> str:
             return yes if value else no
         case str():
             return value
-        case list():
+        case list() | tuple():
             return " ".join(_number(one) for one in value)
         case _:
             return f"{_number(value)} {unit or CAPABILITIES.get(capability, OWN).unit}".rstrip()
