@@ -65,7 +65,7 @@ def test_a_workspace_with_an_error_is_not_imported(workspace: Path, capsys: pyte
     [
         ('interfaces = ["nowhere"]', "ros.interfaces: there is no folder"),
         ('distro = "kitted"', "ros.distro: input should be 'humble', 'jazzy' or 'kilted'"),
-        ('interfaces = ["ws"]', "ros.interfaces: my_pets/msg/Pet: line 1: 'int33' is no type"),
+        ('interfaces = ["ws"]', "ros.interfaces: my_pets/msg/Pet: line 1: 'int33' is not a type"),
     ],
 )
 def test_a_wrong_table_is_named(workspace: Path, table: str, problem: str, capsys: pytest.CaptureFixture[str]) -> None:

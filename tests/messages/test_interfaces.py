@@ -121,7 +121,7 @@ def test_integers_may_begin_with_zeros_and_strings_be_wide() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("int33 a", "line 1: 'int33' is no type"),
+        ("int33 a", "line 1: 'int33' is not a type"),
         ("int8 a\nint8 a", "line 2: there are two 'a'"),
         ("int8 A", "line 1: a field has small letters"),
         ("int8 a 200", "line 1: 200 is out of the range of int8"),
@@ -131,11 +131,11 @@ def test_integers_may_begin_with_zeros_and_strings_be_wide() -> None:
         ("bool a maybe", "line 1: a bool is true or false"),
         ("int8[0] a", "line 1: the length of an array is at least 1"),
         ("int8<=3 a", "line 1: only a string has a bound"),
-        ("wchar a", "line 1: 'wchar' is no type"),
+        ("wchar a", "line 1: 'wchar' is not a type"),
         ("int8 a 0x", "line 1: invalid literal"),
         ("Point", "line 1: a line is TYPE NAME"),
         ("Nowhere a", "my_pkg/msg/Mine has a field of an unknown message type 'my_pkg/msg/Nowhere'"),
-        ("Mine a", "my_pkg/msg/Mine holds itself"),
+        ("Mine a", "my_pkg/msg/Mine contains itself"),
         ("string json", "messages have a 'json' of their own"),
         ("int8 a\n---\nint8 b", "a .msg file has 1 parts"),
         ("bool a\n" * 10_000, "at most 65536 are read"),

@@ -69,7 +69,7 @@ def test_a_number_that_does_not_fit_is_named(data: object, problem: str) -> None
 
 
 def test_bytes_of_another_size_are_refused() -> None:
-    with pytest.raises(ValueError, match="3 bytes are no whole number of int16, which has 2"):
+    with pytest.raises(ValueError, match="3 bytes are not a whole number of int16, which has 2"):
         Int16MultiArray(layout=LAYOUT, data=b"abc")
 
 

@@ -1,6 +1,6 @@
-"""Frozen, typed messages with exact ROS field types; each is imported when it is first asked for.
+"""Frozen, typed messages with exact ROS field types; each is imported on first use.
 
-Those of ROS are in modules with the names of their packages: ``from homebot.messages.geometry_msgs import Twist``.
+ROS messages are in modules named after their packages: ``from homebot.messages.geometry_msgs import Twist``.
 """
 
 from typing import TYPE_CHECKING

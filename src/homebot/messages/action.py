@@ -22,14 +22,14 @@ FeedbackT = TypeVar("FeedbackT", bound=Message)
 
 @dataclass(frozen=True)
 class ActionType(Generic[GoalT, ResultT, FeedbackT]):
-    """The goal, result and feedback of an action, as ROS's generated ``Fibonacci.Goal`` and its siblings."""
+    """The goal, result and feedback of an action, like the generated ``Fibonacci.Goal`` etc. of ROS."""
 
     ros_type: str
     Goal: type[GoalT]
     Result: type[ResultT]
     Feedback: type[FeedbackT]
 
-    # The derived types have fields of a type that only the instance knows, so their classes are typed as messages.
+    # The field types of the derived types depend on the instance, so their classes are typed as messages.
     @cached_property
     def SendGoal(self) -> "SendGoalType":  # noqa: N802 - ROS's name
         """The service that takes a goal: ``goal_id``, ``goal``; ``accepted``, ``stamp``."""
@@ -55,13 +55,13 @@ class ActionType(Generic[GoalT, ResultT, FeedbackT]):
 def message_class(
     ros_type: str, annotations: Mapping[str, object], values: Mapping[str, object] = MappingProxyType({})
 ) -> type[Message]:
-    """Return the class of the message *ros_type* with the fields *annotations*, and *values* of some."""
+    """Return the class of the message *ros_type* with the fields *annotations* and the default *values*."""
     body = {"__annotations__": annotations, "__module__": __name__, "__doc__": f"``{ros_type}``.", **values}
     return new_class(ros_type.rpartition("/")[2], (Message,), {"ros_type": ros_type}, lambda names: names.update(body))
 
 
 @dataclass(frozen=True)
 class SendGoalType(ServiceType[Any, Any]):
-    """The type of the service that takes goals: it leads from a service on the graph to its action."""
+    """The type of the service that takes goals, which refers back to its action."""
 
     action_type: ActionType[Any, Any, Any]

@@ -10,7 +10,7 @@ __all__ = ["CancelGoal", "CancelGoalRequest", "CancelGoalResponse", "GoalInfo", 
 
 
 class GoalInfo(Message, ros_type="action_msgs/msg/GoalInfo"):
-    """A goal, and when it was accepted."""
+    """A goal, and the time of its acceptance."""
 
     goal_id: UUID
     stamp: Time
@@ -36,13 +36,13 @@ class GoalStatus(Message, ros_type="action_msgs/msg/GoalStatus"):
 
 
 class GoalStatusArray(Message, ros_type="action_msgs/msg/GoalStatusArray"):
-    """The states of all goals of an action, as on its topic ``status``."""
+    """The states of all goals of an action, on its topic ``status``."""
 
     status_list: tuple[GoalStatus, ...]
 
 
 class CancelGoalRequest(Message, ros_type="action_msgs/srv/CancelGoal_Request"):
-    """Cancel goals: with an id that one, and with a stamp all that were accepted at or before it; with neither all."""
+    """Cancel goals: the one with the id, and with a stamp all that were accepted by then; with neither, all goals."""
 
     goal_info: GoalInfo
 

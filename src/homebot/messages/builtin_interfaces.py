@@ -1,4 +1,4 @@
-"""ROS ``builtin_interfaces``: points and spans of time."""
+"""ROS ``builtin_interfaces``: points in time and durations."""
 
 from __future__ import annotations
 
@@ -30,9 +30,8 @@ class Time(Message, ros_type="builtin_interfaces/msg/Time"):
 
         :meth:`to_seconds` of a point later than 1970 is the same float again.
 
-        A time before 1901 or after January 2038, as of a clock that was set wrongly, becomes the nearest possible
-        one: a wrong stamp is less of a fault than none. The last ones are cached, as messages of one moment share one
-        stamp.
+        A time before 1901 or after January 2038, from a wrongly set clock, becomes the nearest possible one: a wrong
+        stamp is better than none. The last ones are cached, because messages of one moment share their stamp.
         """
         sec, nanosec = _split(min(max(seconds, _FIRST), _LAST))
         return _time_of(sec=sec, nanosec=nanosec)
@@ -42,7 +41,7 @@ class Time(Message, ros_type="builtin_interfaces/msg/Time"):
         return self.sec + self.nanosec / _NANOSECONDS
 
 
-_time_of = Time.of_checked  # looked up once, as `of_checked` says
+_time_of = Time.of_checked  # looked up once, see `of_checked`
 
 
 class Duration(Message, ros_type="builtin_interfaces/msg/Duration"):
@@ -70,7 +69,7 @@ class Duration(Message, ros_type="builtin_interfaces/msg/Duration"):
 def _split(seconds: float) -> tuple[int, int]:
     """Return the whole seconds below *seconds*, and the nanoseconds after them.
 
-    They are parted before the nanoseconds are counted: those since 1970 are too many for a float.
+    They are split before the nanoseconds are computed, because a float cannot represent all since 1970.
     """
     whole, part = divmod(seconds, 1.0)
     sec, nanosec = int(whole), round(part * _NANOSECONDS)

@@ -1,6 +1,6 @@
 """Messages in CDR, the bytes in which ROS 2 nodes exchange and record them. Pure.
 
-Little-endian, with the header that says so. Each value is aligned to its own size, counted from the end of the header.
+Little-endian, as stated in the header. Each value is aligned to its own size, counted from the end of the header.
 
 Source: OMG DDS Interoperability Wire Protocol 2.5, section 10 (PLAIN_CDR, version 1); ROS 2 design, "Interface
 definition using .msg files" and "Legacy interface definition" for the byte of a message without fields; Fast CDR 2,
@@ -73,7 +73,7 @@ def _write_numbers(out: bytearray, layout: str, values: Sequence[Any]) -> None:
         return
     try:
         out += struct.pack(f"<{len(values)}{layout}", *values)
-    except OverflowError:  # of float32 alone; integers were checked where the message was made
+    except OverflowError:  # only for float32; integers are validated when the message is created
         out += struct.pack(f"<{len(values)}{layout}", *map(_within_float32, values))
 
 

@@ -42,12 +42,12 @@ class FieldDefinition:
 
     Attributes:
         ros_type: The ROS type of one element: a primitive such as ``uint8``, or the full name of a message type.
-        message: The Python class where the element is a message, else None.
+        message: The Python class if the element is a message, else None.
         size: Exact number of elements of a fixed array, else None.
-        bound: Greatest number of elements of a bounded array, else None.
-        choices: The enumeration where the element is a text that must be one of it, else None.
+        bound: Largest number of elements of a bounded array, else None.
+        choices: The enumeration if the element is a text from one, else None.
         is_numeric: True if the Python value is a :class:`~homebot.messages.numeric_array.NumericArray`.
-        longest: Greatest number of characters where the element is a bounded text, else None.
+        longest: Largest number of characters if the element is a bounded text, else None.
     """
 
     name: str
@@ -62,7 +62,7 @@ class FieldDefinition:
 
     @property
     def is_bytes(self) -> bool:
-        """True if the Python value is ``bytes``, the one form of ``uint8[]``."""
+        """True if the Python value is ``bytes``, the only form of ``uint8[]``."""
         return self.is_array and self.ros_type == "uint8"
 
     @property
@@ -71,7 +71,7 @@ class FieldDefinition:
         return self.is_array and self.ros_type in {"uint8", "char"}
 
     def value_in(self, message: Message) -> Any:
-        """Return the value in *message* as it is sent; an array of ``char`` as bytes."""
+        """Return the value in *message* in the form that is sent; an array of ``char`` as bytes."""
         value = getattr(message, self.name)
         return value.to_bytes("B") if self.is_base64 and isinstance(value, NumericArray) else value
 
@@ -96,13 +96,13 @@ def fields_of(message_type: type[Message]) -> tuple[FieldDefinition, ...]:
 
 @lru_cache(maxsize=1024)
 def fields_by_name(message_type: type[Message]) -> Mapping[str, FieldDefinition]:
-    """Return :func:`fields_of` by their names, in order."""
+    """Return :func:`fields_of` by name, in order."""
     return {field.name: field for field in fields_of(message_type)}
 
 
 @lru_cache(maxsize=1024)
 def zero_message(message_type: type[MessageT]) -> MessageT:
-    """Return the message as ROS makes it without arguments: every field has its default, or is zero or empty."""
+    """Return the message that ROS creates without arguments: every field has its default, or is zero or empty."""
     fields = {field.name: zero_of(field) for field in fields_of(message_type)}
     for name, field in message_type.model_fields.items():
         if not field.is_required():
@@ -113,7 +113,7 @@ def zero_message(message_type: type[MessageT]) -> MessageT:
 
 
 def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
-    """Return every message type that *message_type* holds, at any depth, each once, in order of first use."""
+    """Return the distinct message types in *message_type*, at any depth, in order of first use."""
     found: dict[type[Message], None] = {}
     for field in fields_of(message_type):
         if field.message is not None:
@@ -122,7 +122,7 @@ def nested_types(message_type: type[Message]) -> tuple[type[Message], ...]:
 
 
 def definition_text(message_type: type[Message]) -> str:
-    """Return the text of the ``.msg`` file, the nested types after it as ``gendeps --cat`` and rosbag2 write them."""
+    """Return the text of the ``.msg`` file, followed by the nested types like in ``gendeps --cat`` and rosbag2."""
     sections = [definition_body(message_type)]
     for nested in nested_types(message_type):
         package, _, name = nested.ros_type.split("/")
@@ -131,7 +131,7 @@ def definition_text(message_type: type[Message]) -> str:
 
 
 def zero_of(field: FieldDefinition) -> object:
-    """Return the zero, or the empty value, of *field*."""
+    """Return the zero or empty value of *field*."""
     if field.is_bytes:
         return bytes(field.size or 0)
     if field.is_numeric:
@@ -194,9 +194,9 @@ def _element(
 
 
 def _longest(metadata: tuple[object, ...]) -> int | None:
-    """Return the bound that a text declares as a ``RosType`` of text with a greatest length.
+    """Return the bound of a text that is declared as a ``RosType`` of text with a maximum length.
 
-    Other greatest lengths of texts are bounds of homebot's own messages, which their ROS types do not have.
+    Other maximum lengths of texts are only limits of homebot's messages, not of their ROS types.
     """
     if not any(isinstance(mark, RosType) and mark.name in TEXTS for mark in metadata):
         return None

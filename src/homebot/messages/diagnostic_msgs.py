@@ -1,4 +1,4 @@
-"""ROS ``diagnostic_msgs``: reports on the health of parts, made of the package's text."""
+"""ROS ``diagnostic_msgs``: reports on the health of components, built from the package's definitions."""
 
 from homebot.messages.text_messages import text_messages
 

@@ -1,4 +1,4 @@
-"""ROS ``geometry_msgs``: places and directions; the rest of the package is made of its text."""
+"""ROS ``geometry_msgs``: positions and orientations; the rest of the package is built from its definitions."""
 
 from typing import Annotated
 
@@ -32,7 +32,7 @@ class Vector3(Message, ros_type="geometry_msgs/msg/Vector3"):
 
 
 class Point(Message, ros_type="geometry_msgs/msg/Point"):
-    """A place in metres."""
+    """A position in metres."""
 
     x: float
     y: float
@@ -40,7 +40,7 @@ class Point(Message, ros_type="geometry_msgs/msg/Point"):
 
 
 class Quaternion(Message, ros_type="geometry_msgs/msg/Quaternion"):
-    """A rotation; without values it is none."""
+    """A rotation; by default the identity."""
 
     x: float = 0.0
     y: float = 0.0
@@ -49,21 +49,21 @@ class Quaternion(Message, ros_type="geometry_msgs/msg/Quaternion"):
 
 
 class Pose(Message, ros_type="geometry_msgs/msg/Pose"):
-    """A place and the direction that something has there."""
+    """A position and an orientation."""
 
     position: Point
     orientation: Quaternion
 
 
 class Transform(Message, ros_type="geometry_msgs/msg/Transform"):
-    """A way from one coordinate frame to another."""
+    """A transform from one coordinate frame to another."""
 
     translation: Vector3
     rotation: Quaternion
 
 
 class PoseWithCovariance(Message, ros_type="geometry_msgs/msg/PoseWithCovariance"):
-    """A :class:`Pose` that is uncertain: its covariance has six rows, of x, y, z, and of the rotations about them."""
+    """An uncertain :class:`Pose`: its covariance has six rows, for x, y, z, and for the rotations about them."""
 
     pose: Pose
     covariance: Annotated[Float64Array, Field(min_length=36, max_length=36)]
@@ -84,7 +84,7 @@ class PoseWithCovarianceStamped(Message, ros_type="geometry_msgs/msg/PoseWithCov
 
 
 class TransformStamped(Message, ros_type="geometry_msgs/msg/TransformStamped"):
-    """The way from the frame of the header to another, at a time."""
+    """The transform from the header's frame to another, at a time."""
 
     header: Header
     child_frame_id: str

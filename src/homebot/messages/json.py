@@ -40,7 +40,7 @@ MessageT = TypeVar("MessageT", bound=Message)
 _REAL = frozenset({"float32", "float64"})
 
 _PIECE, _LONG = 50, 50_000
-"""Messages that are written at once, and characters from which on fewer are: a millisecond, or of devices two."""
+"""Messages per piece, and the text length from which there are fewer: about a millisecond, two for devices."""
 
 
 def message_to_json(message: Message) -> JsonObject:
@@ -49,15 +49,15 @@ def message_to_json(message: Message) -> JsonObject:
 
 
 def message_to_text(message: Message) -> str:
-    """Return :func:`message_to_json` as text in ASCII, in a tenth of the time where no field is of bytes."""
+    """Return :func:`message_to_json` as ASCII text, in a tenth of the time if no field contains bytes."""
     if not _holds_bytes(type(message)):
-        with suppress(PydanticSerializationError):  # an unchecked value: below it is written, or named in the error
+        with suppress(PydanticSerializationError):  # an unchecked value: written below, or named in the error
             return in_ascii(message.model_dump_json(warnings="error"))
     return json.dumps(message_to_json(message), separators=(",", ":"), allow_nan=False)
 
 
 def message_to_pieces(message: Message) -> Iterator[str]:
-    """Yield the text of *message* in pieces: one that holds thousands of messages takes longer than others may wait."""
+    """Yield the text of *message* in pieces, because thousands of nested messages would block others too long."""
     text = "{"
     for field in fields_of(type(message)):
         value = field.value_in(message)
@@ -86,11 +86,11 @@ def message_from_json(
     Bytes, and the numbers of an array as little-endian bytes, may come as base64 text or as a list.
 
     Args:
-        ignore_unknown: Whether fields that the type lacks, those of a newer homebot, are left out and not refused.
+        ignore_unknown: Whether unknown fields, such as those of a newer homebot, are ignored rather than refused.
 
     Raises:
-        TypeMismatchError: A field is missing, unknown, or of another type; the message names it, and its value unless
-            the field is a secret (``Field(repr=False)``).
+        TypeMismatchError: A field is missing, unknown, or of another type; the message names the field, and its value
+        unless it is a secret (``Field(repr=False)``).
     """
     if not isinstance(value, Mapping):
         raise TypeMismatchError(f"not a {message_type.ros_type}: expected an object, got {_shown(value)}")
@@ -107,7 +107,7 @@ def message_from_json(
 def validation_problem(error: ValidationError, secrets: frozenset[str] = frozenset()) -> str:
     """Return the first problem of *error* in one line: the field's path, the problem and the value.
 
-    Of the fields *secrets* the value is not shown.
+    The values of the fields *secrets* are not shown.
     """
     all_errors = error.errors(include_url=False)
     first = all_errors[0]
@@ -129,7 +129,7 @@ def validation_problem(error: ValidationError, secrets: frozenset[str] = frozens
 
 @lru_cache(maxsize=1024)
 def _holds_bytes(message_type: type[Message]) -> bool:
-    """Return whether there is anything in it for which pydantic has another alphabet of base64."""
+    """Return whether it contains bytes, for which pydantic uses another base64 alphabet."""
     types = (message_type, *nested_types(message_type))
     return any(field.is_base64 for one in types for field in fields_of(one))
 
@@ -154,14 +154,14 @@ def _value_to_json(value: object) -> JsonValue:
 def _fields_from_json(message_type: type[Message], value: Mapping[str, object]) -> dict[str, object]:
     known = fields_by_name(message_type)
     fields = {name: _value_from_json(known[name], item) for name, item in value.items() if name in known}
-    if len(fields) < len(value):  # the first unknown one is enough to be refused; a flood of them costs a lot to tell
+    if len(fields) < len(value):  # names only one unknown field: a flood would be expensive
         unknown = next(name for name in value if name not in known)
         fields[unknown] = value[unknown]
     return fields
 
 
 def _known_fields(message_type: type[Message], value: Any) -> Any:
-    """Return the JSON value of a message, or of a list of messages, without fields that their types lack."""
+    """Return the JSON value of a message, or of a list of messages, without unknown fields."""
     if isinstance(value, list):
         return [_known_fields(message_type, item) for item in value]
     if not isinstance(value, Mapping):
@@ -198,7 +198,7 @@ def _element_from_json(field: FieldDefinition, value: object) -> object:
 
 
 def _text_from_json(value: str) -> object:
-    """Return *value*, or its bytes where JSON escapes spell half a character: validation then refuses them."""
+    """Return *value*, or bytes if a JSON escape is a lone surrogate, which validation then refuses."""
     try:
         value.encode()
     except UnicodeEncodeError:
@@ -207,7 +207,7 @@ def _text_from_json(value: str) -> object:
 
 
 def _bytes_from_json(value: object) -> object:
-    """Return the bytes that *value* spells, or *value* itself where it spells none: validation then names it."""
+    """Return *value* decoded as bytes, or unchanged if that fails: validation then names it."""
     with suppress(ValueError, TypeError):
         if isinstance(value, str):
             return base64.b64decode(value, validate=True)

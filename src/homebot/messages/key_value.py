@@ -1,4 +1,4 @@
-"""ROS ``diagnostic_msgs/KeyValue``, apart from its package: every device has facts, and few programs need the rest."""
+"""ROS ``diagnostic_msgs/KeyValue``, separate from its package, the rest of which few programs need."""
 
 from homebot.messages.message import Message
 
@@ -6,7 +6,7 @@ __all__ = ["KeyValue"]
 
 
 class KeyValue(Message, ros_type="diagnostic_msgs/msg/KeyValue"):
-    """One fact, such as one about a device as its gateway received it."""
+    """One fact, such as one about a device from its gateway."""
 
     key: str
     value: str

@@ -1,12 +1,12 @@
-"""Base of every message, the types of its fields, and the type of a service.
+"""Base class of messages, the types of their fields, and the type of a service.
 
 Plain ``bool``, ``int``, ``float``, ``str`` and ``bytes`` mean ``bool``, ``int64``, ``float64``, ``string`` and
 ``uint8[]``; the annotated types here are the others. ``tuple[T, ...]`` is ``T[]``, bounded by ``Field(max_length=n)``
-(``T[<=n]``), of fixed length when ``min_length`` is the same number (``T[n]``). ``Int8Array`` and the other arrays of
-numbers are read as a sequence, and made of any; they hold machine numbers.
+(``T[<=n]``), of fixed length if ``min_length`` is the same number (``T[n]``). ``Int8Array`` and the other numeric
+arrays are sequences of machine numbers, and can be built from any sequence.
 
-Modules of messages do without ``from __future__ import annotations``: pydantic reads the annotations of a class, and of
-its base classes, when the class is made, and as text each has to be compiled first (15 µs a field).
+Modules of messages omit ``from __future__ import annotations``: pydantic evaluates the annotations of a class, and of
+its base classes, when the class is created, and textual ones have to be compiled first (15 µs a field).
 """
 
 from collections.abc import Mapping, Sequence
@@ -53,7 +53,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class RosType:
-    """Marks an annotated Python type with the ROS primitive it stands for."""
+    """Marks an annotated Python type with its ROS primitive."""
 
     name: str
 
@@ -84,9 +84,9 @@ Float64Array = Annotated[Sequence[float], RosArray("float64", Float64)]
 
 
 def _bound_integers(schema: Any) -> None:
-    """Give every integer in *schema* that has no bound of its own those of ``int64``.
+    """Give every unbounded integer in *schema* the bounds of ``int64``.
 
-    Stands before its user because pydantic calls it while the class below is being made.
+    Defined before its user, because pydantic calls it while the class below is being created.
     """
     if isinstance(schema, list):
         for part in schema:
@@ -105,20 +105,20 @@ def _bound_integers(schema: Any) -> None:
 
 
 _ALL_FIELDS: dict[type[BaseModel], set[str]] = {}
-"""The names of the fields of each message type; kept here because pydantic 2.9 takes no private class variable."""
+"""The field names of each message type; here because pydantic 2.9 does not support private class variables."""
 
 
 class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen model
-    """A frozen value with exact ROS field types, checked once where it is made and then passed by reference.
+    """A frozen value with exact ROS field types, validated once when it is created and then passed by reference.
 
     Attributes:
         ros_type: The full ROS name of the type, ``package/msg/Name``; given as ``class Name(Message, ros_type=…)``, by
             default ``<top-level package>/msg/<class>``.
-        key_field: Name of the field that tells one instance on a topic from another (a DDS key), ``field.field`` where
-            it lies in a nested message; a topic of a type that has one keeps its history per key.
+        key_field: Name of the field that identifies an instance on a topic (a DDS key), ``field.field`` in a nested
+        message; a topic of a type with a key field keeps its history per key.
 
     Raises:
-        UsageError: A class names a key field that it does not have.
+        UsageError: The key field of a class does not exist.
     """
 
     model_config = ConfigDict(
@@ -126,29 +126,29 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
         extra="forbid",
         strict=True,
         allow_inf_nan=True,
-        defer_build=True,  # most programs use few of the types they import
-        protected_namespaces=(),  # of ROS's field names there are `model_instances` and the like
+        defer_build=True,  # most programs use few of the types that they import
+        protected_namespaces=(),  # ROS has field names such as `model_instances`
     )
 
     ros_type: ClassVar[str]
     key_field: ClassVar[str | None] = None
 
     @classmethod
-    def of_checked(cls, /, **fields: object) -> Self:  # without the slash each name would be held against `cls`
-        """Return the message that has *fields*, all that there are, without a look at their values.
+    def of_checked(cls, /, **fields: object) -> Self:  # without the slash each name would be compared with `cls`
+        """Return the message with *fields*, which must be complete, without validation.
 
-        Only for values out of messages, which were checked where those were made. It takes a third of the time, and of
-        a small message half of the memory, which counts where a whole house is published at once. Where that counts it
-        is looked up once: an attribute of a message class costs as much as a call.
+        Only for values from messages, which are already validated. It takes a third of the time, and half the memory
+        for a small message, which matters when a whole house is published. Hot code looks it up once: an attribute of a
+        message class costs as much as a call.
         """
         message = _new(cls)
         _set_fields(message, fields)
         return message
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
-        """Return the message with the fields of *update*, without a look at their values, as pydantic does.
+        """Return the message with the fields of *update*, without validation, like pydantic.
 
-        A shallow copy takes a quarter of the time of pydantic's, which copies the set of given fields as well.
+        A shallow copy takes a quarter of pydantic's time, which also copies the set of given fields.
         """
         if deep:
             return super().model_copy(update=update, deep=True)
@@ -162,13 +162,13 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
         return self
 
     def json_form(self) -> object:
-        """Return the value that stands for this message inside another one in JSON, where that is not its fields."""
+        """Return the JSON value of this message inside another one, if that is not the object of its fields."""
         return self
 
-    if not TYPE_CHECKING:  # a checker would let any attribute pass
+    if not TYPE_CHECKING:  # a type checker would accept any attribute
 
         def __getattr__(self, name: str) -> object:
-            """Return pydantic's own attributes of a message made by :meth:`of_checked`, which sets none."""
+            """Return pydantic's attributes for a message from :meth:`of_checked`, which sets none."""
             if name == "__pydantic_fields_set__":
                 return _ALL_FIELDS[type(self)]
             if name in _NONE_OF_MESSAGES:
@@ -176,7 +176,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
             return super().__getattr__(name)
 
     def __eq__(self, other: object) -> bool:
-        """Return whether *other* is of the same type and has equal fields; there is nothing else in a message."""
+        """Return whether *other* has the same type and equal fields, which is all that a message contains."""
         if type(self) is not type(other):
             return NotImplemented
         return self.__dict__ == other.__dict__
@@ -198,7 +198,7 @@ class Message(BaseModel):  # noqa: PLW1641 - pydantic makes the hash of a frozen
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Hold plain ``int`` to the 64 bits of ``int64``; called by pydantic."""
+        """Limit plain ``int`` to the range of ``int64``; called by pydantic."""
         schema = handler(source)
         _bound_integers(handler.resolve_ref_schema(schema))
         return schema
@@ -218,20 +218,20 @@ ResponseT = TypeVar("ResponseT")
 
 @dataclass(frozen=True)
 class ServiceType(Generic[RequestT, ResponseT]):
-    """The request and response messages of a service, as ROS's generated ``Trigger.Request`` and its sibling."""
+    """The request and response messages of a service, like the generated ``Trigger.Request`` etc. of ROS."""
 
     ros_type: str
     Request: type[RequestT]
     Response: type[ResponseT]
 
     def answer_type(self) -> type[ResponseT]:
-        """Return the type of the answers inside the process."""
+        """Return the type of in-process answers."""
         return self.Response
 
 
 @dataclass(frozen=True)
 class LocalServiceType(ServiceType[RequestT, Any]):
-    """Service type with another answer inside the process: its response has it as ``answer_type`` and ``of``."""
+    """Service type with another type of in-process answers: its response defines ``answer_type`` and ``of``."""
 
     def answer_type(self) -> type[Any]:
         """As for :class:`ServiceType`."""
@@ -239,10 +239,10 @@ class LocalServiceType(ServiceType[RequestT, Any]):
 
 
 class ServiceAnswer(Message):
-    """Base of the answers of services that may fail for a reason that is told in words.
+    """Base class of answers of services that may fail, with the reason in words.
 
     Attributes:
-        message: The reason if not, as text.
+        message: The reason of a failure, as text.
     """
 
     success: bool

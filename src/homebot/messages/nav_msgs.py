@@ -1,4 +1,4 @@
-"""ROS ``nav_msgs``: maps, paths and places of robots, made of the package's text."""
+"""ROS ``nav_msgs``: maps, paths and positions of robots, built from the package's definitions."""
 
 from homebot.messages.text_messages import text_messages
 

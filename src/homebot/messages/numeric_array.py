@@ -1,4 +1,4 @@
-"""Arrays of numbers in messages, held as machine numbers: an eighth of the memory of a tuple, and no object each."""
+"""Numeric arrays in messages, stored as machine numbers: an eighth of a tuple's memory, without an object each."""
 
 import sys
 from array import array
@@ -25,15 +25,15 @@ LAYOUTS: Final = {
     "float32": "f",
     "float64": "d",
 }
-"""The letter in the modules ``array`` and ``struct`` for each numeric primitive of ROS."""
+"""The type code in the modules ``array`` and ``struct`` for each numeric primitive of ROS."""
 
 NumberT = TypeVar("NumberT", int, float)
 
 
 class NumericArray(Sequence[NumberT]):
-    """An immutable sequence of numbers of one size; equal to a tuple of the same numbers, and with its hash.
+    """An immutable sequence of numbers of one size, with the equality and hash of a tuple of the same numbers.
 
-    Numbers of ``float32`` keep the precision that they were given, until they are written in CDR.
+    Numbers of ``float32`` keep their original precision until they are written in CDR.
     """
 
     __slots__ = ("_values",)
@@ -68,7 +68,7 @@ class NumericArray(Sequence[NumberT]):
 
     @property
     def buffer(self) -> memoryview:
-        """The numbers as a read-only buffer in the machine's order, such as ``numpy.frombuffer`` reads."""
+        """The numbers as a read-only buffer in native byte order, for ``numpy.frombuffer``."""
         return memoryview(self._values).toreadonly()
 
     def tolist(self) -> list[NumberT]:
@@ -85,19 +85,19 @@ class NumericArray(Sequence[NumberT]):
 class RosArray:
     """Marks a sequence of numbers with the ROS primitive of its elements; read by pydantic.
 
-    A value may be a list, a tuple, an ``array``, or bytes of such numbers, little-endian. Booleans count as 0 and 1, as
-    in ROS's own messages.
+    A value may be a list, a tuple, an ``array``, or little-endian bytes of such numbers. Booleans count as 0 and 1, as
+    in ROS.
 
     Attributes:
         name: The primitive, for example ``int8``.
-        element: The annotated Python type of an element, for the check of each one if some do not fit.
+        element: The annotated Python type of an element, to find the invalid ones.
     """
 
     name: str
     element: Any
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Return the schema that converts all numbers at once, and finds the wrong one if there is any."""
+        """Return the schema that converts all numbers at once, and finds an invalid one if there is any."""
         number = handler.generate_schema(self.element)
         plain = core_schema.float_schema() if self.name.startswith("float") else core_schema.int_schema()
         return core_schema.no_info_wrap_validator_function(
@@ -127,7 +127,7 @@ class RosArray:
         if len(value) % numbers.itemsize:
             raise PydanticCustomError(
                 "bytes_size",
-                "{size} bytes are no whole number of {name}, which has {each}",
+                "{size} bytes are not a whole number of {name}, which has {each}",
                 {"size": len(value), "name": self.name, "each": numbers.itemsize},
             )
         numbers.frombytes(value)
@@ -135,12 +135,12 @@ class RosArray:
 
 
 def _plain(value: Sequence[Any]) -> list[Any]:
-    """Return *value* as a list; it is another sequence in a message that was made without a check."""
+    """Return *value* as a list; in an unvalidated message it is another sequence."""
     return value.tolist() if isinstance(value, NumericArray) else list(value)
 
 
 def _little_endian(numbers: "array[Any]") -> "array[Any]":
-    """Return *numbers* with their bytes turned round if this machine has the other order."""
+    """Return *numbers* with swapped bytes if this machine is big-endian."""
     if sys.byteorder == "big":
         numbers = numbers[:]
         numbers.byteswap()

@@ -7,11 +7,11 @@ __all__ = ["Log", "Parameter", "ParameterEvent", "ParameterValue"]
 
 
 class Log(Message, ros_type="rcl_interfaces/msg/Log"):
-    """One log line, as on ``/rosout``.
+    """One log line, on ``/rosout``.
 
     Attributes:
         level: DEBUG 10, INFO 20, WARN 30, ERROR 40, FATAL 50.
-        name: The logger: the node's full name with dots, without the leading one.
+        name: The logger: the node's full name with dots, without a leading dot.
     """
 
     stamp: Time
@@ -28,7 +28,7 @@ class ParameterValue(Message, ros_type="rcl_interfaces/msg/ParameterValue"):
 
     Attributes:
         type: 0 not set, 1 bool, 2 integer, 3 double, 4 string, 5 byte[], 6 bool[], 7 integer[], 8 double[],
-            9 string[]; says which of the other fields counts.
+            9 string[]; selects the field that contains the value.
     """
 
     type: UInt8

@@ -1,4 +1,4 @@
-"""ROS ``rosgraph_msgs``: the clock of a simulation, made of the package's text."""
+"""ROS ``rosgraph_msgs``: the clock of a simulation, built from the package's definitions."""
 
 from homebot.messages.text_messages import text_messages
 

@@ -1,4 +1,4 @@
-"""ROS ``sensor_msgs``: what a robot's sensors measure, made of the package's text."""
+"""ROS ``sensor_msgs``: sensor data of robots, built from the package's definitions."""
 
 from homebot.messages.text_messages import text_messages
 

@@ -1,4 +1,4 @@
-"""ROS ``std_msgs``: one value each, and the header of others; the rest of the package is made of its text."""
+"""ROS ``std_msgs``: single values, and the header; the rest of the package is built from its definitions."""
 
 from homebot.messages import message as fields
 from homebot.messages.builtin_interfaces import Time
@@ -11,7 +11,7 @@ __getattr__ = text_messages("std_msgs")
 
 
 class Header(Message, ros_type="std_msgs/msg/Header"):
-    """The time and place to which the other fields of a message belong."""
+    """The time and the coordinate frame of the other fields of a message."""
 
     stamp: Time
     frame_id: str

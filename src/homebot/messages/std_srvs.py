@@ -1,4 +1,4 @@
-"""ROS ``std_srvs``: services without types of their own; ``Empty`` is made of its text."""
+"""ROS ``std_srvs``: generic services; ``Empty`` is built from its definition."""
 
 from homebot.messages.message import Message, ServiceType
 

@@ -1,4 +1,4 @@
-"""Messages of a package of ROS that are made of their text when they are first imported."""
+"""Messages of ROS packages that are built from their definitions on first import."""
 
 from collections.abc import Callable
 from typing import Any
@@ -9,9 +9,9 @@ __all__ = ["text_messages"]
 
 
 def text_messages(package: str) -> Callable[[str], Any]:
-    """Return the ``__getattr__`` of the module ``homebot.messages.PACKAGE``, by the names of messages in it.
+    """Return the ``__getattr__`` of the module ``homebot.messages.PACKAGE``, which builds messages by name.
 
-    To a type checker, which cannot read the text, each is any class.
+    For a type checker, which cannot read the definitions, each is any class.
     """
 
     def find(name: str) -> Any:

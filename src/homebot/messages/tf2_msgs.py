@@ -7,6 +7,6 @@ __all__ = ["TFMessage"]
 
 
 class TFMessage(Message, ros_type="tf2_msgs/msg/TFMessage"):
-    """The places of coordinate frames, as on ``/tf``."""
+    """Transforms between coordinate frames, on ``/tf``."""
 
     transforms: tuple[TransformStamped, ...]

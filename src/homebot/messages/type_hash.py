@@ -1,4 +1,4 @@
-"""Type hashes of ROS 2 (RIHS01), by which two programs see that they mean the same interface. Pure.
+"""Type hashes of ROS 2 (RIHS01), with which two programs check that they use the same interface. Pure.
 
 Source: ROS 2 REP 2016, "Type description and type hash"; rosidl, ``type_description_interfaces/msg/FieldType`` for the
 numbers of types.

@@ -107,9 +107,9 @@ async def test_a_client_defines_a_type_that_others_use_too(house: House) -> None
 @pytest.mark.parametrize(
     ("ros_type", "definition", "problem"),
     [
-        ("lab/msg/Arm", "int33 x", "lab/msg/Arm: line 1: 'int33' is no type"),
+        ("lab/msg/Arm", "int33 x", "lab/msg/Arm: line 1: 'int33' is not a type"),
         ("std_msgs/Header", "int8 x", "std_msgs/msg/Header is known with other fields"),
-        ("../../etc/Passwd", "int8 x", "is no type; write package/msg/Name"),
+        ("../../etc/Passwd", "int8 x", "is not a type; write package/msg/Name"),
         ("lab/msg/Large", "uint8[4000000000] x", "at most 100000"),
     ],
 )

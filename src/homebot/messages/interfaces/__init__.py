@@ -1,4 +1,4 @@
-"""Interfaces of ROS by name: messages, services and actions, made of the text of their files when they are first named.
+"""ROS interfaces by name: messages, services and actions, built from the text of their files on first use.
 
 Source: ROS 2, "Interfaces" (``.msg``, ``.srv`` and ``.action`` files); rosidl, ``rosidl_adapter``.
 """

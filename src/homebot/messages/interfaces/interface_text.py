@@ -37,7 +37,7 @@ _NUMBERS: Final = {
     for name in fields.__all__
     if name.lower() in LAYOUTS
 }
-"""The types of a field and of an array of each number; that of ``uint8`` is bytes."""
+"""The field type and the array type for each numeric type; that of ``uint8`` is bytes."""
 
 KINDS: Final = {"msg": ("",), "srv": ("_Request", "_Response"), "action": ("_Goal", "_Result", "_Feedback")}
 """The messages of each kind of interface, by the suffixes of their names."""
@@ -60,7 +60,7 @@ _TRUTHS: Final = {"true": True, "1": True, "false": False, "0": False}
 
 @dataclass(frozen=True, slots=True)
 class ParsedMessage:
-    """The definitions of the fields of a message in order, the defaults that are declared, and its constants."""
+    """The ordered field definitions of a message, its declared defaults and its constants."""
 
     ros_type: str
     fields: dict[str, FieldDefinition] = field(default_factory=dict)
@@ -69,7 +69,7 @@ class ParsedMessage:
 
 
 def interface_key(ros_type: str, kind: str = "msg") -> str:
-    """Return ``package/kind/Name`` for *ros_type*, which may leave out the *kind*; empty if it is no such name."""
+    """Return ``package/kind/Name`` for *ros_type*, which may omit the *kind*; empty if it is not such a name."""
     named = _NAME.fullmatch(ros_type)
     if named is None or named["kind"] not in {None, kind} or "__" in ros_type:
         return ""
@@ -77,13 +77,13 @@ def interface_key(ros_type: str, kind: str = "msg") -> str:
 
 
 def split_definitions(ros_type: str, text: str) -> dict[str, str]:
-    """Return the text of *ros_type* and of the messages after it, in the form of ``definition_text``, by key."""
+    """Return the texts of *ros_type* and of the messages after it, by key; *text* is like ``definition_text``."""
     own, *rest = _SECTION.split(text.replace("\r\n", "\n"))
     texts = {ros_type: own}
     for name, section in zip(rest[::2], rest[1::2], strict=True):
         key = interface_key(name)
         if not key or key in texts:
-            raise UsageError(f"{ros_type}: {name[:100]!r} is defined twice, or is no name of a message")
+            raise UsageError(f"{ros_type}: {name[:100]!r} is defined twice, or is not a message name")
         texts[key] = section
     return texts
 
@@ -92,7 +92,7 @@ def parse_interface(key: str, text: str) -> tuple[ParsedMessage, ...]:
     """Return the messages of the interface *key* (``package/kind/Name``) with the *text*.
 
     Raises:
-        UsageError: A line is none of an interface; the message names type, line and problem.
+        UsageError: A line is invalid; the message names the type, the line and the problem.
     """
     kind = key.split("/")[1]
     parts, suffixes = _PART.split(text.replace("\r\n", "\n")), KINDS[kind]
@@ -113,7 +113,7 @@ def _parse_message(ros_type: str, text: str) -> ParsedMessage:
 
 
 def _without_comment(line: str) -> str:
-    """Return *line* up to a ``#`` that stands in no quoted text."""
+    """Return *line* up to the first ``#`` outside quoted text."""
     at, lone = 0, ""
     while (found := _MARK.search(line, at)) is not None:
         mark, at = found[0], found.end()
@@ -123,7 +123,7 @@ def _without_comment(line: str) -> str:
             continue
         quoted = _QUOTED[mark].match(line, found.start())
         if quoted is None:
-            lone += mark  # none that follows is closed either
+            lone += mark  # no later one is closed either
         else:
             at = quoted.end()
     return line
@@ -162,7 +162,7 @@ def _field(package: str, parts: re.Match[str]) -> FieldDefinition:
 def _nested_key(package: str, base: str) -> str:
     key = interface_key(base if "/" in base else f"{package}/{base}")
     if not key:
-        raise ValueError(f"{base!r} is no type; known are {', '.join(sorted(_PRIMITIVES))}, and package/Name")
+        raise ValueError(f"{base!r} is not a type; known are {', '.join(sorted(_PRIMITIVES))}, and package/Name")
     return key
 
 
@@ -203,7 +203,7 @@ def _parse_value(base: str, text: str) -> Any:
 
 
 def _parse_integer(text: str) -> int:
-    """Return the integer in *text*: decimal, also with zeros before it, or with the prefix of another base."""
+    """Return the integer in *text*: decimal, perhaps with leading zeros, or with the prefix of another base."""
     try:
         return int(text)
     except ValueError:
@@ -214,7 +214,7 @@ def build_interface(key: str, parsed: Sequence[ParsedMessage], find: FindMessage
     """Return the interface *key* (``package/kind/Name``) with the messages *parsed*.
 
     Raises:
-        UsageError: A field has a name or a default that it cannot have.
+        UsageError: A field has an invalid name or default.
     """
     classes = [_build_message(message, find) for message in parsed]
     if len(classes) == 1:

@@ -1,4 +1,4 @@
-"""The interfaces that a homebot knows: those that it comes with, of the owner's folders, and of its clients."""
+"""The interfaces known to homebot: the built-in ones, those of the owner's folders, and those of its clients."""
 
 from __future__ import annotations
 
@@ -36,26 +36,26 @@ _PACKAGES: Final = (
     "action_msgs builtin_interfaces geometry_msgs rcl_interfaces std_msgs std_srvs tf2_msgs unique_identifier_msgs"
 )
 _CLASSES: Final = {one: f"{_HOME}.{one}" for one in _PACKAGES.split()} | {"diagnostic_msgs": f"{_HOME}.key_value"}
-"""The modules with the classes of packages that homebot itself uses, which go before a definition by text."""
+"""The modules with classes of packages that homebot itself uses, which take precedence over text definitions."""
 
 _MOST_DEFINED: Final = 200
-"""Types of one client."""
+"""The limit of types of one client."""
 
 _LONGEST_TEXT: Final = 65_536
 _MOST_FIELDS: Final = 300
 _DEEPEST: Final = 20
 _MOST_VALUES: Final = 100_000
-"""Values in a message without any array of open length, as a fixed array of fixed arrays is as large as it likes."""
+"""The limit of values in a message, not counting variable-length arrays: nested fixed arrays could be huge."""
 
 _LONGEST_NAME: Final = 100
 
 
 class Interfaces:
-    """The interfaces known by name; the class of each is made once, when it is first named, by whichever thread.
+    """The interfaces known by name; each class is built once, on first use, in any thread.
 
     Args:
-        texts: Definitions of the owner by ``package/kind/Name``; see :meth:`read_folder`.
-        distribution: The distribution of ROS 2 whose definitions count; ``humble``, ``jazzy`` or ``kilted``.
+        texts: The owner's definitions by ``package/kind/Name``; see :meth:`read_folder`.
+        distribution: The ROS 2 distribution whose definitions are used: ``humble``, ``jazzy`` or ``kilted``.
     """
 
     def __init__(self, texts: Mapping[str, str] | None = None, distribution: str = _DEFAULT) -> None:
@@ -69,11 +69,11 @@ class Interfaces:
 
     @staticmethod
     def read_folder(folder: Path) -> dict[str, str]:
-        """Return the text of every interface file below *folder* by its key; its package is the folder above its kind.
+        """Return the text of every interface file below *folder* by key; its package is the folder above its kind.
 
         Raises:
             OSError: A file or folder cannot be read.
-            UsageError: There is no such folder, or a file has a name that no interface has, or is not text.
+            UsageError: There is no such folder, or a file has an invalid name or is not text.
         """
         if not folder.is_dir():
             raise UsageError(f"there is no folder {folder}")
@@ -86,22 +86,22 @@ class Interfaces:
             try:
                 texts[key] = path.read_text(encoding="utf-8-sig")
             except UnicodeDecodeError as exc:
-                raise UsageError(f"{path} is no text in UTF-8: {exc}") from exc
+                raise UsageError(f"{path} is not UTF-8 text: {exc}") from exc
         return texts
 
     def add_modules(self, package: str, modules: tuple[str, ...]) -> None:
-        """Add the interfaces that *modules* export, the classes of *package*; they are loaded when one is named."""
+        """Add the classes of *package* that *modules* export; these are loaded on first use."""
         self._modules[package] = modules
 
     def with_texts(self, texts: Mapping[str, str]) -> Interfaces:
-        """Return these interfaces of the owner with *texts*, which replace those of the same keys."""
+        """Return these interfaces with the *texts* of the owner, which replace those of the same keys."""
         return Interfaces(self._texts | dict(texts), self.distribution)
 
     def find_message(self, ros_type: str) -> type[Message]:
         """Return the message called *ros_type*, ``package/msg/Name`` or ``package/Name``.
 
         Raises:
-            UnknownTypeError: There is none of that name; the error suggests similar ones.
+            UnknownTypeError: There is no such message; the error suggests similar names.
             UsageError: Its definition is invalid.
         """
         found: type[Message] = self._find(ros_type, "msg")
@@ -118,17 +118,17 @@ class Interfaces:
         return found
 
     def names(self, package: str = "") -> tuple[str, ...]:
-        """Return the known interfaces as ``package/kind/Name``, sorted; of one *package* if it is given."""
+        """Return the known interfaces as ``package/kind/Name``, sorted; only those of *package* if it is given."""
         known = {*_shipped_names(), *self._texts}
         for own in self._modules.keys() - _CLASSES:
             known |= self._classes_of(own).keys()
         return tuple(sorted(key for key in known if not package or key.startswith(f"{package}/")))
 
     def text(self, ros_type: str, kind: str) -> str:
-        """Return the text of the file of *ros_type*; without constants if it is a class of homebot's.
+        """Return the text of the file of *ros_type*; without constants if it is a class of homebot.
 
         Raises:
-            UnknownTypeError: There is none of that name.
+            UnknownTypeError: There is no such interface.
         """
         interface = self._find(ros_type, kind)
         key: str = interface.ros_type
@@ -137,14 +137,14 @@ class Interfaces:
         return self._texts.get(key) or _shipped_text(key, self.distribution)[0]
 
     def define(self, ros_type: str, definition: str, client: str = "") -> Interface:
-        """Define *ros_type* (``package/kind/Name``) for *client* by the text of its file, with nested messages.
+        """Define *ros_type* (``package/kind/Name``) for *client* with the text of its file and of nested messages.
 
-        Those follow as ``gendeps --cat`` and recordings write them: a line of 80 ``=``, a line ``MSG: package/Name``. A
-        type that is known already must have the same fields.
+        Nested messages follow in the form of ``gendeps --cat`` and recordings: a line of 80 ``=``, a line ``MSG:
+        package/Name``. A known type must have the same fields.
 
         Raises:
-            UsageError: The definition is invalid, too large, or differs from the known one; the client has too many, or
-                the package is one of homebot's.
+            UsageError: The definition is invalid, too large, or differs from the known one; the client has too many
+            types, or the package belongs to homebot.
         """
         key, texts = _split(ros_type[:_LONGEST_NAME], definition)
         parsed = {name: parse_interface(name, text) for name, text in texts.items()}
@@ -168,7 +168,7 @@ class Interfaces:
         return self._resolve(key)
 
     def _add(self, texts: Mapping[str, str], names: Iterable[str]) -> None:
-        """Build the types *names* with the definitions *texts*; after an error these are unknown as before."""
+        """Build the types *names* from the definitions *texts*; after an error they remain unknown."""
         before = dict(self._built), dict(self._texts)
         self._texts |= texts
         try:
@@ -189,11 +189,11 @@ class Interfaces:
         return any(key in known for known in (self._built, self._texts, _shipped_names(), self._classes_of(key)))
 
     def _similar(self, key: str, kind: str) -> list[str]:
-        """Return the likely names in place of the unknown *key*, of the packages with a likely name."""
+        """Return similar names to the unknown *key*, from packages with similar names."""
         package, slash, name = key.rpartition(f"/{kind}/")
         known = [known for known in self.names() if f"/{kind}/" in known]
         packages = {known.partition("/")[0] for known in known}
-        if kind == "msg" and slash:  # there are many; services and actions of tutorials are named alike everywhere
+        if kind == "msg" and slash:  # only messages: services and actions of tutorials have similar names everywhere
             packages = {*similar_to(package, packages, 0.7)}
         names = {known.rpartition("/")[2]: known for known in known if known.partition("/")[0] in packages}
         return [names[similar] for similar in similar_to(name, names, 0.7)]
@@ -208,7 +208,7 @@ class Interfaces:
         if key not in self._texts:
             return _shipped_interface(key, self.distribution)
         if key in self._open:
-            raise UsageError(f"{key} holds itself, by way of {', '.join(self._open)}")
+            raise UsageError(f"{key} contains itself, through {', '.join(self._open)}")
         self._open.append(key)
         try:
             return build_interface(key, parse_interface(key, self._texts[key]), self.find_message)
@@ -232,11 +232,11 @@ _KIND_NAMES: Final = {"msg": "message", "srv": "service", "action": "action"}
 
 
 def _split(ros_type: str, definition: str) -> tuple[str, dict[str, str]]:
-    """Return the key of *ros_type*, and the texts of it and the messages after it by theirs."""
+    """Return the key of *ros_type*, and the texts of it and of the messages after it, by key."""
     kind = next((kind for kind in KINDS if f"/{kind}/" in ros_type), "msg")
     key = interface_key(ros_type, kind)
     if not key:
-        raise UsageError(f"{ros_type!r} is no type; write package/msg/Name, with srv or action")
+        raise UsageError(f"{ros_type!r} is not a type; write package/msg/Name, or with srv or action")
     if len(definition) > _LONGEST_TEXT:
         raise UsageError(f"{key}: the definition has {len(definition)} characters, at most {_LONGEST_TEXT} are read")
     return key, split_definitions(key, definition)
@@ -252,7 +252,7 @@ def _check_size(key: str, messages: Iterable[type[Message]]) -> None:
 
 @lru_cache(maxsize=1024)
 def _size(message: type[Message]) -> tuple[int, int]:
-    """Return the values in a message without arrays of open length, and its levels."""
+    """Return the number of values in a message, without variable-length arrays, and of its levels."""
     values, depth = 1, 1
     for field in fields_of(message):
         inner, levels = _size(field.message) if field.message is not None else (1, 0)
@@ -263,7 +263,7 @@ def _size(message: type[Message]) -> tuple[int, int]:
 
 @lru_cache
 def _classes_in(modules: tuple[str, ...]) -> Mapping[str, Interface]:
-    """Return the interfaces that *modules* export, by name; the messages of a service are no interfaces."""
+    """Return the interfaces that *modules* export, by name, without the messages of services."""
     exported = (getattr(module, name) for module in map(import_module, modules) for name in module.__all__)
     known = (one for one in exported if hasattr(one, "ros_type"))
     return {one.ros_type: one for one in known if interface_key(one.ros_type, one.ros_type.split("/")[1])}
@@ -276,7 +276,7 @@ def _shipped_names() -> frozenset[str]:
 
 @cache
 def _shipped_interface(key: str, distribution: str) -> Interface:
-    """Return the one class of a shipped definition, which all users of its name share."""
+    """Return the class of a shipped definition, shared by all its users."""
     text, owner = _shipped_text(key, distribution)
     if owner != distribution:
         return _shipped_interface(key, owner)
@@ -284,7 +284,7 @@ def _shipped_interface(key: str, distribution: str) -> Interface:
 
 
 def _shipped_text(key: str, distribution: str) -> tuple[str, str]:
-    """Return the shipped definition of *key* in *distribution*, and the distribution that it belongs to."""
+    """Return the shipped definition of *key* in *distribution*, and the distribution that it comes from."""
     path = f"{key}.{key.split('/')[1]}"
     with suppress(FileNotFoundError):
         return _read(f"distributions/{distribution}/{path}"), distribution
@@ -292,7 +292,7 @@ def _shipped_text(key: str, distribution: str) -> tuple[str, str]:
 
 
 def _read(path: str) -> str:
-    """Return the text of the shipped file *path*, as a module is loaded: from wherever the package lies."""
+    """Return the text of the shipped file *path*, through the loader of the package."""
     return (get_data(_HOME, f"share/{path}") or b"").decode()
 
 

@@ -17,8 +17,8 @@ class RosSettings(BaseModel):
     """The keys of the table ``[ros]``.
 
     Attributes:
-        interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, as ``homebot interface import`` makes one.
-        distro: The distribution of ROS 2 whose definitions count, where they differ.
+        interfaces: Folders with ``.msg``, ``.srv`` and ``.action`` files, such as from ``homebot interface import``.
+        distro: The ROS 2 distribution whose definitions are used if they differ.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -28,9 +28,9 @@ class RosSettings(BaseModel):
 
 
 def read_interfaces(table: Table, source: str, folder: Path) -> Interfaces:
-    """Return the interfaces by the *table* ``[ros]`` of the file *source*, with paths that start from *folder*.
+    """Return the interfaces in the *table* ``[ros]`` of the file *source*, with paths relative to *folder*.
 
-    Each file is parsed, and its class made when it is first named.
+    Each file is parsed; its class is built on first use.
 
     Raises:
         ConfigError: A key, a folder or a definition is wrong.
