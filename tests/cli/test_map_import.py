@@ -73,7 +73,7 @@ def test_a_map_without_its_image_is_refused(run: Run, tmp_path: Path) -> None:
         (("map.yaml",), "a map has walls and no rooms; give a point in each room: --room Hall=1,2"),
         (("house.toml", "--room", "Hall=1,2"), "--room is for the map of a robot"),
         (("map.yaml", "--room", "Hall"), "'Hall' is not a point in a room; write ROOM=X,Y"),
-        (("map.yaml", "--room", "Hall=1"), "'1' is no position"),
+        (("map.yaml", "--room", "Hall=1"), "'1' is not a position"),
     ],
 )
 def test_a_wrong_import_of_a_map_is_refused(run: Run, arguments: tuple[str, ...], problem: str) -> None:

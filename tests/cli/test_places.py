@@ -390,7 +390,7 @@ def test_a_device_at_a_position_is_in_the_room_that_is_there(house: Run) -> None
 @pytest.mark.parametrize(
     ("position", "problem"),
     [
-        ("6", "is no position; write X,Y"),
+        ("6", "is not a position; write X,Y"),
         ("nan,1", "is not within 10,000 m"),
         ("6,1,Attic", "there is no floor 'Attic'; floors are Downstairs"),
     ],

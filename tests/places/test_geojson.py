@@ -105,7 +105,7 @@ def test_a_floor_that_is_null_is_none() -> None:
         ([*HOUSE, feature("LineString", [[9, 9], [9, 10]])], {}, "features.6.properties.rooms", "at no room"),
         ([*HOUSE, feature("LineString", [[0, 3], [0, 4]])], {}, "features.6.properties.rooms", '["Hall", "outside"]'),
         ([*HOUSE, feature("LineString", [[4, 1], [4, 2], [4, 3]])], {}, "features.6.geometry", "two ends"),
-        ([feature("Polygon", [[[0, 0], ["x", 3], [9, 9]]], name="a")], {}, "features.0", "is no position"),
+        ([feature("Polygon", [[[0, 0], ["x", 3], [9, 9]]], name="a")], {}, "features.0", "is not a position"),
         ([feature("Polygon", [square(0, 0)], name="Home")], {}, "places.rooms.Home", "name of the home"),
     ],
 )
@@ -120,5 +120,5 @@ def test_a_mistake_is_named_by_place_and_value(
 
 @pytest.mark.parametrize("text", ['{"type": "Polygon"}', '{"features": {}}', '{"features": [3]}', "{", "{" * 3000])
 def test_a_text_without_features_is_refused(text: str) -> None:
-    with pytest.raises(ConfigError, match=r"features|no JSON"):
+    with pytest.raises(ConfigError, match=r"features|not JSON"):
         geojson_table(text, "house.geojson")

@@ -58,7 +58,7 @@ def test_rooms_and_facts_are_read() -> None:
         ("rooms.Hall = {}\nrooms.hall = {}", "places.rooms.hall", "is the same room as 'Hall'"),
         ("rooms.Home = {}", "places.rooms.Home", "is the name of the home"),
         ("rooms.Hall = {}\ndevices.lamp.room = 'Hal'", "places.devices.lamp.room", "there is no room 'Hal'; did you"),
-        ("devices.lamp.tags = ['a\\u0007']", "places.devices.lamp.tags.0", "has a character that cannot be printed"),
+        ("devices.lamp.tags = ['a\\u0007']", "places.devices.lamp.tags.0", "contains an unprintable character"),
         (f"devices.lamp.tags = {['x'] * 51}", "places.devices.lamp.tags", "at most 50"),
         (f"devices.lamp.room = '{'x' * 101}'", "places.devices.lamp.room", "101 characters"),
         ("devices.' '.room = 'x'", "places.devices. ", "the id is empty"),

@@ -1,4 +1,4 @@
-"""Facts about devices that the owner states, positions among them. Pure."""
+"""Facts about devices that the owner states, including positions. Pure."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,13 +20,13 @@ __all__ = [
 ]
 
 OWNER_ERROR = 0.1
-"""Metres by which a position may be wrong that the owner states."""
+"""The default error of a position stated by the owner, in metres."""
 
 CLOSED_DOOR = 3.0
-"""Metres that going through a closed door counts besides the way, if none are stated."""
+"""The default cost of going through a closed door, in metres."""
 
 TAG_ERROR = 0.3
-"""Metres for one that a tag says."""
+"""The default error of a position from a tag, in metres."""
 
 _FARTHEST = 10_000.0
 
@@ -39,9 +39,9 @@ class Position(NamedTuple):
     Attributes:
         x: Metres in the frame ``map``.
         y: Metres in the frame ``map``.
-        floor: The floor; empty where that is not stated.
+        floor: The floor; empty if it is not stated.
         error: Metres by which it may be wrong.
-        source: How it was stated; empty where that is not known.
+        source: How it was stated; empty if unknown.
     """
 
     x: float
@@ -58,15 +58,15 @@ class Position(NamedTuple):
 
 
 class OwnerFact(NamedTuple):
-    """A fact about a device stated by the owner; it outranks the device's own.
+    """A fact about a device stated by the owner; it takes precedence over the device's own.
 
     Attributes:
         name: ``area`` for the room, ``position`` as :attr:`Position.text`, ``name`` for an alias, ``tag``, or
-            ``taught_area`` and ``taught_position`` for what an NFC tag or a code at the device says, used only without
-            any other statement.
-        source: How it was stated: ``configuration``, ``command`` or ``import``; of a taught room the gateway and the
-            number of the tag, with ``/`` between.
-        said_at: When, in seconds since the Unix epoch.
+            ``taught_area`` and ``taught_position`` from an NFC tag or a code on the device, used only without any other
+            statement.
+        source: How it was stated: ``configuration``, ``command`` or ``import``; for a taught room, the gateway and the
+        number of the tag, separated by ``/``.
+        said_at: When it was stated, in seconds since the Unix epoch.
     """
 
     name: FactName
@@ -77,10 +77,10 @@ class OwnerFact(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Places:
-    """A table ``[places]``, checked.
+    """A validated table ``[places]``.
 
     Attributes:
-        devices: The facts of each device, by the ids and hardware addresses that it is known by.
+        devices: The facts of each device, by its ids and hardware addresses.
     """
 
     rooms: tuple[HouseRoom, ...] = ()
@@ -93,20 +93,20 @@ NO_PLACES = Places()
 
 
 def read_position(text: str, error: float = OWNER_ERROR, source: str = "") -> Position:
-    """Return the position of a text ``X,Y[,FLOOR][ ±ERROR m]``; ``+-`` will do for ``±``.
+    """Parse a position ``X,Y[,FLOOR][ ±ERROR m]``; ``+-`` is accepted for ``±``.
 
     Args:
         error: Its error, if the text has none.
 
     Raises:
-        UsageError: It is no such text, or a number is not finite or beyond 10 km.
+        UsageError: The text is invalid, or a number is not finite or beyond 10 km.
     """
     place, _, stated = text.replace("+-", "±").partition("±")
     x, y, floor = (*place.split(",", 2), "", "")[:3]
     try:
         position = Position(float(x), float(y), floor.strip(), float(stated.removesuffix("m") or error), source)
     except ValueError:
-        raise UsageError(f"{text!r} is no position; write X,Y or X,Y,FLOOR in metres, such as 3.2,1.0") from None
+        raise UsageError(f"{text!r} is not a position; write X,Y or X,Y,FLOOR in metres, such as 3.2,1.0") from None
     if not all(abs(one) <= _FARTHEST for one in (position.x, position.y)) or not 0 <= position.error <= _FARTHEST:
         raise UsageError(f"the position {position.text!r} is not within {_FARTHEST:,.0f} m")
     return position

@@ -1,4 +1,4 @@
-"""The floor plan of a house: the room at a point, and ways through doors. Pure; loaded with the first polygon."""
+"""The floor plan of a house: the room at a point, and ways through doors. Pure; loaded for the first polygon."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from homebot.support.folding import fold
 __all__ = ["FloorPlan", "RoomAt"]
 
 _HYSTERESIS = 0.2
-"""Metres that a robot must be away from its last room, to be in another one."""
+"""Metres that a robot must be away from its last room to be in another one."""
 
 _NEARBY = 0.5
-"""Metres from a room within which a point that is in no room belongs to it: walls and doorways."""
+"""Metres within which a point outside all rooms, in a wall or doorway, belongs to a room."""
 
 _REACH = 0.3
-"""Metres that a door may be away from each of its rooms."""
+"""The largest distance of a door from each of its rooms, in metres."""
 
 _WIDE = 1.2
 _STEP = 0.6
@@ -35,7 +35,7 @@ class RoomAt(NamedTuple):
     """The room of a point.
 
     Attributes:
-        is_nearest: Whether the point is in no room, and this is the nearest.
+        is_nearest: Whether the point is in no room, and this is the nearest room.
     """
 
     room: str
@@ -56,7 +56,7 @@ class FloorPlan:
     """The rooms and doors of a house in the plane.
 
     Raises:
-        ConfigError: An area is none, or a door is not at both its rooms; names the key and the value.
+        ConfigError: An area is invalid, or a door is not at both its rooms; names the key and the value.
     """
 
     def __init__(self, plan: HousePlan) -> None:
@@ -76,15 +76,15 @@ class FloorPlan:
     @staticmethod
     @lru_cache(maxsize=2)
     def of(plan: HousePlan) -> FloorPlan:
-        """Return the floor plan of *plan*, the same for the same plan."""
+        """Return the floor plan of *plan*, cached for each plan."""
         return FloorPlan(plan)
 
     def room_at(self, x: float, y: float, floor: str = "", last: str = "") -> RoomAt | None:
-        """Return the smallest room that holds a point, else the nearest within 0.5 m.
+        """Return the smallest room that contains a point, else the nearest within 0.5 m.
 
         Args:
-            floor: The floor; may be empty where only one has areas.
-            last: The room before, which is left only by more than 0.2 m; empty for none.
+            floor: The floor; may be empty if only one has areas.
+            last: The previous room, which counts as left only after more than 0.2 m; empty for none.
         """
         near = self._near(x, y, floor)
         holding = next((one for one in near if one.polygon.contains(x, y)), None)
@@ -97,18 +97,18 @@ class FloorPlan:
         return _nearest_room(distances) if holding is None else RoomAt(holding.room)
 
     def level(self, floor: str) -> str:
-        """Return *floor* as the plan spells it; for an empty one the sole floor that has areas."""
+        """Return *floor* in the plan's spelling; if empty, the only floor that has areas."""
         if not floor and len(self._levels) == 1:
             return next(iter(self._levels.values()))
         return self._levels.get(fold(floor), floor)
 
     def distance(self, room: str, x: float, y: float) -> float:
-        """Return metres from a point to a room, 0 inside; infinite for a room without an area."""
+        """Return the distance from a point to a room in metres, 0 inside; infinite for a room without an area."""
         areas = self._of(room)
         return min((0.0 if one.contains(x, y) else one.border_distance(x, y) for one in areas), default=math.inf)
 
     def centre_of(self, room: str) -> Position | None:
-        """Return a position that stands for a room, with half its diagonal as the error; None without an area."""
+        """Return a representative position of a room, with half its diagonal as the error; None without an area."""
         area = max(self._of(room), key=lambda one: one.area, default=None)
         if area is None:
             return None
@@ -118,10 +118,10 @@ class FloorPlan:
         return Position(x, y, self._floors[room], error, "room")
 
     def place_of(self, position: Position, room: str = "") -> Spot | None:
-        """Return the place of a position, for a :class:`PathFinder`; None if it is in no room.
+        """Return the spot of a position, for a :class:`PathFinder`; None if it is in no room.
 
         Args:
-            room: The room, if it is stated; of one without an area, or far away, the room alone counts.
+            room: The room, if it is stated; if it has no area, or is far away, only the room counts.
         """
         point = position.x, position.y
         if room:
@@ -131,12 +131,12 @@ class FloorPlan:
         return None if found is None else Spot(found.room, point)
 
     def rooms_beside(self, x: float, y: float, floor: str = "") -> list[str]:
-        """Return the rooms that a door at a point may join, the nearest first."""
+        """Return the rooms that a door at a point may connect, nearest first."""
         distances = {one.room: self.distance(one.room, x, y) for one in self._near(x, y, floor)}
         return sorted((room for room in distances if distances[room] <= _REACH), key=lambda one: (distances[one], one))
 
     def path_finder(self) -> Generator[None, None, PathFinder]:
-        """Return a new finder of ways, without targets; others may have their turn at each step."""
+        """Return a new path finder without targets; yields after each step, so that others have their turn."""
         sights = {}
         for room, areas in self._polygons.items():
             sights[room] = RoomSight(*areas)
@@ -149,19 +149,19 @@ class FloorPlan:
         return finder
 
     def is_stairs(self, door: HouseDoor) -> bool:
-        """Return whether a door joins two floors."""
+        """Return whether a door connects two floors."""
         first, second = map(self.plan.room, door.rooms)
         return first is not None and second is not None and first.floor != second.floor
 
     def cost_of(self, door: HouseDoor) -> float:
-        """Return the metres that an open door counts: those stated, or of stairs between two floors."""
+        """Return the cost of an open door in metres: the stated one, or that of stairs between two floors."""
         if door.cost is not None:
             return door.cost
         return STAIRS if self.is_stairs(door) else 0.0
 
     @cached_property
     def overlaps(self) -> tuple[tuple[str, str, float], ...]:
-        """Each two rooms that overlap by more than 0.1 m² without one being inside the other, and the area."""
+        """The pairs of rooms that overlap by more than 0.1 m², neither inside the other, with the shared area."""
         found = []
         areas = sorted(self._areas, key=lambda one: one.polygon.box.left)
         for index, one in enumerate(areas):
@@ -176,7 +176,7 @@ class FloorPlan:
         return self._polygons.get(room, ())
 
     def _near(self, x: float, y: float, floor: str) -> list[_Area]:
-        """Return the areas that may hold a point, or be within 0.5 m of it, the smallest first."""
+        """Return the areas that may contain a point, or be within 0.5 m of it, smallest first."""
         areas = self._by_column.get((self.level(floor), math.floor(x)), ())
         return [one for one in areas if one.polygon.box.bottom - _NEARBY <= y <= one.polygon.box.top + _NEARBY]
 
@@ -187,7 +187,7 @@ class FloorPlan:
         return Doorway(door.name, door.rooms, tuple(sides))
 
     def _crossings(self, door: HouseDoor) -> list[tuple[Point, Point]]:
-        """Return the points at which a door is passed, as its two rooms see them; empty if that is not known."""
+        """Return the points at which a door is passed, in each of its two rooms; empty if unknown."""
         if self.is_stairs(door) and len(door.position) == 2:
             return [(door.position[0], door.position[1])]
         areas = self._of(door.rooms[0]) or self._of(door.rooms[1])
@@ -211,13 +211,13 @@ def _polygons(room: HouseRoom, source: str) -> tuple[Polygon, ...]:
 
 
 def _nearest(areas: Sequence[Polygon], point: Point) -> Point:
-    """Return the point of a room that is nearest, 1 mm inside."""
+    """Return the nearest point of a room, 1 mm inside."""
     inside = [one.nearest_inside(*point) for one in areas]
     return min(inside, key=lambda one: math.dist(one, point), default=point)
 
 
 def _ends(door: HouseDoor, areas: Sequence[Polygon]) -> tuple[Point, ...]:
-    """Return the two ends of a door; of one with a centre along the nearest wall."""
+    """Return the two ends of a door; for one with a centre, along the nearest wall."""
     if len(door.position) != 1 or not areas:
         return door.position
     x, y = door.position[0]
@@ -229,7 +229,7 @@ def _ends(door: HouseDoor, areas: Sequence[Polygon]) -> tuple[Point, ...]:
 
 
 def _passages(ends: tuple[Point, ...]) -> list[Point]:
-    """Return the middle of a door, of one wider than 1.2 m points along it: the nearest to the middle first."""
+    """Return the middle of a door; if it is wider than 1.2 m, points along it, nearest to the middle first."""
     if len(ends) < 2:
         return list(ends)
     (x1, y1), (x2, y2) = ends
@@ -240,6 +240,6 @@ def _passages(ends: tuple[Point, ...]) -> list[Point]:
 
 
 def _nearest_room(distances: Mapping[str, float]) -> RoomAt | None:
-    """Return the nearest room, by the distances of rooms in metres; None if it is too far away."""
+    """Return the nearest room, given *distances* in metres; None if it is too far away."""
     room = min(distances, key=distances.__getitem__, default="")
     return RoomAt(room, is_nearest=True) if distances.get(room, math.inf) <= _NEARBY else None

@@ -1,8 +1,8 @@
-"""GeoJSON as the table ``[places]``: polygons are rooms, lines doors, and points devices. Pure.
+"""GeoJSON as the table ``[places]``: polygons are rooms, lines are doors, and points are devices. Pure.
 
-Source: RFC 7946. It knows degrees alone; these need ``"homebot": {"origin": [lon, lat], "bearing": DEGREES}``: where
-the frame ``map`` begins, and its y axis points to. A drawing without an origin is in metres, as it may say itself:
-``"homebot": {"frame": "map", "units": "m"}``.
+Source: RFC 7946. It only supports degrees; these need ``"homebot": {"origin": [lon, lat], "bearing": DEGREES}``: the
+origin of the frame ``map``, and the direction of its y axis. A drawing without an origin is in metres, which it may
+state: ``"homebot": {"frame": "map", "units": "m"}``.
 """
 
 import math
@@ -27,15 +27,15 @@ _LEAST_METRES = 1.5
 
 
 def geojson_table(text: str, source: str, known: Iterable[HouseRoom] = ()) -> Mapping[str, object]:
-    """Return the table ``[places]`` of a GeoJSON file, whose doors may lead to rooms that are *known*.
+    """Return the table ``[places]`` of a GeoJSON file, whose doors may lead to *known* rooms.
 
     Raises:
-        ConfigError: It is none, or lacks something; names the place and the value.
+        ConfigError: It is not GeoJSON, or incomplete; names the key and the value.
     """
     try:
         document = parse_strict(text)
     except (ValueError, RecursionError) as exc:
-        raise ConfigError(source, "", f"is no JSON: {exc}") from exc
+        raise ConfigError(source, "", f"is not JSON: {exc}") from exc
     features = document.get("features") if isinstance(document, dict) else None
     if not isinstance(features, list) or not all(isinstance(one, dict) for one in features):
         raise ConfigError(source, "features", "must be an array: GeoJSON is an object with an array of features")
@@ -92,11 +92,11 @@ class _File:
             raise ConfigError(self._source, "homebot", f"the rooms extend less than {_LEAST_METRES} m; {hint}")
 
     def doors(self) -> Iterator[_Table]:
-        """Yield the tables of doors, whose rooms are the nearest if none are stated; call :meth:`rooms` before."""
+        """Yield the tables of doors, which lead to the nearest rooms by default; call :meth:`rooms` first."""
         for key, given, _, coordinates in self._of("LineString"):
             ends = self._points(coordinates, key)
             if len(ends) != 2:
-                raise ConfigError(self._source, f"{key}.geometry", f"a door has two ends, and this line {len(ends)}")
+                raise ConfigError(self._source, f"{key}.geometry", f"a door has two ends, this line has {len(ends)}")
             middle = (ends[0][0] + ends[1][0]) / 2, (ends[0][1] + ends[1][1]) / 2
             rooms = given.get("rooms") or self._rooms_at(middle, _floor(given), key)
             more = {one: given[one] for one in ("name", "contact", "lock", "cost") if given.get(one) is not None}
@@ -112,7 +112,7 @@ class _File:
                 yield device, {"at": at.text} | {one: given[one] for one in ("room",) if one in given}
 
     def _of(self, *kinds: str) -> Iterator[tuple[str, _Table, str, object]]:
-        """Yield key, properties, kind and coordinates of the features of some kinds."""
+        """Yield key, properties, kind and coordinates of the features of *kinds*."""
         for key, feature in self._features:
             geometry = _object(feature, "geometry")
             if (kind := geometry.get("type")) in kinds:
@@ -125,14 +125,14 @@ class _File:
     def _rooms_at(self, middle: Point, floor: str, key: str) -> list[str]:
         rooms = FloorPlan.of(self._plan).rooms_beside(*middle, floor)[:2]
         if len(rooms) < 2:
-            at = f"at {rooms[0]} alone" if rooms else "at no room"
+            at = f"only at {rooms[0]}" if rooms else "at no room"
             hint = f'state its "rooms", such as ["{(*rooms, "Hall")[0]}", "{OUTSIDE}"]'
             raise ConfigError(self._source, f"{key}.properties.rooms", f"the door is {at}; {hint}")
         return rooms
 
     def _point(self, value: object, key: str) -> Point:
         if not isinstance(value, list) or len(value) < 2 or not all(isinstance(one, int | float) for one in value):
-            raise ConfigError(self._source, key, f"{str(value)[:40]} is no position; it is [x, y]")
+            raise ConfigError(self._source, key, f"{str(value)[:40]} is not a position [x, y]")
         x, y = float(value[0]), float(value[1])
         if self._origin is None:
             return x, y

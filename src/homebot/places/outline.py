@@ -1,4 +1,4 @@
-"""The outlines of rooms on maps of pixels, and their simplification. Pure."""
+"""Outlines of rooms on pixel maps, and their simplification. Pure."""
 
 import math
 from bisect import bisect_right
@@ -12,19 +12,19 @@ __all__ = ["MOST_CORNERS", "simplified", "traced"]
 
 _TOLERANCES: Final = (0.15, 0.3, 0.5)
 MOST_CORNERS: Final = 30
-"""Corners above which distances through a room take over a millisecond."""
+"""The number of corners above which distances through a room take over a millisecond."""
 
 
 _Corner: TypeAlias = tuple[int, int]
 
 
 def traced(rows: Mapping[int, Sequence[int]]) -> list[_Corner]:
-    """Return the corners of the largest ring around pixels; two that touch at a corner alone are joined by a third.
+    """Return the corners of the largest ring around pixels; pixels that only touch at a corner are joined by a third.
 
-    Between the corners in a row, or in a column, every other way is an edge.
+    Between the corners in a row, or in a column, every other segment is an edge.
 
     Args:
-        rows: In each row the columns at which pixels begin and end, by turns, in order.
+        rows: For each row, the columns at which pixels alternately begin and end, in order.
     """
     across: dict[_Corner, _Corner] = {}
     columns: dict[int, list[int]] = {}
@@ -49,7 +49,7 @@ def traced(rows: Mapping[int, Sequence[int]]) -> list[_Corner]:
 
 
 def _rings(across: dict[_Corner, _Corner], down: Mapping[_Corner, _Corner]) -> Iterator[list[_Corner]]:
-    """Yield the rings of edges that lead by turns *across* and *down*, from each of their ends to the other."""
+    """Yield the rings of edges, which alternate between *across* and *down*, each from one end to the other."""
     while across:
         ring, at = [], next(iter(across))
         while at in across:
@@ -61,10 +61,10 @@ def _rings(across: dict[_Corner, _Corner], down: Mapping[_Corner, _Corner]) -> I
 
 
 def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:
-    """Return *ring* with at most 30 corners, which are some of its own; empty if that makes no polygon."""
+    """Return *ring* with at most 30 of its corners; empty if these do not form a polygon."""
     if not ring:
         return ()
-    start = ring.index(min(ring))  # a corner, which stays
+    start = ring.index(min(ring))  # a corner that is kept
     ring = [*ring[start:], *ring[:start]]
     far = max(range(len(ring)), key=lambda index: math.dist(ring[0], ring[index]))
     for tolerance in _TOLERANCES:
@@ -78,7 +78,7 @@ def simplified(ring: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def _thinned(line: Sequence[Point], tolerance: float) -> list[Point]:
-    """Return the points of *line* that are needed to stay within *tolerance* of it (Douglas and Peucker)."""
+    """Return the points of *line* that are needed to stay within *tolerance* of it (Douglas-Peucker)."""
     kept = {0, len(line) - 1}
     spans = [(0, len(line) - 1)]
     while spans:

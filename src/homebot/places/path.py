@@ -1,6 +1,6 @@
 """Ways through the doors of a house, to the nearest targets first. Pure.
 
-In a room without a polygon, and to a place in a room that is not known more exactly, half a hop of 2 m is counted.
+In a room without a polygon, and for a place known only by its room, half a hop of 2 m is counted.
 """
 
 import math
@@ -15,7 +15,7 @@ from homebot.places.room_sight import RoomSight
 __all__ = ["HALF_HOP", "Crossing", "Doorway", "PathFinder", "Spot", "Way"]
 
 HALF_HOP = 2.0
-"""Metres between a door and a place in a room whose shape is not known."""
+"""Metres between a door and a place in a room of unknown shape."""
 
 
 class Spot(NamedTuple):
@@ -33,8 +33,8 @@ class Doorway(NamedTuple):
     """A door, or a stair, between two rooms.
 
     Attributes:
-        points: For each way through it a point inside each room, 1 mm behind the threshold; empty if not known. A wide
-            opening has several ways.
+        points: A point inside each room, 1 mm behind the threshold, for each way through it; empty if unknown. A wide
+        opening has several ways.
     """
 
     name: str
@@ -46,8 +46,8 @@ class Way(NamedTuple):
     """The way to a target.
 
     Attributes:
-        path: Metres to go.
-        extra: Metres that are counted for doors on the way which are not open.
+        path: The length in metres.
+        extra: Additional metres for doors on the way that are not open.
     """
 
     target: str
@@ -57,17 +57,17 @@ class Way(NamedTuple):
 
 
 Crossing: TypeAlias = Callable[[str], float]
-"""The metres that going through a door costs: 0 if it is open, infinite if it is locked."""
+"""The cost of going through a door, in metres: 0 if it is open, infinite if it is locked."""
 
 
 _Goal: TypeAlias = Sequence[tuple[list[float], float, float]]
 
 _START: Final = -1
-"""The node of a way that has none yet."""
+"""The node of a way without any nodes yet."""
 
 _LANDMARKS: Final = 8
 _FEW: Final = 10
-"""Targets for which a search goes the way to them first, and not the same way in all directions."""
+"""The largest number of targets for which a search is directed, instead of going in all directions."""
 
 _NOTHING: Final = frozenset[str]()
 
@@ -76,7 +76,7 @@ _NOTHING: Final = frozenset[str]()
 class PathFinder:
     """Finds targets by the length of the way to them.
 
-    Its nodes are the corners of rooms and, for each way through a door, one in each of its two rooms.
+    Its nodes are the corners of rooms, plus one in each of the two rooms for each way through a door.
     """
 
     def __init__(self, rooms: Mapping[str, RoomSight]) -> None:
@@ -102,7 +102,7 @@ class PathFinder:
                 self._add_node(self._inside(Spot(doorway.rooms[side], points[side])), doorway.name, first + 1 - side)
 
     def look_around(self) -> Iterator[None]:
-        """Do, before the first search, what is the same for all: to look from each node; yield after each step."""
+        """Precompute the visible nodes of each node before the first search; yield after each step."""
         for node in range(len(self._spots)):
             self._ways_from(node)
             yield
@@ -116,7 +116,7 @@ class PathFinder:
             source = away.index(max(away))
 
     def put(self, target: str, place: Spot) -> None:
-        """Spot a target, or move it."""
+        """Place a target, or move it."""
         self.discard(target)
         self._targets[target] = self._inside(place)
         self._in_room.setdefault(place.room, set()).add(target)
@@ -132,7 +132,7 @@ class PathFinder:
         return self._targets.get(target)
 
     def unreachable(self, room: str, locked: frozenset[str] = frozenset()) -> set[str]:
-        """Return the targets to which no way leads from *room*, but for the *locked* doors."""
+        """Return the targets that cannot be reached from *room*, except through *locked* doors."""
         known, though_locked = self._reachable
         if room not in known or locked != though_locked:
             found, waiting = {room}, [room]
@@ -147,7 +147,7 @@ class PathFinder:
         return set[str]().union(*(self._in_room[one] for one in self._in_room.keys() - known))
 
     def nearest(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str] | None = None) -> Iterator[Way]:
-        """Yield each target that can be reached, by the metres of its way and of the doors on it, nearest first.
+        """Yield each reachable target, nearest first, by the length of its way plus the cost of the doors on it.
 
         Args:
             wanted: The only targets to look for; None for all.
@@ -168,12 +168,12 @@ class PathFinder:
             yield from pop(bound)
             spot = self._spot(node, begin)
             here = self._in_room.get(spot.room, _NOTHING)
-            for target in here if wanted is None else here & wanted:  # metres through the air: the least
+            for target in here if wanted is None else here & wanted:  # the straight line is the shortest
                 heappush(ahead, (at + _metres(spot, self._targets[target], HALF_HOP), target, node))
         yield from pop(math.inf)
 
     def within(self, start: Spot, crossing: Crossing, wanted: AbstractSet[str], most: float) -> set[str]:
-        """Return the *wanted* targets with a way, and doors on it, of at most so many metres."""
+        """Return the *wanted* targets whose way, with its doors, costs at most *most* metres."""
         found: set[str] = set()
         begin = self._inside(start)
         for _, at, node in self._entered(begin, crossing, (), most, {}, {}):
@@ -188,7 +188,7 @@ class PathFinder:
         return begin if node == _START else self._spots[node]
 
     def _way(self, target: str, metres: float, node: int, came: Mapping[int, int], crossing: Crossing) -> Way:
-        """Return the way to a target from the last node on it; *came* has the node before each."""
+        """Return the way to a target from the last node on it; *came* has the previous node of each."""
         doors = []
         while node != _START:
             before = came[node]
@@ -201,14 +201,14 @@ class PathFinder:
     def _entered(
         self, start: Spot, crossing: Crossing, goal: _Goal, most: float, best: dict[int, float], came: dict[int, int]
     ) -> Iterator[tuple[float, float, int]]:
-        """Yield the start, and nodes where ways enter a room or turn in one, with metres, and before them a bound.
+        """Yield the start, and nodes where ways enter a room or turn in one, each as lower bound, metres and node.
 
-        No target is nearer than that, and it never falls: Dijkstra's search, and with a goal A*, by the distances of
+        No further target is nearer than the bound, which never decreases: Dijkstra's search or, with a goal, A* with
         landmarks (Goldberg and Harrelson, "Computing the shortest path: A* search meets graph theory", 2005).
 
         Args:
-            best: Is given the least metres to each node.
-            came: Is given the node before each.
+            best: Filled with the shortest distance to each node, in metres.
+            came: Filled with the previous node of each.
         """
         nodes: list[tuple[float, float, int]] = []
         limit = math.nextafter(most, math.inf)
@@ -237,7 +237,7 @@ class PathFinder:
                 return
 
     def _goal(self, wanted: AbstractSet[str] | None) -> _Goal:
-        """Return of each landmark the distances of the nodes, and the least and the most of those of few targets."""
+        """Return the distances of the nodes for each landmark, with the smallest and largest of a few targets."""
         spots = [] if wanted is None or len(wanted) > _FEW else [*filter(None, map(self._targets.get, wanted))]
         ways = [[*self._seen(spot, self._nodes.get(spot.room, ()), HALF_HOP)] for spot in spots]
         goal = []
@@ -254,7 +254,7 @@ class PathFinder:
         self._ways.append(None)
 
     def _ways_from(self, node: int) -> list[tuple[float, int]]:
-        """Return the nodes of its room that a node sees, each with its distance."""
+        """Return the nodes in its room that are visible from a node, each with its distance."""
         if (ways := self._ways[node]) is None:
             spot = self._spots[node]
             others = (one for one in self._nodes[spot.room] if one != node)
@@ -267,7 +267,7 @@ class PathFinder:
                 yield _metres(spot, self._spots[one], otherwise), one
 
     def _inside(self, place: Spot) -> Spot:
-        """Return *place*, or the nearest one that is in its room."""
+        """Return *place*, or the nearest place inside its room."""
         room = self._rooms.get(place.room)
         return place if room is None or place.point is None else Spot(place.room, room.inside(place.point))
 
@@ -277,7 +277,7 @@ class PathFinder:
 
 
 def _least_ahead(node: int, goal: _Goal) -> float:
-    """Return the metres that no way from a node to a goal is below."""
+    """Return a lower bound of the way from a node to a goal, in metres."""
     ahead = 0.0
     for known, nearest, farthest in goal:
         away = known[node]
@@ -289,5 +289,5 @@ def _least_ahead(node: int, goal: _Goal) -> float:
 
 
 def _metres(start: Spot, end: Spot, otherwise: float) -> float:
-    """Return metres through the air between two places, *otherwise* if one of them is not known."""
+    """Return the straight distance between two places in metres, *otherwise* if one is unknown."""
     return otherwise if start.point is None or end.point is None else math.dist(start.point, end.point)

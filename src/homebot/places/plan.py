@@ -1,6 +1,6 @@
 """The plan of a house: rooms on floors in one home, and the doors between rooms. Pure.
 
-Areas are nested in three levels: the home, its floors, and the rooms on them. A name belongs to one level alone,
+Areas are nested in three levels: the home, its floors, and the rooms on them. A name belongs to only one level,
 ignoring case and accents, so no area can contain itself.
 """
 
@@ -28,18 +28,18 @@ __all__ = [
 ]
 
 MAX_ROOMS = 1000
-"""Rooms of one house."""
+"""The limit of rooms of one house."""
 
 OUTSIDE = "outside"
-"""A room to which doors may lead, whether or not it is in the plan."""
+"""A room to which doors may lead even if it is not in the plan."""
 
 NO_AREAS: tuple[str, ...] = ()
 
 WIDTH = 0.8
-"""Metres of a door of which only the centre is stated."""
+"""The default width of a door with only a centre, in metres."""
 
 STAIRS = 10.0
-"""Metres that a way between two floors counts, where no cost is stated."""
+"""The default cost of a way between two floors, in metres."""
 
 _ROOMS = "places.rooms"
 _DOORS = "places.doors"
@@ -55,10 +55,10 @@ class HouseRoom(NamedTuple):
     """A room.
 
     Attributes:
-        floor: The floor that it is on; empty where that is not stated.
-        doors: The rooms that a door joins it to.
-        polygons: Its area; empty where that is not known.
-        source: The robot whose map the area is from; empty for the owner's word.
+        floor: Its floor; empty if it is not stated.
+        doors: The rooms to which a door connects it.
+        polygons: Its area; empty if unknown.
+        source: The robot whose map the area comes from; empty for the owner.
     """
 
     name: str
@@ -73,11 +73,11 @@ class HouseDoor(NamedTuple):
 
     Attributes:
         rooms: The two rooms; one may be the outside.
-        position: Its two ends, or its centre alone, in metres; empty where that is not known.
-        width: Metres; only for a centre.
+        position: Its two ends, or only its centre, in metres; empty if unknown.
+        width: Metres; only with a centre.
         contact: The device that reports whether it is open; empty for none.
         lock: The device that locks it; empty for none.
-        cost: Metres that going through it counts, besides the way; those of stairs between two floors if None.
+        cost: The cost of going through it, in metres; None for that of stairs between two floors.
     """
 
     name: str
@@ -90,7 +90,7 @@ class HouseDoor(NamedTuple):
 
     @property
     def is_plain(self) -> bool:
-        """True if its rooms alone are stated."""
+        """True if only its rooms are stated."""
         return self == HouseDoor(self.name, self.rooms)
 
 
@@ -99,13 +99,13 @@ class HousePlan:
     """The areas of one home.
 
     Args:
-        rooms: Its rooms. Of several entries for one room, a later floor or area replaces an earlier one, and doors
-            add up.
-        doors: The doors of which more is stated; a later one replaces an earlier one of the same name.
+        rooms: Its rooms. If a room has several entries, a later floor or area replaces an earlier one, and doors are
+            combined.
+        doors: The doors with further facts; a later one replaces an earlier one of the same name.
 
     Attributes:
-        rooms: Its rooms, with each door at both its ends.
-        doors: All its doors, those of rooms too of which nothing else is stated.
+        rooms: Its rooms, with each door at both ends.
+        doors: All its doors, including those without further facts.
 
     Raises:
         ConfigError: A name is used on two levels, a door leads to no room, or there are too many rooms; names the key
@@ -133,16 +133,16 @@ class HousePlan:
         }
 
     def locate(self, area: str) -> tuple[str, tuple[str, ...]]:
-        """Return *area* as the plan spells it, and the areas that it is in, the innermost first: its floor, the home.
+        """Return *area* in the plan's spelling, and the areas that contain it, innermost first: its floor, the home.
 
-        A room that the plan does not have is in the home.
+        A room that is not in the plan is in the home.
         """
         return self._located.get(fold(area)) or (area, self._in_home)
 
     def locate_on(self, area: str, floor: str) -> tuple[str, tuple[str, ...]]:
-        """Locate the room *area*, on the announced *floor* if the plan states none; empty for none.
+        """Locate the room *area*, on the announced *floor* if the plan states none; *floor* may be empty.
 
-        A floor with the name of a room or of the home does not count.
+        A floor with the name of a room or the home is ignored.
         """
         name, outer = self.locate(area)
         key, level = fold(area), fold(floor)
@@ -157,7 +157,7 @@ class HousePlan:
         return self._rooms.get(fold(name))
 
     def with_rooms(self, rooms: Iterable[HouseRoom], source: str, doors: Iterable[HouseDoor] = ()) -> HousePlan:
-        """Return the plan with further *rooms* and *doors*, which win where both state a floor, an area or a door."""
+        """Return the plan with further *rooms* and *doors*, which take precedence for floors, areas and doors."""
         return HousePlan(self.home, (*self.rooms, *rooms), source, (*self.doors, *doors))
 
     def _check_levels(self, source: str) -> None:
@@ -172,7 +172,7 @@ class HousePlan:
                 raise ConfigError(source, f"{_ROOMS}.{room.name}.floor", f"{room.floor!r} is a room")
 
     def _join(self, stated: Collection[HouseDoor]) -> tuple[HouseDoor, ...]:
-        """Set the doors of all rooms; return the *stated* doors, and one for further rooms that are joined."""
+        """Set the doors of all rooms; return the *stated* doors, and one for each further pair of connected rooms."""
         joined: dict[str, dict[str, str]] = {key: {} for key in self._rooms}
         plain: dict[frozenset[str], HouseDoor] = {}
         more = []
@@ -200,7 +200,7 @@ class HousePlan:
             yield door, f"{_DOORS}.{door.name}.rooms"
 
     def _spelled(self, rooms: tuple[str, str], key: str) -> str:
-        """Return the first of two *rooms* that a door joins as the plan spells it."""
+        """Return the first of the two *rooms* of a door in the plan's spelling."""
         name, other = rooms
         if fold(name) == fold(other):
             raise ConfigError(self.source, key, f"{name!r} is the room itself")
@@ -214,12 +214,12 @@ class HousePlan:
 
 
 def door_name(rooms: tuple[str, str]) -> str:
-    """Return the name of a door of which no name is stated."""
+    """Return the name of an unnamed door."""
     return "–".join(rooms)  # noqa: RUF001 - an en dash joins the ends of a way
 
 
 def _merged(rooms: Iterable[HouseRoom], source: str) -> dict[str, HouseRoom]:
-    """Return each room once, by its folded name, on floors that are spelled as first."""
+    """Return each room once, by its folded name, with floors in their first spelling."""
     found: dict[str, HouseRoom] = {}
     for room in rooms:
         known = found.get(fold(room.name), room)

@@ -19,11 +19,11 @@ MOST_CORNERS = 1000
 
 _NEARLY = 1e-6
 _STEPS = 20
-"""Points along each side of the rectangle in which two polygons may overlap."""
+"""Sample points along each side of the rectangle in which two polygons may overlap."""
 
 
 class Box(NamedTuple):
-    """The least rectangle around a polygon."""
+    """The bounding box of a polygon."""
 
     left: float
     bottom: float
@@ -33,12 +33,12 @@ class Box(NamedTuple):
 
 @final
 class Polygon:
-    """An area with straight edges, and maybe holes.
+    """An area with straight edges, perhaps with holes.
 
-    A point on an edge that two polygons share is in exactly one of them (half-open crossing rule).
+    A point on an edge shared by two polygons is in exactly one of them (half-open crossing rule).
 
     Args:
-        outer: The corners, in any order of rotation; repeated corners count once.
+        outer: The corners, clockwise or counter-clockwise; repeated corners count once.
 
     Attributes:
         rings: The outer ring counter-clockwise, then the holes clockwise.
@@ -46,7 +46,7 @@ class Polygon:
 
     Raises:
         UsageError: A ring has fewer than 3 corners or crosses itself, a number is not finite or beyond 10 km, the area
-            is under 0.01 m², or there are more than 1,000 corners.
+        is below 0.01 m², or there are more than 1,000 corners.
     """
 
     __slots__ = ("area", "box", "rings")
@@ -75,7 +75,7 @@ class Polygon:
         return is_inside
 
     def border_distance(self, x: float, y: float) -> float:
-        """Return metres from the point to the nearest edge."""
+        """Return the distance from the point to the nearest edge, in metres."""
         return math.sqrt(min(_squared_distance(x, y, edge) for edge in self.edges()))
 
     def holds(self, x: float, y: float) -> bool:
@@ -83,7 +83,7 @@ class Polygon:
         return self.contains(x, y) or self.border_distance(x, y) < _NEARLY
 
     def overlap(self, other: Polygon) -> float:
-        """Return about how many square metres two polygons share: 0 where all corners of one are in the other."""
+        """Return the approximate shared area of two polygons in m²; 0 if all corners of one are in the other."""
         left, bottom = max(self.box.left, other.box.left), max(self.box.bottom, other.box.bottom)
         right, top = min(self.box.right, other.box.right), min(self.box.top, other.box.top)
         if left >= right or bottom >= top:
@@ -95,11 +95,11 @@ class Polygon:
         return sum(self.contains(*one) and other.contains(*one) for one in points) * width * height
 
     def nearest_edge(self, x: float, y: float) -> Edge:
-        """Return the edge that is nearest to a point."""
+        """Return the edge nearest to a point."""
         return min(self.edges(), key=lambda one: _squared_distance(x, y, one))
 
     def nearest_inside(self, x: float, y: float, margin: float = 0.001) -> Point:
-        """Return the point itself if it is inside by *margin* metres, otherwise the nearest one that is."""
+        """Return the point itself if it is at least *margin* metres inside, otherwise the nearest such point."""
         if self.contains(x, y) and self.border_distance(x, y) >= margin:
             return x, y
         edge = self.nearest_edge(x, y)
@@ -137,7 +137,7 @@ class Polygon:
 
 def _ring(corners: Sequence[Point], *, is_hole: bool) -> tuple[Point, ...]:
     for x, y in corners:
-        if not (abs(x) <= LARGEST and abs(y) <= LARGEST):  # also if one is NaN
+        if not (abs(x) <= LARGEST and abs(y) <= LARGEST):  # false for NaN too
             raise UsageError(f"has the corner {x:g}, {y:g}; {LARGEST:,.0f} m is the limit")
     ring = [corner for index, corner in enumerate(corners) if corner != corners[index - 1]]
     if len(ring) < 3:
@@ -148,12 +148,12 @@ def _ring(corners: Sequence[Point], *, is_hole: bool) -> tuple[Point, ...]:
 
 
 def signed_area(ring: Sequence[Point]) -> float:
-    """Return the area of *ring*, negative if its corners go clockwise."""
+    """Return the area of *ring*, negative if its corners are clockwise."""
     return sum(x1 * y2 - x2 * y1 for (x1, y1), (x2, y2) in zip(ring, (*ring[1:], ring[0]), strict=True)) / 2
 
 
 def foot(x: float, y: float, edge: Edge) -> Point:
-    """Return the point of *edge* that is nearest to a point."""
+    """Return the point on *edge* nearest to a point."""
     (x1, y1), (x2, y2) = edge
     dx, dy = x2 - x1, y2 - y1
     share = min(1.0, max(0.0, ((x - x1) * dx + (y - y1) * dy) / (dx * dx + dy * dy or 1.0)))
@@ -166,7 +166,7 @@ def _squared_distance(x: float, y: float, edge: Edge) -> float:
 
 
 def _cross(a: Edge, b: Edge) -> bool:
-    """Return whether two edges cross at a point that is an end of neither."""
+    """Return whether two edges cross at a point that is not an end of either."""
     return _side(a, b[0]) * _side(a, b[1]) < 0 and _side(b, a[0]) * _side(b, a[1]) < 0
 
 

@@ -18,7 +18,7 @@ Quaternion: TypeAlias = tuple[float, float, float, float]
 _NEARLY_PARALLEL = 0.9995
 _LEAST_POINTS = 3
 _MISFIT = 1.0
-"""Metres by which a point may be away from its counterpart."""
+"""The largest distance of a point from its counterpart, in metres."""
 
 
 class MapPose(NamedTuple):
@@ -35,15 +35,15 @@ class MapPose(NamedTuple):
     yaw: float = 0.0
 
     def then(self, inner: MapPose) -> MapPose:
-        """Return *inner*, which is stated relative to this pose, in the frame of this pose."""
+        """Return *inner*, which is relative to this pose, in the frame of this pose."""
         at = complex(self.x, self.y) + cmath.rect(1.0, self.yaw) * complex(inner.x, inner.y)
         return MapPose(at.real, at.imag, math.remainder(self.yaw + inner.yaw, math.tau))
 
 
 def fitted_pose(pairs: Sequence[tuple[complex, complex]]) -> MapPose | None:
-    """Return the pose of a map in another by points of it, x + iy, each with its counterpart there.
+    """Return the pose of a map in another, fitted to its points x + iy and their counterparts there.
 
-    None for fewer than three, or if one of them is a metre away then.
+    None for fewer than three points, or if one ends up a metre away.
     """
     if len(pairs) < _LEAST_POINTS:
         return None

@@ -1,4 +1,4 @@
-"""Straight lines inside a room, and the corners around which ways lead in it. Pure."""
+"""Visibility inside a room, and the corners at which ways turn. Pure."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -13,15 +13,15 @@ __all__ = ["RoomSight"]
 
 @final
 class RoomSight:
-    """Straight lines inside one room; of an area with more than 30 corners the ring is simplified to within 0.5 m.
+    """Visibility inside one room; an area with more than 30 corners is simplified to within 0.5 m.
 
     Args:
-        areas: Its areas. A way leads from one to another where they touch or overlap; between areas that do not, all
-            lines count as ways.
+        areas: Its areas. Ways connect areas that touch or overlap; between areas that do not, every line counts as a
+        way.
 
     Attributes:
-        areas: Likewise, simplified.
-        corners: The points at which ways in it turn; empty if all lines are ways.
+        areas: The simplified areas.
+        corners: The points at which ways turn; empty if every line is a way.
     """
 
     def __init__(self, *areas: Polygon) -> None:
@@ -39,13 +39,13 @@ class RoomSight:
         return all(self._holds(x1 + share * (x2 - x1), y1 + share * (y2 - y1)) for share in middles)
 
     def inside(self, point: Point) -> Point:
-        """Return *point* if it is inside, else the nearest one that is."""
+        """Return *point* if it is inside, else the nearest point inside."""
         if self._holds(*point):
             return point
         return min((one.nearest_inside(*point) for one in self.areas), key=lambda one: math.dist(one, point))
 
     def _meetings(self, start: Point, end: Point) -> Iterator[float]:
-        """Yield the shares of a line at which it meets an edge."""
+        """Yield the fractions of a line at which it meets an edge."""
         (x1, y1), (x2, y2) = start, end
         dx, dy = x2 - x1, y2 - y1
         for (ax, ay), (bx, by) in self._edges:
@@ -61,7 +61,7 @@ class RoomSight:
         return any(one.holds(x, y) for one in self.areas)
 
     def _joint_corners(self) -> list[Point]:
-        """Return the corners of several areas, and the points where their edges cross; none if they do not touch."""
+        """Return the corners of several areas, and the points where their edges cross; none if they are disjoint."""
         found: dict[Point, list[Polygon]] = {}
         for start, end in self._edges:
             for share in (0.0, *self._meetings(start, end)):
@@ -75,7 +75,7 @@ def _inward_corners(polygon: Polygon) -> Iterator[Point]:
     for ring in polygon.rings:
         for index, (x, y) in enumerate(ring):
             (px, py), (nx, ny) = ring[index - 1], ring[(index + 1) % len(ring)]
-            if (x - px) * (ny - y) - (y - py) * (nx - x) < 0:  # a turn to the right, and the inside is to the left
+            if (x - px) * (ny - y) - (y - py) * (nx - x) < 0:  # a right turn, with the inside on the left
                 yield x, y
 
 

@@ -1,4 +1,4 @@
-"""The table ``[places]``, of the configuration and of a places file. Pure."""
+"""The table ``[places]`` in the configuration or a places file. Pure."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, TypeAlias
@@ -25,14 +25,14 @@ __all__ = [
 
 _LONGEST = 100
 _MOST = 50
-"""Doors of a room, and aliases, tags or identifiers of a device."""
+"""The limit of doors of a room, and of aliases, tags or identifiers of a device."""
 
 
 def check_name(text: str) -> str:
-    """Return *text*, which names a room, a device or a tag, without the blanks around it.
+    """Return *text*, the name of a room, device or tag, without surrounding blanks.
 
     Raises:
-        UsageError: It is empty, longer than 100 characters, or holds a character that cannot be printed.
+        UsageError: It is empty, longer than 100 characters, or contains an unprintable character.
     """
     name = text.strip()
     if not name:
@@ -40,7 +40,7 @@ def check_name(text: str) -> str:
     if len(name) > _LONGEST:
         raise UsageError(f"a name has {len(name):,} characters; {_LONGEST} is the limit")
     if not name.isprintable():
-        raise UsageError(f"{name!r} has a character that cannot be printed")
+        raise UsageError(f"{name!r} contains an unprintable character")
     if not fold(name):
         raise UsageError(f"{name!r} has no letter and no digit")
     return name
@@ -65,12 +65,12 @@ def _tuples(value: object) -> object:
 
 
 def _areas(value: object) -> object:
-    """Return the polygons of a room from corners, from rings as in a GeoJSON Polygon, or from several of these."""
+    """Return the polygons of a room from corners, from rings as in a GeoJSON Polygon, or from a list of these."""
     depth, inner = 0, value
     while isinstance(inner, list) and inner:
         depth, inner = depth + 1, inner[0]
     if not 2 <= depth <= _POLYGONS and value != []:
-        raise ValueError("is no list of corners [x, y] in metres, of such rings (then holes), or of polygons of rings")
+        raise ValueError("is not a list of corners [x, y] in metres, of such rings (then holes), or polygons of rings")
     for _ in range(_POLYGONS - depth if value else 0):
         value = [value]
     return _tuples(value)
@@ -91,9 +91,9 @@ class RoomSettings(BaseModel):
     """The table ``[places.rooms.NAME]``.
 
     Attributes:
-        floor: The floor that the room is on.
-        doors: The rooms that a door joins it to; it is enough to name a door at one of its ends.
-        polygon: Its corners ``[x, y]`` in metres; with holes a list of rings, and of several areas a list of these.
+        floor: The floor of the room.
+        doors: The rooms to which a door connects it; it is enough to state a door at one end.
+        polygon: Its corners ``[x, y]`` in metres; with holes a list of rings; for several areas a list of these.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -109,12 +109,12 @@ class HouseDoorSettings(BaseModel):
     Attributes:
         name: Its name; by default the names of its rooms.
         rooms: The two rooms; one may be ``outside``.
-        position: Its two ends ``[[x, y], [x, y]]`` in metres, or its centre ``[x, y]``; of stairs between two floors
-            where they begin in the first room and end in the second.
-        width: Metres of a door with a centre.
+        position: Its two ends ``[[x, y], [x, y]]`` in metres, or its centre ``[x, y]``; for stairs between two floors,
+        their beginning in the first room and end in the second.
+        width: The width of a door with a centre, in metres.
         contact: The device that reports whether it is open, by id or name.
         lock: The device that locks it, by id or name.
-        cost: Metres that going through it counts besides the way; by default 10 between two floors.
+        cost: The cost of going through it, in metres; by default 10 between two floors.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -132,12 +132,12 @@ class DeviceSettings(BaseModel):
     """The table ``[places.devices.ID]``.
 
     Attributes:
-        room: The room that the device is in; if rooms are listed, one of them or a floor.
-        at: Its position ``X,Y[,FLOOR][ ±ERROR m]`` in metres, without an error ±0.1 m.
-        aliases: Further names of the device; the first is the one that is shown.
+        room: The room of the device; if rooms are listed, one of them or a floor.
+        at: Its position ``X,Y[,FLOOR][ ±ERROR m]`` in metres, by default ±0.1 m.
+        aliases: Further names of the device; the first one is shown.
         tags: Words by which it is found.
-        identifiers: Hardware addresses, as ``homebot show`` prints them. With these the device is known by any of them
-            and not by its id, which may be another one in another homebot.
+        identifiers: Hardware addresses, as printed by ``homebot show``. The device is then recognised by any of them
+        instead of its id, which may differ in another homebot.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -154,8 +154,8 @@ class PlacesSettings(BaseModel):
 
     Attributes:
         rooms: The rooms by name.
-        doors: The doors of which more is known than their rooms.
-        closed_door: Metres that going through a closed door counts besides the way.
+        doors: The doors with further facts.
+        closed_door: The cost of going through a closed door, in metres.
         devices: The owner's statements, by device id or hardware address.
     """
 
@@ -175,7 +175,7 @@ def read_places(
     now: float = 0.0,
     known: Iterable[HouseRoom] = (),
 ) -> Places:
-    """Return the table ``[places]``, checked.
+    """Return the validated table ``[places]``.
 
     Args:
         source: The file, for messages.
@@ -195,7 +195,7 @@ def read_places(
     for name, device in settings.devices.items():
         key = f"places.devices.{name}"
         if not name.strip():
-            raise ConfigError(source, key, "is no device: the id is empty")
+            raise ConfigError(source, key, "is not a device: the id is empty")
         known_by = device.identifiers or (name,)
         for one in known_by:
             first = names.setdefault(one, name)
@@ -219,19 +219,19 @@ def _stated(device: DeviceSettings, plan: HousePlan, source: str, key: str) -> I
 
 
 def stated_position(text: str, plan: HousePlan) -> str:
-    """Return the position *text* of a device, its floor as the plan spells it; one floor with areas needs no name."""
+    """Return the position *text* with the floor in the plan's spelling; a single floor with areas may be omitted."""
     position = read_position(text)
     floors = {fold(floor): floor for floor in plan.floors}
     if position.floor and floors and fold(position.floor) not in floors:
         hint = did_you_mean(position.floor, plan.floors, f"floors are {', '.join(plan.floors)}")
         raise UsageError(f"there is no floor {position.floor!r}; {hint}")
     only = {room.floor for room in plan.rooms if room.polygons}
-    floor = position.floor or (only.pop() if len(only) == 1 else "")  # one that comes later does not change it
+    floor = position.floor or (only.pop() if len(only) == 1 else "")  # a floor added later does not change it
     return position._replace(floor=floors.get(fold(floor), floor)).text
 
 
 def _room(name: str, plan: HousePlan, source: str, key: str) -> str:
-    """Return the room that *name* means; if rooms are configured, it is one of them or outside."""
+    """Return the room called *name*; if rooms are configured, it must be one of them or outside."""
     room, _ = plan.locate(name)
     if room and plan.rooms and plan.room(room) is None and fold(room) != OUTSIDE:
         known = [one.name for one in plan.rooms]
@@ -268,7 +268,7 @@ def _doors(tables: Iterable[HouseDoorSettings], source: str) -> tuple[HouseDoor,
 
 
 def _distinct(values: Iterable[str]) -> tuple[str, ...]:
-    """Return *values* without those that differ in case and accents alone."""
+    """Return *values* without those that only differ in case and accents."""
     found: dict[str, str] = {}
     for value in values:
         found.setdefault(fold(value), value)

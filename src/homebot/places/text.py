@@ -19,7 +19,7 @@ def places_text(plan: HousePlan, devices: Iterable[tuple[str, tuple[OwnerFact, .
     """Return the text of a places file.
 
     Args:
-        plan: The rooms and doors; rooms that devices are in are added.
+        plan: The rooms and doors; the rooms of devices are added.
         devices: Id, facts and hardware addresses of each device.
     """
     listed = tuple(devices)
@@ -89,6 +89,6 @@ def _value(value: object) -> str:
 
 
 def _text(value: str) -> str:
-    """Return *value* as a basic string: JSON's spelling, but that TOML allows no raw DEL."""
-    text = value.encode(errors="replace").decode()  # half a surrogate pair is no text
+    """Return *value* as a basic string: like JSON, except that TOML does not allow a raw DEL."""
+    text = value.encode(errors="replace").decode()  # a lone surrogate is not text
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")

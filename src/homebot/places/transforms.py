@@ -1,4 +1,4 @@
-"""Coordinate frames over time, with the names, rules and error texts of tf2; apps and robots may have their own. Pure.
+"""Coordinate frames over time, with the names, rules and error texts of tf2, for apps and robots. Pure.
 
 Source: geometry2 0.39.1, ``tf2/src/buffer_core.cpp`` and ``time_cache.cpp``.
 """
@@ -27,21 +27,21 @@ __all__ = [
 ]
 
 CACHE_TIME = 10_000_000_000
-"""Nanoseconds for which transforms are kept, before the newest one of the frame."""
+"""Nanoseconds for which transforms are kept, counted back from the newest one of the frame."""
 
 MAX_DEPTH = 100
-"""Frames from one to the root of its tree: each one above a frame costs time at each of its transforms."""
+"""The limit of frames between a frame and the root of its tree: each ancestor costs time at each transform."""
 
 MAX_FRAMES = 1000
 MAX_SAMPLES = 10_000
-"""Transforms kept of one frame; the oldest is dropped for a newer one."""
+"""The limit of transforms of one frame; the oldest is dropped for a newer one."""
 
 NORM_TOLERANCE = 0.01
 _SECOND = 1_000_000_000
 
 
 class TransformException(HomebotError):
-    """A transform cannot be given, or is refused."""
+    """A transform is not available, or is refused."""
 
 
 class LookupException(TransformException):
@@ -53,7 +53,7 @@ class ConnectivityException(TransformException):
 
 
 class ExtrapolationException(TransformException):
-    """The transform at the wanted time would have to be guessed."""
+    """The transform at the requested time would have to be extrapolated."""
 
 
 class InvalidArgumentException(TransformException):
@@ -81,7 +81,7 @@ class TransformBuffer:
         self._frames: set[str] = set()
 
     def insert(self, child: str, sample: Sample, authority: str, *, is_static: bool = False) -> bool:
-        """Insert a transform of the frame *child*, without a slash before it; return False for one that is too old.
+        """Insert a transform of the frame *child*, without a leading slash; return False if it is too old.
 
         Args:
             authority: The sender, for errors.
@@ -113,7 +113,7 @@ class TransformBuffer:
         """Return the transform that maps points of *source_frame* into *target_frame*.
 
         Args:
-            time: The time; None or zero for the latest at which all frames between them are known.
+            time: The time; None or zero for the latest time at which all frames between them are known.
 
         Raises:
             InvalidArgumentException: A frame name is empty or begins with a slash.
@@ -140,7 +140,7 @@ class TransformBuffer:
         )
 
     def clear(self) -> None:
-        """Remove all transforms but static ones."""
+        """Remove all transforms except static ones."""
         self._moving = {}
 
     def _check(self, child: str, sample: Sample, authority: str) -> None:
@@ -168,7 +168,7 @@ class TransformBuffer:
         return ""
 
     def _above(self, frame: str) -> list[str]:
-        """Return *frame* and its ancestors by the newest transforms, up to the limit."""
+        """Return *frame* and its ancestors according to the newest transforms, up to the limit."""
         above = [frame]
         while len(above) < MAX_DEPTH and (frame in self._static or frame in self._moving):
             frame = (self._static.get(frame) or self._moving[frame][-1]).parent
@@ -198,7 +198,7 @@ class TransformBuffer:
     def _walk(self, frame: str, time: int = 0) -> tuple[dict[str, Rigid], str]:
         """Return *frame* and its ancestors at *time*, by default the newest, each with the transform into it.
 
-        The second is why there are no more; empty for the root.
+        The second value is the reason why there are no more; empty for the root.
         """
         walked = {frame: IDENTITY}
         while frame in self._static or frame in self._moving:
@@ -206,9 +206,9 @@ class TransformBuffer:
                 sample = self._static.get(frame) or _at(self._moving[frame], time)
             except ExtrapolationException as exc:
                 return walked, str(exc)
-            if sample.parent in walked:  # at an older time frames may have stood in a circle
+            if sample.parent in walked:  # at an older time frames may have formed a loop
                 raise LookupException(f"The tf tree is invalid because it contains a loop at frame [{sample.parent}]")
-            if len(walked) > MAX_DEPTH:  # of trees that were joined
+            if len(walked) > MAX_DEPTH:  # after trees were joined
                 raise LookupException(f"The tf tree is deeper than {MAX_DEPTH} frames at frame [{sample.parent}]")
             walked[sample.parent] = sample.rigid.then(walked[frame])
             frame = sample.parent
@@ -216,13 +216,13 @@ class TransformBuffer:
 
 
 def rigid_of(transform: Transform) -> Rigid:
-    """Return *transform* to compute with."""
+    """Return *transform* as a :class:`Rigid`."""
     moved, turned = transform.translation, transform.rotation
     return Rigid((moved.x, moved.y, moved.z), (turned.x, turned.y, turned.z, turned.w))
 
 
 def _at(samples: Sequence[Sample], time: int) -> Sample:
-    """Return the transform at *time*, the newest for 0, one between two that have the same parent."""
+    """Return the transform at *time*, interpolated between two with the same parent; the newest for 0."""
     first, last = samples[0].stamp, samples[-1].stamp
     if not time:
         return samples[-1]
