@@ -1,1 +1,1 @@
-"""History: measurements and states of devices, kept for years in little room."""
+"""History: measurements and states of devices, kept for years in little space."""

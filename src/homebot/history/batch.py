@@ -1,4 +1,4 @@
-"""Values and states that wait to be written. Pure."""
+"""Values and states to be written. Pure."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Series(NamedTuple):
 
 
 class StateRow(NamedTuple):
-    """A word or a flag for as long as it lasted.
+    """A word or flag with its duration.
 
     Attributes:
         until: Milliseconds since the Unix epoch; None if it lasts.
@@ -41,8 +41,8 @@ class Batch:
     Attributes:
         series: The number of the series of each value.
         times: Milliseconds since the Unix epoch.
-        states: The states by their begin and series, in milliseconds since the Unix epoch.
-        new: Series without a row.
+        states: The states by start, in milliseconds since the Unix epoch, and series.
+        new: Series that have no row yet.
     """
 
     series: array[int] = field(default_factory=lambda: array("H"))
@@ -69,7 +69,7 @@ class Batch:
             del column[:count]
 
     def remove(self, written: Batch) -> None:
-        """Remove *written*, a copy of this batch, where nothing has changed since."""
+        """Remove the parts of *written*, a copy of this batch, that have not changed since."""
         left = max(len(written.times) - (self.dropped - written.dropped), 0)
         for column in (self.series, self.times, self.values):
             del column[:left]

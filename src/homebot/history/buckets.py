@@ -1,4 +1,4 @@
-"""Summaries of numbers over equal spans of time: smallest, largest, mean by time, last, and rise. Pure."""
+"""Summaries of numbers over equal spans of time: minimum, maximum, time-weighted mean, last, and rise. Pure."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Final, NamedTuple
@@ -10,16 +10,16 @@ HOUR: Final = 3_600_000
 """Milliseconds."""
 
 COUNTERS: Final = frozenset({"energy", "energy_returned"})
-"""Capabilities that only grow, but for a reset."""
+"""Capabilities that only grow, except for resets."""
 
 
 class Bucket(NamedTuple):
     """The summary of the values in one span of time.
 
     Attributes:
-        mean: The mean, in which each value counts for as long as it lasted.
+        mean: The mean, weighted by the duration of each value.
         seconds: The time for which a value was known.
-        rise: Of a counter the sum of its positive steps; 0 of other numbers.
+        rise: The sum of the positive steps of a counter; 0 for other numbers.
     """
 
     low: float
@@ -33,12 +33,12 @@ class Bucket(NamedTuple):
 def buckets_of(
     times: Sequence[int], values: Sequence[float], width: int, until: int, *, is_counter: bool
 ) -> dict[int, Bucket]:
-    """Return the buckets of *values* by their numbers, ``time // width``; there is none where no value is.
+    """Return the buckets of *values* by number, ``time // width``; there are none without values.
 
     Args:
-        times: Milliseconds since the Unix epoch, in the order of arrival: they go back where a clock was set.
+        times: Milliseconds since the Unix epoch, in the order of arrival; they may go back if the clock was set.
         values: The value at each time; it lasts until the next one, and no longer than its bucket.
-        width: Milliseconds of a bucket.
+        width: Width of a bucket, in milliseconds.
     """
     sums: dict[int, list[float]] = {}
     before = values[0] if values else 0.0
@@ -68,7 +68,7 @@ def buckets_of(
 
 
 def combined(first: Bucket | None, second: Bucket) -> Bucket:
-    """Return the summary of both, of which *second* is the later one."""
+    """Return the summary of both; *second* is the later one."""
     if first is None:
         return second
     seconds = first.seconds + second.seconds
@@ -78,7 +78,7 @@ def combined(first: Bucket | None, second: Bucket) -> Bucket:
 
 
 def wider(buckets: Mapping[int, Bucket] | Iterable[tuple[int, Bucket]], times: int) -> dict[int, Bucket]:
-    """Return *buckets*, the oldest first, with *times* as many in one."""
+    """Return *buckets*, oldest first, each combined from *times* buckets."""
     found: dict[int, Bucket] = {}
     for number, bucket in buckets.items() if isinstance(buckets, Mapping) else buckets:
         found[number // times] = combined(found.get(number // times), bucket)

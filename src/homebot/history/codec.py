@@ -1,6 +1,6 @@
-"""Numbers as bytes: columns of machine numbers, grouped by the place of each byte in them, zlib level 1. Pure.
+"""Numbers as bytes: columns of machine numbers, with bytes of equal significance grouped, zlib level 1. Pure.
 
-The first byte is the version of the form. Neighbours are alike in most of their bytes, so that they take a few bits.
+The first byte is the version of the format. Neighbours are similar in most bytes, so each takes only a few bits.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ __all__ = [
 _VERSION: Final = b"\x01"
 _LEVEL: Final = 1
 _COLUMNS: Final = "ddfdff"
-"""The letters of the columns of buckets: a mean needs no more digits."""
+"""The type codes of the columns of buckets: a mean needs no more digits."""
 
 _NONE: Final = Bucket(math.nan, math.nan, math.nan, math.nan, 0.0, 0.0)
 
 
 def encode_values(start: int, times: Sequence[int], values: Sequence[float]) -> bytes:
-    """Return *values* and their *times*, milliseconds from *start* on that do not go back, as bytes."""
+    """Return *values* and their non-decreasing *times*, in milliseconds since *start*, as bytes."""
     steps = (after - before for before, after in zip((start, *times[:-1]), times, strict=True))
     return _pack(array("I", steps), array("d", values))
 
@@ -43,23 +43,23 @@ def decode_values(start: int, data: bytes) -> tuple[array[int], array[float]]:
     """Return the times and values in *data*.
 
     Raises:
-        WireError: They are not from :func:`encode_values`.
+        WireError: *data* is not from :func:`encode_values`.
     """
     steps, values = _unpack(data, "Id")
     return array("q", list(accumulate(steps, initial=start))[1:]), values
 
 
 def encode_buckets(buckets: Mapping[int, Bucket], first: int, count: int) -> bytes:
-    """Return the *buckets* with the numbers from *first* on, *count* of them, as bytes; one may be missing."""
+    """Return the *buckets* from number *first* on, up to *count*, as bytes; some may be missing."""
     rows = [buckets.get(number, _NONE) for number in range(first, first + count)]
     return _pack(*(array(letter, column) for letter, column in zip(_COLUMNS, zip(*rows, strict=True), strict=True)))
 
 
 def decode_buckets(first: int, data: bytes) -> dict[int, Bucket]:
-    """Return the buckets in *data*, of which the first has the number *first*.
+    """Return the buckets in *data*; the first one has the number *first*.
 
     Raises:
-        WireError: They are not from :func:`encode_buckets`.
+        WireError: *data* is not from :func:`encode_buckets`.
     """
     columns = _unpack(data, _COLUMNS)
     rows = map(Bucket._make, zip(*columns, strict=True))
@@ -75,7 +75,7 @@ def decode_batch(data: bytes) -> tuple[array[int], array[int], array[float]]:
     """Return series, times and values in *data*.
 
     Raises:
-        WireError: They are not from :func:`encode_batch`.
+        WireError: *data* is not from :func:`encode_batch`.
     """
     series, times, values = _unpack(data, "Hqd")
     return series, times, values
@@ -112,7 +112,7 @@ def _unpack(data: bytes, letters: str) -> list[Any]:
 
 
 def _little(column: array[Any]) -> array[Any]:
-    """Return *column* in the other order of bytes where this computer is a big-endian one."""
+    """Return *column* with swapped bytes if this computer is big-endian."""
     if sys.byteorder == "big":
         column = column[:]
         column.byteswap()

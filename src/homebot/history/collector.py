@@ -19,11 +19,12 @@ if TYPE_CHECKING:
 __all__ = ["Collector"]
 
 MOST_WAITING: Final = 100_000
-"""Values that wait for the disk; more are lost, the oldest first, and counted. 18 bytes each."""
+"""The limit of values that wait for the disk; beyond it the oldest are lost and counted. 18 bytes each."""
 
 _LOST_AT_ONCE: Final = 1000
 _MOST_STATES: Final = 60
-"""Changes of a word or flag in one batch; of more the newest counts: some texts change with each message."""
+"""The limit of changes of a word or flag in one batch, after which only the newest counts: some texts change with each
+message."""
 
 _MOST_WAITING_STATES: Final = 20_000
 _LONGEST_WORD: Final = 100
@@ -38,10 +39,10 @@ class _CollectedValue:
     def __init__(self, series: Series, last: float | None) -> None:
         self.series = series
         self.is_counter = series.place[2] in COUNTERS
-        self.last = last  # number before a gap
+        self.last = last  # the number before a gap
         self.value: float | StoredState | None = None
-        self.told_at = 0  # of a number
-        self.opened_at = 0  # of a word or flag
+        self.told_at = 0  # for a number
+        self.opened_at = 0  # for a word or flag
         self.changes = 0
 
 
@@ -49,18 +50,18 @@ class _CollectedValue:
 class Collector(HouseWatcher):
     """Watches the house and collects the values of its devices.
 
-    A number is collected when it changes, and at each batch, for as long as its device lives: so a pause is a gap.
+    A number is collected when it changes, and with each batch while its device is alive, so a pause becomes a gap.
 
     Args:
-        most: The number of series at most, without those of devices that were not seen in this run.
+        most: The largest number of series, not counting devices that were not seen in this run.
         last: The last value of each counter in earlier runs, by the number of its series.
 
     Attributes:
         series: All series, by device, part and capability.
-        batch: The values, states and new series that wait to be written.
-        lost: Values and states that were dropped because too many waited.
-        left_out: Series that there was no room for.
-        folded: Changes of words and flags of which the newest alone was collected.
+        batch: The values, states and new series to be written.
+        lost: Values and states that were dropped because too many were waiting.
+        left_out: Series for which there was no room.
+        folded: Dropped changes of words and flags, of which only the newest was collected.
     """
 
     def __init__(self, clock: Clock, most: int, known: Mapping[Place, Series], last: Mapping[int, float]) -> None:
@@ -81,11 +82,11 @@ class Collector(HouseWatcher):
 
     @property
     def has_states(self) -> bool:
-        """True if a word or flag lasts."""
+        """True if a word or flag is still in effect."""
         return any(one.opened_at for followed in self._followed.values() for one in followed.values())
 
     def on_device(self, change: DeviceChange) -> None:
-        """Begin or end to collect the values of a device, as it lives or not."""
+        """Start or stop collecting the values of a device, depending on whether it is alive."""
         device = change.device
         self._units[device.id] = {
             (part.id, capability.name): capability.unit
@@ -106,11 +107,11 @@ class Collector(HouseWatcher):
             self._record(change.device, reading.part, reading.capability, reading.value.plain(), at)
 
     def close(self) -> None:
-        """End all states: the last ones are known until now."""
+        """End all states now."""
         self.interrupt(self._now())
 
     def interrupt(self, seen: int) -> None:
-        """End all states at *seen*, in milliseconds since the Unix epoch, and begin all values anew now."""
+        """End all states at *seen*, in milliseconds since the Unix epoch, and restart all values now."""
         now = self._now()
         for followed in self._followed.values():
             for one in followed.values():
@@ -123,7 +124,7 @@ class Collector(HouseWatcher):
                         self._open_state(one, value, now)
 
     def repeat(self, at: int) -> None:
-        """Collect each number that lasts once more, at *at*, where nothing newer is known."""
+        """Collect each current number again at *at*, unless a newer one is known."""
         for followed in self._followed.values():
             for one in followed.values():
                 if isinstance(one.value, float) and one.told_at < at:
@@ -131,7 +132,7 @@ class Collector(HouseWatcher):
                 one.changes = 0
 
     def renew(self) -> None:
-        """Have all series written again, and all states that last: the file is a new one."""
+        """Write all series and current states again, because the file is new."""
         self.batch.new = list(self.series.values())
         for followed in self._followed.values():
             for one in followed.values():
@@ -213,7 +214,7 @@ class Collector(HouseWatcher):
             self.lost += _LOST_AT_ONCE
 
     def _follow(self, place: Place) -> _CollectedValue | None:
-        """Return the series of *place*, a new one where there is room for it."""
+        """Return the series of *place*, a new one if there is room for it."""
         series = self.series.get(place)
         if series is None:
             number = 1 + max((one.number for one in self.series.values()), default=0)

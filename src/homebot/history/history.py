@@ -1,4 +1,4 @@
-"""The node of the history: follows the values of all devices, keeps them, and reads them for others."""
+"""The node of the history: collects, stores and serves the values of all devices."""
 
 import math
 from datetime import tzinfo
@@ -23,16 +23,16 @@ from homebot.support.isolation import run_as
 __all__ = ["HISTORY_FILE", "HistoryKeeper", "keep_history"]
 
 HISTORY_FILE: Final = "history.sqlite"
-"""The name of the file, beside that of the index."""
+"""The name of the file, beside the index file."""
 
 _LOOK_EVERY: Final = 60.0
-"""Seconds at most until the clock is looked at: it may have been set, and the computer may have slept."""
+"""The longest time between two clock checks, in seconds: the clock may be set, or the computer may sleep."""
 
 _LATE: Final = 60.0
-"""Seconds by which the clock may be off from the time that has passed."""
+"""Seconds by which the clock may differ from the elapsed time."""
 
 _MANY: Final = 20_000
-"""Values that are written before the batch is due."""
+"""The number of values that are written before the batch is due."""
 
 _LAST_CHANCE: Final = 5.0
 
@@ -50,7 +50,7 @@ class HistoryKeeper:
 
     Args:
         path: The file; None for memory.
-        zone: The time zone of the home; None for that of the computer.
+        zone: The time zone of the home; None for the computer's.
     """
 
     def __init__(
@@ -85,7 +85,7 @@ class HistoryKeeper:
                 await self._store.kept.close()
 
     def health(self, _: HealthRequest) -> HealthResponse:
-        """Return the counters of the history, and the trouble of its file."""
+        """Return the counters of the history, and the problem of its file."""
         collector, file = self._collector, self._store.kept
         counts = {
             "history_series": len(collector.series),
@@ -122,5 +122,5 @@ class HistoryKeeper:
 
 
 def _next(now: float, batch: float) -> float:
-    """Return the time of the next batch: each day has them at the same times, and each hour begins with one."""
+    """Return the time of the next batch: the times are the same each day, and each hour begins with one."""
     return (now // batch + 1) * batch

@@ -1,7 +1,7 @@
-"""The history's file: an SQLite database, written in the order of time, by worker threads, one at a time.
+"""The history's file: an SQLite database, written in order of time by one worker thread at a time.
 
-Each change of a page is written twice, so a row for each value would wear out an SD card: the values of a series
-become one row an hour.
+Each changed page is written twice, so a row per value would wear out an SD card: the values of a series become one row
+an hour.
 """
 
 import sqlite3
@@ -34,9 +34,9 @@ HISTORY_SCHEMA: Final = SqliteSchema(
     (
         "CREATE TABLE series (s INTEGER PRIMARY KEY, device TEXT NOT NULL, part TEXT NOT NULL, "
         "capability TEXT NOT NULL, unit TEXT NOT NULL, UNIQUE (device, part, capability))",
-        # One row a batch, of all series, until the hour is sealed: what a kill loses is one batch at most.
+        # One row per batch of all series, until the hour is sealed: a kill loses at most one batch.
         "CREATE TABLE recent (t INTEGER PRIMARY KEY, d BLOB NOT NULL)",
-        # Keys are time << 16 | series: rows are added at the right edge, and old ones go at the left one.
+        # Keys are time << 16 | series: rows are added at the right edge, and old ones are removed at the left.
         "CREATE TABLE raw (k INTEGER PRIMARY KEY, d BLOB NOT NULL)",
         "CREATE TABLE five (k INTEGER PRIMARY KEY, d BLOB NOT NULL)",
         "CREATE TABLE day (k INTEGER PRIMARY KEY, d BLOB NOT NULL)",
@@ -53,7 +53,7 @@ HISTORY_SCHEMA: Final = SqliteSchema(
 )
 _UPSERT_STATE: Final = "INSERT INTO state VALUES (?, ?, ?) ON CONFLICT (k) DO UPDATE SET until = ?2, value = ?3"
 _FREE_SHARE: Final = 4
-"""A file of which a quarter is unused is made smaller."""
+"""A file is shrunk if a quarter of it is unused."""
 
 
 T = TypeVar("T")
@@ -63,7 +63,7 @@ class StoredSeries(NamedTuple):
     """The series of a file.
 
     Attributes:
-        last: The last value of each counter in the last days, by the number of its series.
+        last: The last value of each counter in recent days, by the number of its series.
     """
 
     series: Mapping[Place, Series]
@@ -114,7 +114,7 @@ class HistoryFile(SqliteFile):
             return StoredSeries(series, self._last_of_counters())
 
     def write(self, batch: Batch, now: int) -> None:
-        """Write *batch* in one transaction; seal the hours and days that are over, and drop what is too old.
+        """Write *batch* in one transaction; seal the hours and days that are over, and drop old rows.
 
         Args:
             now: Milliseconds since the Unix epoch.
@@ -143,7 +143,7 @@ class HistoryFile(SqliteFile):
         self._counters.update(one.number for one in new if one.place[2] in COUNTERS)
 
     def _write_values(self, batch: Batch, now: int) -> bool:
-        """Write the values of this hour, and seal others; return whether a day is over."""
+        """Write the values of this hour, and seal earlier ones; return whether a day is over."""
         connection, hour = self._opened(), now // HOUR
         is_past = self._recent_hour is not None and self._recent_hour != hour
         columns = list(read_recent(connection)) if is_past else []
@@ -185,7 +185,7 @@ class HistoryFile(SqliteFile):
             connection.execute("UPDATE state SET until = max(?, k >> ?) WHERE until IS NULL", (seen, BITS))
 
     def _last_of_counters(self) -> dict[int, float]:
-        """Return the last value of each counter, as far back as single values are kept."""
+        """Return the last value of each counter among the single values that are kept."""
         found = {
             series: values[-1] for series, (_, values) in points_of(read_recent(self._opened()), self._counters).items()
         }
@@ -230,7 +230,7 @@ class HistoryStore:
         return None
 
     async def write(self, collector: Collector) -> None:
-        """Write what *collector* has; what cannot be written now stays there."""
+        """Write the batch of *collector*; data that cannot be written now stays there."""
         with suppress(LinkError):
             async with self.kept.opened(writes=True) as file:
                 if self._is_new:

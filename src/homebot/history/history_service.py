@@ -1,4 +1,4 @@
-"""Answers about the history: values, states, and energy by day."""
+"""Services of the history: values, states, and energy by day."""
 
 from collections.abc import Iterable, Mapping
 from datetime import datetime, timedelta, tzinfo
@@ -31,7 +31,7 @@ _DAY: Final = 86_400.0
 _POINTS: Final = 500
 _MOST_SERIES: Final = 50
 _DIGITS: Final = 6
-_NOT_YET: Final = "the history is not kept now; `homebot doctor` says why"
+_NOT_YET: Final = "no history is kept now; `homebot doctor` says why"
 
 
 class _FoundSeries(NamedTuple):
@@ -41,13 +41,13 @@ class _FoundSeries(NamedTuple):
 
 @final
 class HistoryService:
-    """Answers questions.
+    """Serves the history.
 
     Args:
-        zone: The time zone of the home; None for that of the computer.
+        zone: The time zone of the home; None for the computer's.
 
     Attributes:
-        collector: The series and values that are not written; None before the file is open.
+        collector: The series and the unwritten values; None before the file is open.
     """
 
     def __init__(self, node: Node, store: HistoryStore, zone: tzinfo | None) -> None:
@@ -102,7 +102,7 @@ class HistoryService:
         return since.to_seconds() or end - length, end
 
     def _midnight(self, at: float) -> float:
-        """Return the begin of the day of the home, in seconds since the Unix epoch."""
+        """Return the start of the day in the home's time zone, in seconds since the Unix epoch."""
         local = datetime.fromtimestamp(at, self._zone)
         midnight = local.replace(hour=0, minute=0, second=0, microsecond=0, fold=0)
         if midnight.timestamp() > at:  # the clocks were set back to midnight
@@ -110,7 +110,7 @@ class HistoryService:
         return midnight.timestamp()
 
     async def _series(self, collector: Collector, device: str, query: tuple[QueryTerm, ...]) -> _FoundSeries:
-        """Return the series of the devices that fit, main values first where nothing names others."""
+        """Return the series of the devices that fit, main values first unless others are named."""
         request = FindDevicesRequest(ids=(device,)) if device else FindDevicesRequest(query=query, is_checked=True)
         devices = {one.id: one for one in (await self._find.call(request)).devices}
         ids = {device} if device else devices.keys()
@@ -122,7 +122,7 @@ class HistoryService:
 
 
 def _main_first(series: Iterable[Series], devices: Mapping[str, Device]) -> list[Series]:
-    """Return *series* with those of settings and self-observations last."""
+    """Return *series* with those of settings and diagnostics last."""
 
     def is_aside(one: Series) -> bool:
         device = devices.get(one.place[0])

@@ -32,8 +32,8 @@ class Numbers(NamedTuple):
 
     Attributes:
         width: Milliseconds of a bucket; 0 for single values.
-        times: Milliseconds since the Unix epoch: of each value, or of the begin of each bucket.
-        buckets: A bucket each; of single values with that value alone.
+        times: Milliseconds since the Unix epoch: of each value, or of the start of each bucket.
+        buckets: A bucket for each time; for single values, it contains only that value.
     """
 
     width: int
@@ -45,7 +45,7 @@ class StoredStates(NamedTuple):
     """The words or flags of a series.
 
     Attributes:
-        rows: The begin of each, and the row, the oldest first.
+        rows: The start and the row of each, oldest first.
     """
 
     rows: list[tuple[int, StateRow]]
@@ -68,7 +68,7 @@ class HistoryReader:
     now: int
 
     def numbers(self, wanted: Collection[int], span: Span) -> dict[int, Numbers]:
-        """Return the numbers of the series *wanted*: as fine as is kept, and as fits the points of *span*."""
+        """Return the numbers of the series *wanted*, in the finest stored resolution that fits the points of *span*."""
         unsealed = self._unsealed(wanted)
         found = {}
         for series in wanted:
@@ -113,7 +113,7 @@ class HistoryReader:
         return dict(sorted(found.items()))
 
     def _hours(self, series: int, span: Span, unsealed: Points | None) -> dict[int, Bucket]:
-        """Return the buckets of hours, the oldest first; those of days that are not over are made of smaller ones."""
+        """Return the hourly buckets, oldest first; those of unfinished days are combined from smaller ones."""
         found: dict[int, Bucket] = {}
         for day in range(span.since // _DAY, span.until // _DAY + 1):
             if data := read_blob(self.connection, "day", key_of(day, series)):
@@ -127,9 +127,9 @@ class HistoryReader:
         return dict(sorted(found.items()))
 
     def rises(self, series: int, span: Span, zone: tzinfo | None) -> Iterator[tuple[int, float]]:
-        """Yield the begin of each bucket in which a counter rose, and by how much.
+        """Yield the start of each bucket in which a counter rose, and the rise.
 
-        These are hours, but where a zone is off by half an hour, and the buckets of five minutes are kept.
+        These are hours, or five minutes if a zone is off by half an hour and these buckets are kept.
         """
         unsealed = self._unsealed({series}).get(series)
         is_whole = all(_offset(at, zone) % _HOUR_SECONDS == 0 for at in (span.since, span.until))
@@ -141,7 +141,7 @@ class HistoryReader:
                 yield at, bucket.rise
 
     def states(self, series: int, span: Span) -> StoredStates:
-        """Return the states in *span*, and the one that lasted when it began; the newest, if they are too many."""
+        """Return the states in *span*, including the one at its start; only the newest if there are too many."""
         query = "SELECT k, until, value FROM state WHERE k & ? = ? AND k >= ? AND k < ? ORDER BY k DESC LIMIT ?"
         since, until = key_of(span.since, 0), key_of(span.until + 1, 0)
         limit = min(span.points, _MOST_STATES)
@@ -178,7 +178,7 @@ def _of(buckets: Mapping[int, Bucket], width: int, span: Span) -> Numbers:
 
 
 def _offset(at: int, zone: tzinfo | None) -> float:
-    """Return the seconds by which *zone*, None for that of the computer, is ahead of UTC."""
+    """Return the seconds by which *zone*, or the computer's if None, is ahead of UTC."""
     local = datetime.fromtimestamp(at / 1000, zone)
     offset = (local if zone is not None else local.astimezone()).utcoffset()
     return 0.0 if offset is None else offset.total_seconds()

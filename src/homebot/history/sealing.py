@@ -1,4 +1,4 @@
-"""Past hours and days in the history's file: each written once, as the values of a series together. Blocking."""
+"""Sealing of past hours and days in the history's file: the values of a series become one row. Blocking."""
 
 import sqlite3
 from array import array
@@ -42,7 +42,7 @@ def key_of(number: int, series: int) -> int:
 
 
 def points_of(columns: Iterable[_Columns], wanted: Collection[int] | None = None) -> dict[int, Points]:
-    """Return the values in *columns* by series; of those *wanted* alone, if given."""
+    """Return the values in *columns* by series, only of those *wanted* if given."""
     found: dict[int, Points] = {}
     for all_series, times, values in columns:
         for series, at, value in zip(all_series, times, values, strict=True):
@@ -57,13 +57,13 @@ def points_of(columns: Iterable[_Columns], wanted: Collection[int] | None = None
 
 
 def read_recent(connection: sqlite3.Connection) -> Iterator[_Columns]:
-    """Yield the batches that are not sealed, the oldest first."""
+    """Yield the unsealed batches, oldest first."""
     for (data,) in connection.execute("SELECT d FROM recent ORDER BY t").fetchall():
         yield decode_batch(data)
 
 
 def seal_hours(connection: sqlite3.Connection, found: Mapping[int, Points], counters: Collection[int]) -> set[int]:
-    """Add the values *found* to the rows of their hours, which may exist where a clock was set back; return these."""
+    """Add the values *found* to the rows of their hours, which may exist if the clock was set back; return these."""
     hours = set()
     for series, (times, values) in found.items():
         begin = 0
@@ -93,7 +93,7 @@ def _seal_hour(connection: sqlite3.Connection, series: int, hour: int, points: P
 
 
 def seal_day(connection: sqlite3.Connection, day: int) -> None:
-    """Write the rows of *day* from its hours; hours without values of five minutes stay as they are."""
+    """Write the rows of *day* from its hours; hours without five-minute buckets are left unchanged."""
     found: dict[int, dict[int, Bucket]] = {}
     bounds = key_of(day * HOURS, 0), key_of((day + 1) * HOURS, 0)
     for key, data in connection.execute("SELECT k, d FROM five WHERE k >= ? AND k < ?", bounds):

@@ -12,12 +12,12 @@ _DAY: Final = 86_400.0
 
 
 class KeepSettings(BaseModel):
-    """The keys of ``[history.keep]``; hours are kept for ever.
+    """The keys of ``[history.keep]``; hourly summaries are kept forever.
 
     Attributes:
-        values: Time for which each value is kept.
-        five_minutes: Time for which the summaries of five minutes are kept.
-        states: Time for which words and flags are kept.
+        values: How long each value is kept.
+        five_minutes: How long five-minute summaries are kept.
+        states: How long words and flags are kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
@@ -37,11 +37,11 @@ class HistorySettings(BaseModel):
     """The keys of ``[history]``.
 
     Attributes:
-        enabled: Whether to keep a history; by default where devices are remembered, and in a simulated house.
+        enabled: Whether to keep a history; by default if devices are remembered, and in a simulated house.
         keep: The table ``[history.keep]``, below.
-        batch: Time in which values are gathered, which a power cut loses: a disk writes whole blocks each time.
-        series: The number of values of devices at most, of which each has a history; those of devices that were gone at
-            the start do not count, and their history stays.
+        batch: Time for which values are gathered, and which a power cut loses: each write costs whole blocks.
+        series: The largest number of values with a history; those of devices that were gone at the start do not
+            count, and are kept.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
