@@ -177,8 +177,8 @@ async def test_odometry_alone_gives_no_place(one: House) -> None:
     await one.say("/tf", tf("odom>base_link"))
     await one.say("/robot/pose", stamped(1, 1, "odom"))
     await one.say("/odom", odometry(1.0))
-    refused = "a message on /robot/pose was refused: no static transform joins its frame 'odom' to map"
-    assert (await one.ask()).message == f"nothing has told yet where rosie is; {refused}"
+    refused = "a message on /robot/pose was refused: no static transform connects its frame 'odom' to map"
+    assert (await one.ask()).message == f"the position of rosie is not known yet; {refused}"
 
 
 async def test_a_static_frame_of_the_robot_s_map_gives_a_place(one: House) -> None:
@@ -280,7 +280,7 @@ async def test_a_stamp_far_ahead_of_our_clock_is_refused(one: House) -> None:
     now = one.graph.clock.now()
     await one.say("/robot/pose", stamped(1, 1, stamp=now + 20))
     refused = "a message on /robot/pose was refused: it is 20 s ahead of our clock"
-    assert (await one.ask()).message == f"nothing has told yet where rosie is; {refused}"
+    assert (await one.ask()).message == f"the position of rosie is not known yet; {refused}"
     chain = tf("map>odom", "odom>base_link")
     ahead = tuple(each.model_copy(update={"header": header("map", now + 20)}) for each in chain.transforms[:1])
     await one.say("/tf", TFMessage(transforms=(*ahead, *chain.transforms[1:])))

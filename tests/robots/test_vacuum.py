@@ -63,7 +63,7 @@ async def vacuum(**settings: object) -> AsyncIterator[Vacuum]:
 async def test_a_docked_vacuum_is_in_the_room_of_its_segment_for_200_seconds() -> None:
     async with vacuum(vacuum=BASE, segments={"5": "Kitchen"}) as dusty:
         await dusty.say("MapData/map-data", DREAME)
-        assert (await dusty.ask()).message == "nothing has told yet where dusty is"  # a kept map of one that may be off
+        assert (await dusty.ask()).message == "the position of dusty is not known yet"  # a kept map: it may be off
         await dusty.say("$state", "ready")
         [pose] = (await dusty.ask()).pose
         assert (pose.room, pose.is_nearest_room, pose.has_position, pose.limit) == ("Kitchen", False, False, 200.0)

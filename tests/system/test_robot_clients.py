@@ -67,7 +67,7 @@ async def test_only_the_client_with_the_right_says_where_the_robot_is(tmp_path: 
                 return answer
 
             refused = await client("guest", 7.0, "/robot/pose", "/rosie/room", "/tf")
-            assert refused["message"] == "nothing has told yet where rosie is"
+            assert refused["message"] == "the position of rosie is not known yet"
             told = await client("rosie", 3.0, "/robot/pose")
             assert told["success"] is True
             await client("guest", 7.0, "/robot/pose", "/rosie/room", "/tf")

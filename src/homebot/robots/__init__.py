@@ -1,1 +1,1 @@
-"""Robots of the house: where each of them is, from all that is known of it."""
+"""Robots of the house: the position of each, from all available sources."""

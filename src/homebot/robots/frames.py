@@ -1,4 +1,4 @@
-"""The coordinate frames of all robots, and the poses in ``map`` that follow. Pure; the time is an argument."""
+"""The coordinate frames of all robots, and the resulting poses in ``map``. Pure; the time is an argument."""
 
 from contextlib import suppress
 from typing import Final, final
@@ -21,14 +21,14 @@ from homebot.robots.robot import TrackedRobot
 __all__ = ["RobotFrames"]
 
 _FARTHEST: Final = 1e6
-"""Metres from the origin of the map."""
+"""The largest distance from the origin of the map, in metres."""
 
 _BASES: Final = ("base_link", "base_footprint")
 
 
 @final
 class RobotFrames:
-    """The frames that robots state, each at the time when it was received."""
+    """The frames of robots, each with the time of reception."""
 
     def __init__(self, owners: RobotOwners) -> None:
         self._owners = owners
@@ -37,47 +37,47 @@ class RobotFrames:
         self._most = MAX_FRAMES // max(1, len(owners.names))
 
     def add(self, transform: TransformStamped, robot: str, now: float, *, is_static: bool) -> str:
-        """Insert *transform*, which came in the namespace of *robot*, empty for that of all; return whose it is."""
+        """Insert *transform* from the namespace of *robot*, empty for all robots; return its owner."""
         child, parent = (self.name_of(one, robot) for one in (transform.child_frame_id, transform.header.frame_id))
         owner = robot or self._owners.of_frame(child)
         named = self._named.setdefault(owner, {MAP})
         if len(named) + len({parent, child} - named) > self._most:
-            raise InvalidArgumentException(f"{child[:100]!r} is of one frame of {owner} more than {self._most:,}")
+            raise InvalidArgumentException(f"{child[:100]!r} is one more than the {self._most:,} frames of {owner}")
         sample = Sample(round(now * 1e9), parent, rigid_of(transform.transform))
         self._buffer.insert(child, sample, owner, is_static=is_static)
         named |= {parent, child}
         return owner
 
     def name_of(self, frame: str, robot: str) -> str:
-        """Return the full name of *frame*, as stated in the namespace of *robot*."""
+        """Return the full name of *frame* in the namespace of *robot*."""
         frame = frame.removeprefix("/")
         is_full = not robot or frame in {"", MAP} or frame.startswith(f"{robot}/")
         return frame if is_full else f"{robot}/{frame}"
 
     def pose_of(self, robot: TrackedRobot) -> tuple[MapPose, float] | None:
-        """Return the position of *robot* in ``map`` and when the oldest part of it was received; None without one."""
+        """Return the pose of *robot* in ``map``, and when its oldest component was received; None without one."""
         own = (one for one in robot.settings.frames if one.endswith(_BASES))
         plain = _BASES if robot.name == self._owners.sole else ()
         for base in (*(f"{robot.name}/{one}" for one in _BASES), *own, *plain):
             with suppress(TransformException):
                 found = self._buffer.lookup_transform(MAP, base)
                 at = _in_plane(rigid_of(found.transform))
-                received = found.header.stamp.to_seconds()  # of static frames alone it is zero
+                received = found.header.stamp.to_seconds()  # zero if all frames are static
                 if received and _is_on_map(at):
                     return at, received
         return None
 
     def in_map(self, pose: Pose, frame: str) -> MapPose:
-        """Return *pose*, stated in *frame*, in ``map``.
+        """Transform *pose* from *frame* to ``map``.
 
         Raises:
-            TransformException: No static transform joins the two, or the position is none on a map.
+            TransformException: No static transform connects the two, or the position is not on a map.
         """
         point, turn = pose.position, pose.orientation
         rotation = (turn.x, turn.y, turn.z, turn.w)
-        if not abs(sum(one * one for one in rotation) - 1) < NORM_TOLERANCE:  # also if one is NaN
+        if not abs(sum(one * one for one in rotation) - 1) < NORM_TOLERANCE:  # true for NaN too
             rotation = (0.0, 0.0, 0.0, 1.0)
-        unknown = LookupException(f"no static transform joins its frame {frame[:100]!r} to map")
+        unknown = LookupException(f"no static transform connects its frame {frame[:100]!r} to map")
         try:
             found = self._buffer.lookup_transform(MAP, frame or MAP)
         except TransformException as exc:
@@ -97,4 +97,4 @@ def _in_plane(rigid: Rigid) -> MapPose:
 
 
 def _is_on_map(at: MapPose) -> bool:
-    return all(abs(one) <= _FARTHEST for one in (at.x, at.y))  # not if one is NaN
+    return all(abs(one) <= _FARTHEST for one in (at.x, at.y))  # false for NaN

@@ -1,7 +1,6 @@
-"""The topics on which robots state where they are, as ``docs/robots.md`` lists them.
+"""The topics on which robots publish their poses, listed in ``docs/robots.md``.
 
-Messages wait in their queues until :meth:`PoseTopics.read`: a robot that states its frames 50 times a second is looked
-at 10 times.
+Messages stay queued until :meth:`PoseTopics.read`: frames published 50 times a second are read 10 times a second.
 """
 
 import math
@@ -33,33 +32,33 @@ __all__ = ["PACE", "PoseTopics"]
 REFUSED = "robots.refused"
 
 PACE: Final = 0.1
-"""Least seconds from one look at the messages of a topic to the next."""
+"""The shortest time between two reads of a topic, in seconds."""
 
 MOST_AHEAD: Final = 5.0
-"""Seconds by which a stamp may be ahead of our clock: AMCL states transforms a second ahead."""
+"""Seconds by which a stamp may be ahead of our clock: AMCL publishes transforms a second ahead."""
 
 TF_LIMIT: Final = 2.0
 AMCL_LIMIT: Final = 10.0
-"""Seconds for which evidence of each kind counts."""
+"""Seconds for which each kind of evidence is valid."""
 
 _ODOMETRY_MOVED: Final = 0.25
-"""Metres of odometry after which a pose of ``/amcl_pose`` no longer counts: AMCL publishes the next one by then."""
+"""Metres of odometry after which a pose of ``/amcl_pose`` is invalid: AMCL has published the next one by then."""
 
 _POSE_ERROR: Final = 0.3
 _TF_ERROR: Final = 0.2
-"""Metres by which a position may be wrong if its source states no covariance."""
+"""The error of a position in metres if its source states no covariance."""
 
 _LEAST_ERROR: Final = 0.05
 _LEAST_TF_ERROR: Final = 0.04
 _MOST_ERROR: Final = 1000.0
-"""Metres by which one may be wrong if it does; frames are newer than the last pose of AMCL."""
+"""The error in metres if it does; frames are newer than the last pose of AMCL."""
 
 _LONGEST_ROOM: Final = 100
 _DEPTH: Final = 100
 _KEPT: Final = QoSProfile(depth=_DEPTH, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 _Handle: TypeAlias = Callable[[str, str, Sequence[Any]], None]
-"""Takes the robot that owns a topic (empty for that of all robots), the topic, and messages, oldest first."""
+"""Handler of the owning robot (empty for a topic of all robots), the topic, and messages, oldest first."""
 
 
 class PoseTopics:
@@ -95,7 +94,7 @@ class PoseTopics:
                 self._subscribe(kind, topic, partial(handle, owner or "", topic))
 
     def read(self) -> None:
-        """Read all messages that wait."""
+        """Read all queued messages."""
         for subscription, handle in tuple(self._readers):
             if messages := [*iter(subscription.take, None)]:
                 handle(messages)
@@ -103,12 +102,12 @@ class PoseTopics:
             self._place_by_frames(robot)
 
     def _subscribe(self, kind: type[Message], topic: str, handle: Callable[[Sequence[Any]], None]) -> None:
-        """Have *handle* read the messages on *topic*, first those that publishers keep for late subscribers."""
+        """Pass the messages on *topic* to *handle*, beginning with those kept for late subscribers."""
         try:
             subscription = self._node.create_subscription(kind, topic, None, _DEPTH)
             publishers = self._node.graph.get_endpoints(kind=EntityKind.PUBLISHER, name=topic)
             if any(one.qos is not None and one.qos.durability is _KEPT.durability for one in publishers):
-                early = self._node.create_subscription(kind, topic, None, _KEPT)  # of others it would be a mistake
+                early = self._node.create_subscription(kind, topic, None, _KEPT)  # a mistake for others
                 for message in iter(early.take, None):
                     subscription.mailbox.put(message)
                 early.close()
@@ -126,8 +125,8 @@ class PoseTopics:
                 await anyio.sleep(PACE)
 
     def _on_tf(self, robot: str, topic: str, messages: Sequence[TFMessage]) -> None:
-        """Insert the last transform of each frame; a message with one that is another's counts as none."""
-        last, now = {}, self._now()  # one time: else no frame of a chain is known at the time of another
+        """Insert the last transform of each frame; ignore a message with a frame of another robot."""
+        last, now = {}, self._now()  # one time, or the frames of a chain would have no common time
         for message in messages:
             if foreign := self._owners.foreign(topic, message, (robot,) if robot else self._owners.names):
                 self._refuse(topic, f"{foreign} may not be stated there")
@@ -151,7 +150,7 @@ class PoseTopics:
 
     def _on_amcl(self, robot: str, topic: str, messages: Sequence[PoseWithCovarianceStamped]) -> None:
         odometry = f"{topic.rpartition('/')[0]}/odom"
-        if odometry not in self._odometry:  # it comes often, and is of no use without these poses
+        if odometry not in self._odometry:  # it is frequent, and useless without these poses
             self._subscribe(Odometry, odometry, partial(self._on_odometry, robot, odometry))
         self._odometry[odometry] = None
         for message in messages:
@@ -161,13 +160,13 @@ class PoseTopics:
                 self._robots[robot].state_sigma(math.sqrt(max(xx, yy)))
 
     def _on_initial_pose(self, robot: str, _topic: str, _messages: object) -> None:
-        self._robots[robot].doubt("it was told a new initial pose")
+        self._robots[robot].doubt("it received a new initial pose")
 
     def _on_odometry(self, robot: str, topic: str, messages: Sequence[Odometry]) -> None:
         self._robots[robot].add_life()
         first, last = (messages[index].pose.pose.position for index in (0, -1))
         begin = self._odometry[topic] = self._odometry[topic] or (first.x, first.y)
-        if not math.dist(begin, (last.x, last.y)) <= _ODOMETRY_MOVED:  # also if one is NaN
+        if not math.dist(begin, (last.x, last.y)) <= _ODOMETRY_MOVED:  # true for NaN too
             self._robots[robot].drop(f"{topic.rpartition('/')[0]}/amcl_pose")
 
     def _on_pose(self, robot: str, topic: str, messages: Sequence[PoseStamped]) -> None:
@@ -184,7 +183,7 @@ class PoseTopics:
                 self._refuse(topic, "it names no room")
 
     def _place(self, robot: str, topic: str, limit: float, error: float, pose: Pose, header: Header) -> bool:
-        """Place *robot* by a pose, unless that is refused; return whether it was not."""
+        """Place *robot* at a pose; return False if the pose is refused."""
         frame = self._frames.name_of(header.frame_id, robot if topic.startswith(f"/{robot}/") else "")
         if self._is_ahead(topic, header):
             return False
@@ -197,7 +196,7 @@ class PoseTopics:
         return True
 
     def _is_ahead(self, topic: str, header: Header) -> bool:
-        """Return whether a message is refused, as its stamp is too far ahead."""
+        """Return whether a message is refused because its stamp is too far ahead."""
         ahead = header.stamp.to_seconds() - self._node.graph.clock.now()
         if ahead > MOST_AHEAD:
             self._refuse(topic, f"it is {ahead:.0f} s ahead of our clock")

@@ -1,4 +1,4 @@
-"""One robot: the poses that its sources state, and the best of them. Pure."""
+"""One robot: the poses from its sources, and the best of them. Pure."""
 
 import math
 from collections.abc import Callable
@@ -14,20 +14,20 @@ __all__ = ["MOTION_LIMIT", "TAG_LIMIT", "TrackedRobot"]
 
 MOTION_LIMIT: Final = 60.0
 TAG_LIMIT: Final = 600.0
-"""Seconds for which a room counts, by a motion sensor, and by a tag or the robot's own word."""
+"""Seconds for which a room is valid: from a motion sensor, and from a tag or the robot itself."""
 
 _ROOM_ERROR: Final = 4.0
-"""Metres by which a position may be wrong where only the room is known."""
+"""The error of a position in metres if only the room is known."""
 
 _LOST_SIGMA: Final = 1.0
-"""Standard deviation in metres above which localization does not know where it is."""
+"""The standard deviation in metres above which localization is considered lost."""
 
 _FASTEST: Final = 2.0
 _STEP: Final = 0.7
-"""Metres, beside three times its error and the way of the fastest robot, by which a pose may jump."""
+"""Metres by which a pose may jump, in addition to three times its error and the way of the fastest robot."""
 
 _PARKED: Final = 0.25
-"""Metres, beside three times its error, from the last pose of AMCL to another source's within which a robot stands."""
+"""Metres, besides three times its error, by which another source may differ from the last AMCL pose at rest."""
 
 _AMCL: Final = "/amcl_pose"
 _CONSISTENT: Final = 3
@@ -36,15 +36,15 @@ _MOST_SOURCES: Final = 100
 
 @final
 class TrackedRobot:
-    """The poses that the sources of one robot state.
+    """The poses of one robot from all its sources.
 
     Args:
-        now: Returns seconds since the Unix epoch, by a clock that is never set.
+        now: Returns seconds since the Unix epoch, by a clock that never jumps.
 
     Attributes:
-        alive_at: When it last gave a sign of life.
-        unsure_because: Why the robot does not know where it is; empty if it does.
-        sigma: The standard deviation of its position, in metres, as it stated it last; None if it did not.
+        alive_at: The time of its last sign of life.
+            unsure_because: Why the robot does not know where it is; empty if it does.
+            sigma: The last stated standard deviation of its position, in metres; None if unknown.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class TrackedRobot:
         self.unsure_because = ""
         self._doubted_at = 0.0
         self.sigma: float | None = None
-        self._poses: BoundedMap[str, RobotPose] = BoundedMap(_MOST_SOURCES)  # tags, of which there may be many
+        self._poses: BoundedMap[str, RobotPose] = BoundedMap(_MOST_SOURCES)  # there may be many tags
         self._consistent = 0
         self._is_parked = True
 
@@ -69,13 +69,13 @@ class TrackedRobot:
         by_robot: bool = True,
         **place: object,
     ) -> None:
-        """Take the place that *source* states instead of its last, and check whether the robot was carried away.
+        """Replace the last pose from *source*, and check whether the robot was carried away.
 
         Args:
-            limit: Seconds for which it counts; of ``/amcl_pose`` from the last sign of life, unless a later position
-                of another source shows that the robot is elsewhere.
-            age: Seconds since it was received.
-            by_robot: Whether the robot states it, so that it lives.
+            limit: Seconds for which it is valid; for ``/amcl_pose`` counted from the last sign of life, unless a later
+                    position of another source shows that the robot is elsewhere.
+                age: Seconds since it was received.
+                by_robot: Whether the robot itself states it, which is a sign of life.
             place: Further fields of the pose: ``error``, ``room``, ``floor``, ``is_nearest_room``.
         """
         values: dict[str, object] = {"robot": self.name, "source": source, "limit": limit, "error": _ROOM_ERROR}
@@ -103,29 +103,29 @@ class TrackedRobot:
             self.unsure_because = ""
 
     def add_life(self, age: float = 0.0) -> None:
-        """Take a message of the robot, which came *age* seconds ago, as a sign that it lives."""
+        """Record a sign of life of the robot *age* seconds ago."""
         self.alive_at = max(self.alive_at, self.now() - age)
         self._on_change()
 
     def state_sigma(self, sigma: float) -> None:
-        """Take the standard deviation of its position, in metres."""
+        """Record the standard deviation of its position, in metres."""
         self.sigma = sigma
         if sigma > _LOST_SIGMA:
             self.doubt(f"its localization is uncertain by {sigma:.1f} m")
 
     def doubt(self, reason: str) -> None:
-        """Doubt the robot's poses until three in a row are consistent, but no room that is stated from now on."""
+        """Distrust the robot's poses until three in a row are consistent, but not rooms stated from now on."""
         self.unsure_because, self._consistent, self._doubted_at = reason, 0, self.now()
         self._on_change()
 
     def drop(self, source: str) -> None:
-        """End the pose of *source*: it counts no longer."""
+        """Invalidate the pose of *source*."""
         if (known := self._poses.get(source)) is not None:
             self._poses[source] = known.model_copy(update={"limit": 0.0})
             self._on_change()
 
     def best(self) -> RobotPose | None:
-        """Return the pose of the smallest error that counts, a sure one first, else the last; None without any."""
+        """Return the valid pose with the smallest error, preferring sure ones, else the last; None without any."""
         now = self.now()
         if counting := [one for one in self._poses.values() if self.expires_at(one) > now]:
             return min(counting, key=lambda one: (not self.is_sure(one), one.error, one.source))
@@ -137,25 +137,25 @@ class TrackedRobot:
         return not self.unsure_because or is_newer_room
 
     def expires_at(self, pose: RobotPose) -> float:
-        """Return when *pose* no longer counts."""
+        """Return when *pose* becomes invalid."""
         at = pose.received_at.to_seconds()
         is_parked = pose.limit and self._is_parked and pose.source.endswith(_AMCL)
         return pose.limit + (max(at, self.alive_at) if is_parked else at)
 
     def next_change(self) -> float:
-        """Return after how many seconds :meth:`best` changes by itself; infinite for never."""
+        """Return the seconds until :meth:`best` changes by itself; infinite for never."""
         now = self.now()
         return min((end - now for end in map(self.expires_at, self._poses.values()) if end > now), default=math.inf)
 
 
 def _is_apart(parked: RobotPose, pose: RobotPose) -> bool:
-    """Return whether *pose* is of a robot that is no longer where it was *parked*."""
+    """Return whether *pose* shows that the robot is no longer where it was *parked*."""
     metres = math.dist((parked.x, parked.y), (pose.x, pose.y)) if pose.has_position else 0.0
     return metres > _PARKED + 3 * max(parked.error, pose.error)
 
 
 def _jump(before: RobotPose, after: RobotPose) -> float:
-    """Return metres from one position of a source to the next if no robot drives so far; otherwise 0."""
+    """Return the distance between two positions of a source if no robot can drive that far; otherwise 0."""
     step = math.dist((before.x, before.y), (after.x, after.y)) if before.has_position and after.has_position else 0.0
     seconds = max(0.0, after.received_at.to_seconds() - before.received_at.to_seconds())
     return step if step > _FASTEST * seconds + 3 * max(before.error, after.error) + _STEP else 0.0

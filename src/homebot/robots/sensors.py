@@ -1,4 +1,4 @@
-"""Places of robots from other sources of the house: motion sensors, tags that a robot reads, and poses by MQTT."""
+"""Positions of robots from other sources: motion sensors, tags that a robot reads, and poses over MQTT."""
 
 from collections.abc import Iterable
 
@@ -27,7 +27,7 @@ _LONGEST_POSE = 4096
 
 
 def read_tags(node: Node, robot: TrackedRobot) -> None:
-    """Place *robot* in the room of each tag that its reader reads."""
+    """Place *robot* in the room of each tag that it reads."""
 
     def on_tap(tap: TagTap) -> None:
         if tap.reader == robot.settings.tag_reader and tap.area:
@@ -47,7 +47,7 @@ async def follow_motion(devices: Devices, robots: Iterable[TrackedRobot]) -> Non
 
 
 async def read_poses(node: Node, devices: Devices, robot: TrackedRobot) -> None:
-    """Place *robot* by poses as JSON on its topic."""
+    """Place *robot* according to JSON poses on its topic."""
     log, settings = LogLimit(node.graph.clock), robot.settings
 
     def on_pose(message: RawMessage) -> None:

@@ -16,20 +16,19 @@ _Limit: TypeAlias = Annotated[Seconds, Field(le=3600)]
 
 
 class RobotSettings(BaseModel):
-    """The keys of a table ``[robots.NAME]``; an empty one is enough for a robot that publishes its own pose.
+    """The keys of a table ``[robots.NAME]``, which may be empty for a robot that publishes its own pose.
 
     Attributes:
-        frames: The frames that it states on ``/tf`` which do not begin with its name and a slash; a sole robot needs
-            none.
-        floor: The floor that it is on; a house with one floor needs none.
-        limit: Seconds for which a pose of ``/NAME/pose`` or of MQTT counts.
+        frames: Its frames on ``/tf`` that do not begin with its name and a slash; not needed for a single robot.
+        floor: Its floor; not needed in a house with one floor.
+        limit: Seconds for which a pose from ``/NAME/pose`` or MQTT is valid.
         topic: An MQTT topic with its pose as JSON: ``x``, ``y``, and any of ``yaw``, ``error``, ``floor`` and
-            ``limit``; or ``room`` alone.
+            ``limit``; or only ``room``.
         vacuum: The MQTT topic of a vacuum cleaner with Valetudo: ``valetudo/NAME``.
-        segments: The rooms of the segments on its map, by their ids: ``{"16" = "Kitchen"}``.
+        segments: The rooms of the segments on its map, by id: ``{"16" = "Kitchen"}``.
         map_transform: x, y in metres and yaw in radians of the frame of its map, ``NAME/map``, in the house's frame
-            ``map``. Not needed where three of its segments have the names of rooms with a polygon.
-        gateway: The gateway that brings ``topic`` and ``vacuum``.
+            ``map``. Not needed if three of its segments have the names of rooms with a polygon.
+        gateway: The gateway that receives ``topic`` and ``vacuum``.
         motion_sensors: The names or ids of motion sensors that detect only this robot: it is in their room for a
             minute.
         tag_reader: The NFC reader on the robot: it is in the room of each tag that it reads, for ten minutes.

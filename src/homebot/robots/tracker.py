@@ -1,6 +1,6 @@
 """The tracker of robots: the node ``/robots``.
 
-It publishes on ``/robots/poses`` the best that is known of each robot's place, and answers ``/robots/where``.
+It publishes the best known pose of each robot on ``/robots/poses``, and serves ``/robots/where``.
 """
 
 import math
@@ -33,18 +33,18 @@ UNSURE = "robots.unsure"
 EXPIRED = "robots.expired"
 
 _RENEWED: Final = 5.0
-"""Least seconds, and at least its limit, after which a pose that only was received again is published again."""
+"""The shortest time in seconds, and at least its limit, after which an unchanged pose is published again."""
 
 _MOVED: Final = 0.1
 _TURNED: Final = 0.2
-"""Least metres and radians from one published pose to the next."""
+"""The smallest difference between two published poses, in metres and radians."""
 
 
 class RobotTracker:
-    """The places of all robots, from all that is known of them.
+    """The poses of all robots, from all sources.
 
     Args:
-        house: Returns the plan of the house as it is now.
+        house: Returns the current plan of the house.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class RobotTracker:
         self._topics.read()
         if (best := robot.best()) is None:
             refused = self._topics.refused.get(name) or self._topics.refused.get("")
-            problem = "; ".join(filter(None, (f"nothing has told yet where {name} is", refused)))
+            problem = "; ".join(filter(None, (f"the position of {name} is not known yet", refused)))
             return WhereIsRobotResponse(success=False, message=problem)
         pose = self._completed(robot, best)
         age = max(0.0, robot.now() - best.received_at.to_seconds())
@@ -116,7 +116,7 @@ class RobotTracker:
         return WhereIsRobotResponse(success=pose.counts, message=problem, pose=(pose,), age=age)
 
     def _publish_change(self, robot: TrackedRobot) -> float:
-        """Publish where *robot* is if that changed; return after how many seconds it may change by itself."""
+        """Publish the pose of *robot* if it changed; return the seconds until it may change by itself."""
         best, before = robot.best(), self._published.get(robot.name)
         if best is not None:
             pose = self._completed(robot, best)
@@ -133,7 +133,7 @@ class RobotTracker:
         return robot.next_change()
 
     def _completed(self, robot: TrackedRobot, pose: RobotPose) -> RobotPose:
-        """Return *pose* with its room in the house, and with what is known of the robot."""
+        """Return *pose* with its room in the house and the status of the robot."""
         house, before = self._house(), self._published.get(robot.name)
         plan = FloorPlan.of(house)
         floor = plan.level(pose.floor or robot.settings.floor)
@@ -150,7 +150,7 @@ class RobotTracker:
 
 
 def _differs(pose: RobotPose, before: RobotPose) -> bool:
-    """Return whether *pose* is worth a message after *before*."""
+    """Return whether *pose* differs enough from *before* to be published."""
     words = ("room", "is_nearest_room", "floor", "has_position", "source", "limit", "counts", "is_sure")
     if any(getattr(pose, word) != getattr(before, word) for word in words):
         return True

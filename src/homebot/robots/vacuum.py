@@ -1,4 +1,4 @@
-"""A robot vacuum with Valetudo: its map, with rooms as segments, and its position on it."""
+"""A Valetudo robot vacuum: its map, with rooms as segments, and its position on it."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -34,12 +34,12 @@ NO_ROOMS = "robots.no_rooms"
 _ACTIVE: Final = frozenset({"cleaning", "manual_control", "moving", "returning"})
 _ACTIVE_LIMIT: Final = 24.0
 _IDLE_LIMIT: Final = 200.0
-"""Seconds: three maps, of which a docked robot sends one a minute, and an active one in 2 s, or 8 s in a large home."""
+"""Seconds for three maps: a docked robot sends one a minute, an active one every 2 s, or 8 s in a large home."""
 
 _ERROR: Final = 0.25
 
 _SAME: Final = 0.1
-"""Metres by which the corners of one area may differ."""
+"""Metres by which corners may differ and still belong to the same area."""
 
 
 class Vacuum:
@@ -60,7 +60,7 @@ class Vacuum:
         self._log = LogLimit(node.graph.clock)
 
     async def run(self) -> None:
-        """Read maps, the newest only, until cancelled; they are decoded in a thread."""
+        """Read maps until cancelled, only the newest; they are decoded in a thread."""
         base = self._robot.settings.vacuum
         for name, handle in (
             ("$state", self._on_state),
@@ -100,11 +100,11 @@ class Vacuum:
         self._first_id = found.vendor_id if self._first_id is None else self._first_id
         if self._map is not None and self._map.vendor_id != found.vendor_id:
             table = f"[robots.{self._robot.name}]"
-            text = f"{self._robot.name} uses another map now; map_transform and segments of {table} are not for that"
+            text = f"{self._robot.name} uses another map now; map_transform and segments of {table} do not apply to it"
             self._node.log.warning(MAP_CHANGED, message=text, robot=self._robot.name)
 
     def _place_of_map(self, found: VacuumMap) -> MapPose | None:
-        """Return how the map lies in the house: as its owner states or, else, as its rooms of the same names do."""
+        """Return the pose of the map in the house: as stated by the owner, or fitted to rooms of the same names."""
         stated, plan = self._robot.settings.map_transform, FloorPlan.of(self._house())
         if stated is not None and found.vendor_id == self._first_id:
             return MapPose(*stated)
@@ -117,7 +117,7 @@ class Vacuum:
         return fitted_pose(pairs)
 
     def _house_rooms(self, found: VacuumMap, lies_at: MapPose) -> list[HouseRoom]:
-        """Return the rooms that have a name, in the frame ``map`` of the house."""
+        """Return the named rooms, in the frame ``map`` of the house."""
         rooms = []
         for one in found.segments:
             if one.id in self._shapes and (name := self._name_of(one)):
@@ -132,7 +132,7 @@ class Vacuum:
         return (self._robot.settings.segments.get(segment.id) if is_first else "") or segment.name
 
     def _update(self) -> None:
-        """State where the robot is by the last map, as long as the vacuum is there."""
+        """Update the robot's pose from the last map while the vacuum is reachable."""
         found, robot = self._map, self._robot
         at = None if found is None else found.robot
         if found is None or at is None or self._state != "ready":
@@ -155,7 +155,7 @@ class Vacuum:
 def _decoded(
     payload: bytes, before: VacuumMap | None, shapes: Mapping[str, Polygon]
 ) -> tuple[VacuumMap, Mapping[str, Polygon]]:
-    """Return the map in *payload*, and the areas of its segments by their ids: those *before* if they are the same."""
+    """Return the map in *payload*, and the areas of its segments by id, reusing those of *before* if unchanged."""
     found = read_map(payload)
     if before is not None and before.segments == found.segments:
         return found, shapes
@@ -164,7 +164,7 @@ def _decoded(
 
 
 class _ImportedRooms:
-    """The rooms of one map in the house, also those of an earlier run. A room with another area keeps it."""
+    """The rooms of one map in the house, including those of an earlier run. A room with another area keeps it."""
 
     def __init__(self, node: Node, house: Callable[[], HousePlan], robot: str) -> None:
         self._node, self._house, self._robot = node, house, robot
@@ -173,7 +173,7 @@ class _ImportedRooms:
         self._before: dict[str, HouseRoom] | None = None
 
     async def renew(self, rooms: Iterable[HouseRoom]) -> None:
-        """Import *rooms* in place of those of the map before."""
+        """Import *rooms* in place of those of the previous map."""
         plan, wanted = self._house(), {fold(one.name): one for one in rooms}
         if wanted == self._before:
             return
@@ -189,14 +189,14 @@ class _ImportedRooms:
             self._report(str(exc))
 
     def _may_replace(self, known: HouseRoom | None, new: HouseRoom) -> bool:
-        """Return whether *known*, a room of the house, has no area, or another one of an earlier map."""
+        """Return whether *known*, a room of the house, has no area, or a different one from an earlier map."""
         if known is None or not known.polygons:
             return True
         return known.source == self._robot and not _is_same(new, known)
 
     def _report(self, problem: str) -> None:
         if problem:
-            self._node.log.warning(NO_ROOMS, message=f"the rooms of a map are not those of the house: {problem}")
+            self._node.log.warning(NO_ROOMS, message=f"the rooms of a map do not match the house: {problem}")
 
 
 def _is_same(first: HouseRoom, second: HouseRoom) -> bool:
