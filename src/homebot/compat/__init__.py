@@ -1,1 +1,1 @@
-"""Programs written for other frameworks, on homebot's graph."""
+"""Compatibility layer for programs written for other frameworks."""

@@ -1,4 +1,4 @@
-"""``python -m homebot.compat PROGRAM... [-- ARGUMENT...]``: runs programs of ROS 2, unchanged, on one graph."""
+"""``python -m homebot.compat PROGRAM... [-- ARGUMENT...]``: runs unchanged ROS 2 programs on one graph."""
 
 import argparse
 import sys
@@ -21,11 +21,11 @@ _MODULES = (
     " .action .callback_groups .client .clock .duration .exceptions .executors .logging .node .parameter .publisher"
     " .service .subscription .task .time .timer"
 )
-"""The modules of rclpy whose names are those of our one."""
+"""The submodules of rclpy, which are all mapped to ours."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the programs that *argv* names, each in a thread of its own, and return the exit code: 1 where one failed.
+    """Run the programs in *argv*, each in its own thread; return the exit code: 1 if one failed.
 
     Ctrl-C ends all of them, and so does ``rclpy.shutdown()`` in one.
     """
@@ -59,7 +59,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _install_modules(interfaces: Interfaces) -> None:
-    """Make ``rclpy`` and the packages of *interfaces* importable, in place of those of a ROS that is installed."""
+    """Make ``rclpy`` and the packages of *interfaces* importable, replacing those of an installed ROS."""
     for name in _MODULES.split(" "):
         sys.modules[f"rclpy{name}"] = rclpy
     sys.modules["rclpy.qos"] = rclpy.qos
@@ -77,7 +77,7 @@ def _install_modules(interfaces: Interfaces) -> None:
 
 
 def _interface(find: Callable[[str], Interface], prefix: str, name: str) -> object:
-    """Return the interface that a program imports by *name*, loaded when it is first asked for."""
+    """Return the interface that a program imports by *name*, loaded on first use."""
     if name.startswith("_"):
         raise AttributeError(name)
     try:

@@ -1,4 +1,4 @@
-"""rclpy's servers and clients of actions."""
+"""rclpy's action servers and clients."""
 
 import asyncio
 from collections.abc import Callable
@@ -31,7 +31,7 @@ def ActionServer(  # noqa: N802 - rclpy's name
 ) -> Remote:
     """Execute the goals of an action: *execute_callback* takes a goal's handle, ends it and returns the result.
 
-    With a *handle_accepted_callback* it does so when that, or another callback later, calls ``execute`` of the handle.
+    With a *handle_accepted_callback*, execution starts when this, or a later callback, calls ``execute`` of the handle.
     """
     execute = node.callback(execute_callback)
 
@@ -39,7 +39,7 @@ def ActionServer(  # noqa: N802 - rclpy's name
         loop, handle = asyncio.get_running_loop(), node.shown(goal)
         begun = asyncio.Event()
         handle.execute = lambda *_: loop.call_soon_threadsafe(begun.set)
-        (handle_accepted_callback or bool)(handle)  # here, as a goal that is executed may block the thread that spins
+        (handle_accepted_callback or bool)(handle)  # here, because the execution may block the spinning thread
         await begun.wait()
         return await execute(handle)
 
@@ -58,7 +58,7 @@ def ActionServer(  # noqa: N802 - rclpy's name
 def ActionClient(  # noqa: N802 - rclpy's name
     node: Remote, action_type: Any, action_name: str, **_: object
 ) -> Any:
-    """Return a client of an action; its ``send_goal_async`` returns the future handle of a goal."""
+    """Return an action client; its ``send_goal_async`` returns a future for the goal handle."""
     client: Any = Remote(
         CONTEXT.call(actions.ActionClient, node.graph_object, to_graph(action_type), action_name), node.executor
     )

@@ -15,30 +15,30 @@ _SECOND = 10**9
 
 
 class RclpyDuration(int):
-    """A span of time in nanoseconds; the kind of clock that a program states changes nothing."""
+    """A duration in nanoseconds; the clock type is ignored."""
 
     message: ClassVar[type[Duration | Time]] = Duration
 
     def __new__(cls, *, seconds: float = 0, nanoseconds: float = 0, **_: object) -> Self:
-        """Return the sum."""
+        """Return the sum of *seconds* and *nanoseconds*."""
         return super().__new__(cls, round(seconds * _SECOND) + round(nanoseconds))
 
     @classmethod
     def from_msg(cls, msg: Any, **_: object) -> Self:
-        """Return the one in a message."""
+        """Return the duration in a message."""
         return cls(nanoseconds=msg.sec * _SECOND + msg.nanosec)
 
     @property
     def nanoseconds(self) -> int:
-        """The whole of it."""
+        """The total in nanoseconds."""
         return int(self)
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
-        """Return whole seconds and the nanoseconds beside them."""
+        """Return the whole seconds and the remaining nanoseconds."""
         return divmod(int(self), _SECOND)
 
     def to_msg(self) -> Any:
-        """Return it as a message of ``builtin_interfaces``."""
+        """Return the duration as a message of ``builtin_interfaces``."""
         sec, nanosec = self.seconds_nanoseconds()
         return to_program(self.message(sec=sec, nanosec=nanosec))
 
@@ -63,27 +63,27 @@ class RclpyClock:
     """The clock of the graph."""
 
     def __init__(self, **_: object) -> None:
-        """Accept the kind of clock that a program states; it changes nothing."""
+        """Accept a clock type, which is ignored."""
 
     def now(self) -> RclpyTime:
         """Return the time."""
         return RclpyTime(seconds=CONTEXT.graph.clock.now())
 
     def sleep_for(self, rel_time: RclpyDuration) -> bool:
-        """Wait; return whether the graph still runs."""
+        """Wait; return whether the graph is still running."""
         time.sleep(max(0, rel_time) / _SECOND)
         return CONTEXT.ok()
 
 
 class RclpyRate:
-    """A pause up to the next whole period."""
+    """Sleeps until the next whole period."""
 
     def __init__(self, frequency: float) -> None:
         self._period = 1 / frequency
         self._next = time.monotonic() + self._period
 
     def sleep(self) -> None:
-        """Wait for the end of the period; those that have passed are skipped."""
+        """Wait for the end of the period; missed ones are skipped."""
         late = time.monotonic() - self._next
         if late < 0:
             time.sleep(-late)

@@ -21,10 +21,10 @@ _LEVELS: Final = {"warning": "warn"}
 
 
 class get_logger:  # noqa: N801 - rclpy's name
-    """The logger of *name*, which writes to ``/rosout`` too: ``info``, ``warn``, ``error`` and so on.
+    """The logger *name*, which also writes to ``/rosout``: ``info``, ``warn``, ``error`` and so on.
 
-    With ``once``, ``skip_first`` or ``throttle_duration_sec`` a line of the program is logged once, not the first time,
-    or once in that time.
+    With ``once``, ``skip_first`` or ``throttle_duration_sec`` a line of the program is logged only once, except the
+    first time, or once in that time.
     """
 
     def __init__(self, name: str) -> None:
@@ -37,11 +37,11 @@ class get_logger:  # noqa: N801 - rclpy's name
         return partial(self._write, _LEVELS.get(level, level))
 
     def get_child(self, name: str) -> get_logger:
-        """Return the logger of a part."""
+        """Return a child logger."""
         return get_logger(f"{self.name}.{name}")
 
     def set_level(self, level: int) -> None:
-        """Leave out lines below *level*; homebot itself leaves out those of debugging."""
+        """Drop lines below *level*; homebot itself drops debug lines."""
         self._least = level
 
     def _write(

@@ -1,6 +1,6 @@
-"""Messages as rclpy's programs know them: made empty, with fields set one by one, and arrays as lists.
+"""Messages in the style of rclpy: created empty, with settable fields, and arrays as lists.
 
-Each class has a message type of homebot behind it; values are checked when a message is sent.
+Each class corresponds to a message type of homebot; values are validated when a message is sent.
 """
 
 from dataclasses import field, make_dataclass
@@ -18,14 +18,14 @@ __all__ = ["MutableMessage", "program_type", "to_graph", "to_program"]
 
 
 class MutableMessage:
-    """A message with fields that can be set; those not given have ROS's defaults: 0, False, empty."""
+    """A message with settable fields; omitted fields have ROS's defaults: 0, False, empty."""
 
     __slots__: ClassVar[tuple[str, ...]] = ()
 
 
 @lru_cache(maxsize=1024)
 def program_type(interface: Interface) -> Any:
-    """Return *interface* as programs import it: a class of mutable messages, or a namespace of such classes."""
+    """Return *interface* for import by programs: a class of mutable messages, or a namespace of such classes."""
     if not isinstance(interface, type):
         names = ("Request", "Response") if isinstance(interface, ServiceType) else ("Goal", "Result", "Feedback")
         parts = {name: program_type(getattr(interface, name)) for name in names}
@@ -41,7 +41,7 @@ def program_type(interface: Interface) -> Any:
 
 
 def to_program(value: object) -> Any:
-    """Return *value*; a message with fields that can be set, an array as a list."""
+    """Return *value*, with messages converted to mutable ones, and arrays to lists."""
     if isinstance(value, Message):
         fields = {name: to_program(getattr(value, name)) for name in type(value).model_fields}
         return program_type(type(value))(**fields)
@@ -51,7 +51,7 @@ def to_program(value: object) -> Any:
 
 
 def to_graph(value: Any) -> Any:
-    """Return *value*; a message or a type of a program as the one of homebot."""
+    """Return *value*, with a program's messages and types converted to homebot's."""
     interface = getattr(value, "_interface", value)
     return message_from_json(interface, _plain(value)) if isinstance(value, MutableMessage) else interface
 
@@ -63,4 +63,4 @@ def _plain(value: Any) -> Any:
         return [_plain(item) for item in value]
     if isinstance(value, bytearray):
         return bytes(value)
-    return value.tolist() if hasattr(value, "tolist") else value  # of the module array, and of numpy
+    return value.tolist() if hasattr(value, "tolist") else value  # the module array, and numpy

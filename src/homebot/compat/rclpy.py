@@ -1,14 +1,13 @@
-"""Programs of rclpy on homebot's graph: a node is subclassed, made, and spun, without ``async``.
+"""The rclpy API on homebot's graph: a node is subclassed, created, and spun, without ``async``.
 
-The programs of a process share one graph; each may spin in a thread of its own. Callbacks run on the thread that spins
-their node, and everything may be called from any thread. The callbacks that check parameters and accept goals and
-cancellations run on the graph's event loop, so that these are answered while another callback blocks; do not wait in
-them. Unlike rclpy's, a call of a service without a server fails at once, and ``spin`` returns when another thread calls
-``shutdown``.
+The programs of a process share one graph; each may spin in its own thread. Callbacks run on the thread that spins their
+node, and everything may be called from any thread. Callbacks that check parameters and accept goals and cancellations
+run on the graph's event loop, so that these are answered while another callback blocks; they must not wait. Unlike in
+rclpy, a call of a service without a server fails at once, and ``spin`` returns when another thread calls ``shutdown``.
 
-Each executor has one thread, so callback groups change nothing: a blocking call of a service runs other callbacks
-meanwhile. Not there: lifecycle nodes, ``tf2_ros``, ``parameter_event_handler``, callbacks before and after a parameter
-is set, and callbacks that wait for another one of their node by other means.
+Each executor has one thread, so callback groups have no effect: a blocking service call runs other callbacks meanwhile.
+Not supported: lifecycle nodes, ``tf2_ros``, ``parameter_event_handler``, callbacks before and after a parameter is set,
+and callbacks that wait for another one of their node by other means.
 """
 
 from __future__ import annotations
@@ -66,14 +65,14 @@ __all__ = [
     "try_shutdown",
 ]
 
-ExternalShutdownException = KeyboardInterrupt  # caught in a program's last line; a spin returns instead
+ExternalShutdownException = KeyboardInterrupt  # programs catch it in their last line; here a spin returns instead
 ParameterAlreadyDeclaredException = ParameterNotDeclaredException = ParameterError
 MutuallyExclusiveCallbackGroup = ReentrantCallbackGroup = object
 ClockType = IntEnum("ClockType", ("ROS_TIME", "SYSTEM_TIME", "STEADY_TIME"))
 
 
 class RclpyProfile(SimpleNamespace):
-    """A profile with policies that can be set, which are checked when an end of a topic is created with it."""
+    """A profile with settable policies, which are validated when a publisher or subscription is created with it."""
 
     def __init__(self, **policies: object) -> None:
         super().__init__(**asdict(graph_qos.QoSProfile()) | policies)
@@ -107,9 +106,9 @@ shutdown = try_shutdown = CONTEXT.shutdown
 
 
 def init(**_: object) -> ExitStack:
-    """Start the graph of the process unless it runs already; the end of a ``with`` block shuts it down.
+    """Start the graph of the process unless it is running; the end of a ``with`` block shuts it down.
 
-    Arguments are accepted and change nothing: homebot's settings are in its file.
+    Arguments are accepted but ignored: homebot's settings are in its file.
     """
     CONTEXT.init()
     block = ExitStack()
@@ -118,12 +117,12 @@ def init(**_: object) -> ExitStack:
 
 
 def spin(node: RclpyNode, executor: SpinExecutor | None = None) -> None:
-    """Run the callbacks of *node* on this thread until :func:`shutdown`; an exception of one is raised here."""
+    """Run the callbacks of *node* on this thread until :func:`shutdown`; their exceptions are raised here."""
     _executor_of(node, executor).spin()
 
 
 def spin_once(node: RclpyNode, *, executor: SpinExecutor | None = None, timeout_sec: float | None = None) -> None:
-    """Run one callback of *node* as :func:`spin` does; wait up to *timeout_sec* seconds for it, by default for ever."""
+    """Run one callback of *node* like :func:`spin`; wait up to *timeout_sec* seconds for it, by default forever."""
     if ok():
         _executor_of(node, executor).spin_once(timeout_sec)
 
@@ -131,7 +130,7 @@ def spin_once(node: RclpyNode, *, executor: SpinExecutor | None = None, timeout_
 def spin_until_future_complete(
     node: RclpyNode, future: Future, executor: SpinExecutor | None = None, timeout_sec: float | None = None
 ) -> None:
-    """Run the callbacks of *node* as :func:`spin` does until *future* is done or *timeout_sec* seconds have passed."""
+    """Run the callbacks of *node* like :func:`spin` until *future* is done or *timeout_sec* seconds have passed."""
     _executor_of(node, executor).spin_until_future_complete(future, timeout_sec)
 
 
@@ -158,13 +157,13 @@ class RclpyParameter(graph.Parameter):
 
 
 _ZEROS: Final = (None, False, 0, 0.0, "", b"", *((),) * 4)
-"""The value of a parameter that is declared by its type alone."""
+"""The value of a parameter that is declared only by its type."""
 
 
 class RclpyNode(Remote):
-    """A node, which runs from here to :meth:`destroy_node`; its callbacks run while it spins.
+    """A node, which runs until :meth:`destroy_node`; its callbacks run while it spins.
 
-    Methods that are not below, such as ``create_publisher``, are those of :class:`homebot.graph.Node`.
+    Methods that are not defined here, such as ``create_publisher``, are those of :class:`homebot.graph.Node`.
     """
 
     def __init__(
@@ -214,7 +213,7 @@ class RclpyNode(Remote):
     def create_timer(
         self, timer_period_sec: float, callback: Callable[[], object], *_: object, autostart: bool = True, **__: object
     ) -> Any:
-        """Call *callback* once in a period, also after ``cancel()`` again from ``reset()`` on."""
+        """Call *callback* once per period; ``reset()`` restarts it, even after ``cancel()``."""
         create = partial(CONTEXT.call, self.graph_object.create_timer, timer_period_sec, self.callback(callback))
         timer: Any = Remote(create(), self.executor)
 
@@ -233,16 +232,16 @@ class RclpyNode(Remote):
         return self.invoke(create, srv_type, srv_name, lambda request: callback(request, srv_type.Response()))
 
     def create_client(self, srv_type: Any, srv_name: str, **_: object) -> Any:
-        """Return a client of *srv_name*; its ``call_async`` returns the future response, without a time limit."""
+        """Return a client of *srv_name*; its ``call_async`` returns a future of the response, without a time limit."""
         client = self.invoke(self.graph_object.create_client, srv_type, srv_name)
         client.call_async = partial(client.begin, partial(client.graph_object.call, timeout=math.inf))
         client.call = lambda request, timeout_sec=None: client.call_async(request).wait(timeout_sec)
         return client
 
     def declare_parameter(self, name: str, value: Any = None, descriptor: Any = None) -> RclpyParameter:
-        """Declare a parameter with its default or type, and a ``rcl_interfaces/msg/ParameterDescriptor`` if any.
+        """Declare a parameter with its default or type, and perhaps a ``rcl_interfaces/msg/ParameterDescriptor``.
 
-        One that has a type alone is zero or empty, unless it is overridden.
+        A parameter with only a type is zero or empty, unless it is overridden.
         """
         value = self._overrides.get(name, value)
         if isinstance(value, RclpyParameter.Type):
@@ -257,7 +256,7 @@ class RclpyNode(Remote):
         return self.get_parameter(name)
 
     def declare_parameters(self, namespace: str, parameters: Sequence[Sequence[Any]]) -> list[RclpyParameter]:
-        """Declare each of *parameters*: its name below *namespace*, its default, and a descriptor if there is one."""
+        """Declare *parameters*, each with its name below *namespace*, its default, and perhaps a descriptor."""
         prefix = f"{namespace}." if namespace else ""
         return [self.declare_parameter(f"{prefix}{name}", *given) for name, *given in parameters]
 
@@ -309,7 +308,7 @@ class RclpyNode(Remote):
         return True
 
     def destroy_node(self) -> None:
-        """Close the node with all that it created; it may be closed already."""
+        """Close the node and everything that it created; idempotent."""
         if ok():
             CONTEXT.call(self.graph_object.close)
 

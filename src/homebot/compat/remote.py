@@ -1,6 +1,6 @@
-"""The graph that the programs of a process share, used from any thread, and its objects in their hands.
+"""The graph shared by the programs of a process, usable from any thread, and proxies of its objects.
 
-Its event loop has a thread of its own, from the first ``rclpy.init()`` to ``rclpy.shutdown()``, which ends it for all.
+Its event loop has its own thread, from the first ``rclpy.init()`` to ``rclpy.shutdown()``, which ends it for all.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _UNUSED: Final = "callback_group"
 
 
 class _Context:
-    """A graph with the nodes that the programs of this process made on it."""
+    """A graph with the nodes that the programs of this process created."""
 
     def __init__(self) -> None:
         self._portal: BlockingPortal | None = None
@@ -68,12 +68,12 @@ class _Context:
         self._exits.enter_context(observed_lines(self.call(lambda: RosoutFeed(Node(self.graph, "rosout")))))
 
     def shutdown(self) -> None:
-        """Close the nodes, end each ``spin`` and the event loop; they may have ended already."""
+        """Close the nodes, and end each ``spin`` and the event loop; idempotent."""
         self._portal, self._thread = None, 0
-        self._exits.pop_all().close()  # for the first of several threads
+        self._exits.pop_all().close()  # only effective in the first of several threads
 
     def add_node(self, name: str, namespace: str, executor: SpinExecutor) -> Node:
-        """Return a new node, which runs; a shutdown ends a wait of its *executor*."""
+        """Return a new running node; a shutdown ends a wait of its *executor*."""
         node: Node = self.call(lambda: Node(self.graph, name, namespace=namespace))
         self._exits.enter_context(self.portal.wrap_async_context_manager(node))
         self._exits.callback(partial(executor.submit, int))
@@ -85,7 +85,7 @@ class _Context:
         Raises:
             UsageError: There is no graph, or it ended meanwhile.
         """
-        if threading.get_ident() == self._thread:  # a check of a parameter that a client sets
+        if threading.get_ident() == self._thread:  # in a check of a parameter that a client sets
             return function(*args, **kwargs)
         try:
             return self.portal.call(partial(function, *args, **kwargs))
@@ -94,7 +94,7 @@ class _Context:
 
 
 CONTEXT: Final = _Context()
-"""That of the process."""
+"""The context of the process."""
 
 
 class _DueCallbacks(queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Callable[[], object]]]):
@@ -102,9 +102,9 @@ class _DueCallbacks(queue.SimpleQueue[tuple[concurrent.futures.Future[Any], Call
 
 
 class SpinExecutor(concurrent.futures.Executor):
-    """The thread that spins a node, or several, which runs the callbacks.
+    """The thread that spins one or several nodes and runs their callbacks.
 
-    Few wait: of each subscription, service and timer at most one.
+    Few callbacks are queued: at most one for each subscription, service and timer.
     """
 
     def __init__(self, num_threads: int | None = None) -> None:  # noqa: ARG002 - more of them change nothing
@@ -112,26 +112,26 @@ class SpinExecutor(concurrent.futures.Executor):
         self.due = _DueCallbacks()
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> concurrent.futures.Future[Any]:
-        """Return the future result of *fn*, an exception of which is raised on the spinning thread too."""
+        """Return a future of the result of *fn*, whose exception is also raised on the spinning thread."""
         future: concurrent.futures.Future[Any] = concurrent.futures.Future()
         self.due.put((future, partial(fn, *args, **kwargs)))
         return future
 
     def create_task(self, callback: Callable[..., object], *args: object) -> Future:
-        """Return the future result of *callback*, which may be a coroutine function."""
+        """Return a future of the result of *callback*, which may be a coroutine function."""
         future = Future(self)
         self.due.put((future, partial(callback, *args)))
         return future
 
     def add_node(self, node: Remote) -> bool:
-        """Run the callbacks of *node* too, on the thread that spins this."""
+        """Also run the callbacks of *node* on the thread that spins this executor."""
         waiting, node.executor.due = node.executor.due, self.due
         while waiting is not self.due and not waiting.empty():
             self.due.put(waiting.get())
         return True
 
     def remove_node(self, node: Remote) -> None:
-        """Let the callbacks of *node* wait for another executor."""
+        """Leave the callbacks of *node* to another executor."""
         node.executor.due = _DueCallbacks()
 
     def spin(self) -> None:
@@ -151,13 +151,13 @@ class SpinExecutor(concurrent.futures.Executor):
         self.submit(int)
 
     def spin_once(self, timeout_sec: float | None = None) -> None:
-        """Run the next callback, waiting for one up to *timeout_sec* seconds; its exception is raised here."""
+        """Run the next callback, waiting up to *timeout_sec* seconds for one; its exception is raised here."""
         self.due.thread = threading.get_ident()
         try:
             future, call = self.due.get(timeout=timeout_sec)
         except queue.Empty:
             return
-        if future.set_running_or_notify_cancel():  # else the node was closed meanwhile
+        if future.set_running_or_notify_cancel():  # otherwise the node was closed meanwhile
             try:
                 future.set_result(self._completed(call()))
             except Exception as exc:
@@ -165,7 +165,7 @@ class SpinExecutor(concurrent.futures.Executor):
                 raise
 
     def _completed(self, result: object) -> object:
-        """Return *result*, of a coroutine the one in the end; while it waits, other callbacks run."""
+        """Return *result*, or that of a coroutine; other callbacks run while it waits."""
         while iscoroutine(result):
             try:
                 result.send(None)
@@ -179,7 +179,7 @@ class Future(concurrent.futures.Future[Any]):
     """The result of a call: ``await`` it in a coroutine callback, ``spin_until_future_complete`` elsewhere.
 
     Args:
-        executor: Runs its callbacks; without one, the thread that sets the result does.
+        executor: Runs its callbacks; by default the thread that sets the result does.
     """
 
     def __init__(self, executor: SpinExecutor | None = None) -> None:
@@ -193,28 +193,28 @@ class Future(concurrent.futures.Future[Any]):
         return self.result()
 
     def wait(self, timeout: float | None = None) -> Any:
-        """Return the result once there is one; on the thread that spins, other callbacks run meanwhile."""
+        """Wait for the result and return it; on the spinning thread, other callbacks run meanwhile."""
         if self._executor is not None and self._executor.due.thread == threading.get_ident():
             self._executor.spin_until_future_complete(self, timeout)
             timeout = 0
         return super().result(timeout)
 
     def result(self, timeout: float | None = None) -> Any:
-        """Return the result, or raise the exception; return None before there is one."""
+        """Return the result, or raise the exception; return None before it is done."""
         return super().result(timeout) if self.done() else None
 
     def add_done_callback(self, callback: Callable[[Any], object]) -> None:
-        """Call *callback* with this future once it is done, on the thread that spins."""
+        """Call *callback* with this future once it is done, on the spinning thread."""
         super().add_done_callback(callback if self._executor is None else partial(self._executor.submit, callback))
 
 
 class Remote:
-    """An object of the graph with rclpy's names: its methods run on the event loop, and messages are converted.
+    """Proxy of a graph object with rclpy's names: its methods run on the event loop, and messages are converted.
 
-    A function among the arguments is a callback, which runs on the thread that spins.
+    A function among the arguments is a callback, which runs on the spinning thread.
 
     Args:
-        graph_object: A node, a publisher, a goal and so on; see there for what it can do.
+        graph_object: A node, a publisher, a goal and so on; see there for its methods.
     """
 
     def __init__(self, graph_object: Any, executor: SpinExecutor) -> None:
@@ -222,7 +222,7 @@ class Remote:
         self.executor = executor
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name == "graph_object":  # a subclass asks before there is one
+        if name.startswith("_") or name == "graph_object":  # a subclass may access it before it is set
             raise AttributeError(name)
         if name in _GETTERS:
             return lambda: getattr(self.graph_object, _GETTERS[name])
@@ -235,7 +235,7 @@ class Remote:
         return self.shown(CONTEXT.call(method, *map(self._given, args), **given))
 
     def begin(self, method: Callable[..., Awaitable[object]], *args: object) -> Future:
-        """Return the future result of the coroutine function *method* on the event loop."""
+        """Return a future of the result of the coroutine function *method* on the event loop."""
         future = Future(self.executor)
         given = [self._given(value) for value in args]
 
@@ -251,7 +251,7 @@ class Remote:
         return future
 
     def callback(self, function: Callable[..., object]) -> Callable[..., Awaitable[Any]]:
-        """Return the coroutine function that runs *function* on the thread that spins."""
+        """Return the coroutine function that runs *function* on the spinning thread."""
 
         async def run(*args: object) -> Any:
             shown = map(self.shown, args)
@@ -260,7 +260,7 @@ class Remote:
         return run
 
     def shown(self, value: object) -> Any:
-        """Return *value* for a program: a message with fields that can be set, an object of the graph as remote."""
+        """Return *value* for a program: messages become mutable, and graph objects become proxies."""
         is_of_graph = type(value).__module__.startswith("homebot.graph.") and not isinstance(value, int)
         return Remote(value, self.executor) if is_of_graph else to_program(value)
 
